@@ -1,0 +1,55 @@
+// A binary bounding volume hierarchy over boxes. Knows nothing of primitives.
+// Binned surface area heuristic: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <vector>
+
+namespace glint {
+
+struct Box {
+    glm::vec3 lo{std::numeric_limits<float>::max()};
+    glm::vec3 hi{-std::numeric_limits<float>::max()};
+
+    void include(const glm::vec3& p) {
+        lo = glm::min(lo, p);
+        hi = glm::max(hi, p);
+    }
+    void include(const Box& b) {
+        lo = glm::min(lo, b.lo);
+        hi = glm::max(hi, b.hi);
+    }
+    bool empty() const { return lo.x > hi.x; }
+    // Half the surface area; 0 for an empty box. In double: edges up to 1e18 square beyond float's range.
+    double halfArea() const;
+};
+
+struct BvhOptions {
+    uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize
+    uint32_t maxDepth = 48;    // levels below the root; SAH gives way to median splits where needed to stay within
+    uint32_t bins = 16;
+    double traversalCost = 1.0;  // of one node, in units of one primitive test
+    unsigned threads = 0;        // 0: all
+    // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.
+    const std::vector<uint8_t>* groups = nullptr;
+};
+
+struct BvhNode {
+    Box box;
+    uint32_t first = 0;  // inner: index of the left child, the right one is first + 1; leaf: first entry in Bvh::order
+    uint32_t count = 0;  // 0: inner node; else number of boxes in the leaf
+};
+
+struct Bvh {
+    std::vector<BvhNode> nodes;   // nodes[0] is the root; empty for no boxes
+    std::vector<uint32_t> order;  // indices of boxes in leaf order, each box once
+    uint32_t depth = 0;           // levels below the root
+};
+
+// Builds a tree over `boxes` (each finite and not empty; zero-thickness is fine). The result does not depend on the number of
+// threads. Identical centroids are split by index, so that the leaf size always holds. Up to 2^25 boxes.
+Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {});
+
+}  // namespace glint

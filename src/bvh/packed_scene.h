@@ -1,0 +1,65 @@
+// The flat arrays that both tracers read: fp32, in leaf order, relative to a local origin.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "shared/layout.h"
+
+namespace glint {
+
+// What a scene uses. The device pipeline leaves out whatever is false.
+struct SceneFeatures {
+    bool triangles = false;
+    bool spheres = false;
+    bool anchoredSpheres = false;
+    bool planes = false;
+    bool vertexNormals = false;
+    bool pointLights = false;
+    bool directionalLights = false;
+    bool specular = false;  // some material has a highlight
+    bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool operator==(const SceneFeatures&) const = default;
+};
+
+// Every feature on: the pipeline that leaves nothing out.
+SceneFeatures allFeatures();
+
+struct PackStatistics {
+    double buildSeconds = 0;
+    uint32_t leaves = 0;
+    uint32_t depth = 0;
+    double sahCost = 0;              // expected cost of a random ray, in primitive tests (node = BvhOptions::traversalCost)
+    uint32_t droppedZeroArea = 0;    // triangles without area after rounding to fp32
+    uint32_t droppedNotFinite = 0;   // triangles with a vertex that is not finite, or overflows fp32
+};
+
+struct PackedScene {
+    glm::dvec3 origin{0};  // world = origin + local; every position below is local
+    std::vector<shared::Node> nodes;
+    std::vector<shared::Triangle> triangles;
+    std::vector<shared::TriangleSurface> triangleSurfaces;  // parallel to triangles
+    std::vector<shared::VertexNormals> vertexNormals;
+    std::vector<shared::Sphere> spheres;
+    std::vector<shared::Plane> planes;
+    std::vector<shared::Material> materials;
+    std::vector<shared::Light> lights;
+    shared::Environment environment;
+    SceneFeatures features;
+    PackStatistics statistics;
+    std::vector<std::string> warnings;
+    glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
+};
+
+// Flattens a valid scene: rounds to fp32 relative to the origin, drops degenerate triangles, builds the BVH, puts primitives in leaf
+// order. The origin is 0 unless the geometry lies far from it compared with its size, see chooseOrigin.
+// Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the array, its size and the limit.
+PackedScene packScene(const Scene& scene, unsigned threads = 0);
+
+// The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are computed in double.
+shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
+
+}  // namespace glint

@@ -1,0 +1,31 @@
+// A picture in memory: linear float samples, row 0 at the top.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace glint {
+
+// width x height pixels of `channels` interleaved floats; sample(x, y, c) is pixels[(y * width + x) * channels + c].
+struct Image {
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    std::vector<float> pixels;
+
+    Image() = default;
+    Image(int w, int h, int c, float value = 0.0f)
+        : width(w), height(h), channels(c), pixels(static_cast<size_t>(w) * h * c, value) {}
+
+    float& at(int x, int y, int c) { return pixels[(static_cast<size_t>(y) * width + x) * channels + c]; }
+    float at(int x, int y, int c) const { return pixels[(static_cast<size_t>(y) * width + x) * channels + c]; }
+};
+
+// A named image, e.g. the AOV "normal" with three channels. All layers of one picture have the same size.
+struct Layer {
+    std::string name;
+    Image image;
+};
+
+}  // namespace glint

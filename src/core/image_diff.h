@@ -1,0 +1,35 @@
+// How far apart two pictures are.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint {
+
+struct PixelDifference {
+    int x = 0;
+    int y = 0;
+    float difference = 0;  // greatest absolute channel difference; +inf if exactly one of the two is not finite
+};
+
+struct ImageDifference {
+    double rmse = 0;              // root mean square over all channels of all pixels that are finite in both
+    double psnr = 0;              // 20 log10(1 / rmse), in dB for a fixed peak of 1; +inf for equal pictures
+    double max = 0;               // greatest absolute channel difference
+    double mean = 0;              // mean signed difference B - A, the bias
+    uint64_t pixels = 0;          // pixels compared
+    uint64_t above = 0;           // pixels with a channel difference above the tolerance
+    uint64_t notFinite = 0;       // pixels that are not finite in exactly one of the pictures
+    std::vector<PixelDifference> worst;  // the worst pixels, worst first, then by y, x; only differing ones
+};
+
+// Compares colours channel by channel (the first min(3, channels) ones), linear, unclamped. A grey picture (1
+// channel) compares against each channel of a colour one. `tolerance` >= 0. Throws Error(Failed) if sizes differ.
+ImageDifference compareImages(const Image& a, const Image& b, double tolerance, size_t worstCount = 10);
+
+// A picture of |a - b|, 3 channels, scaled by `gain`.
+Image differenceImage(const Image& a, const Image& b, float gain = 1.0f);
+
+}  // namespace glint

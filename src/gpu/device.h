@@ -1,0 +1,73 @@
+// Vulkan devices: what there is, why each is chosen or refused, and the one that is opened. Knows no scene.
+// The Vulkan loader is opened at run time, so a program that links this module starts on a machine without Vulkan.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace glint::gpu {
+
+struct DeviceLimits {
+    uint64_t maxStorageBufferRange = 0;   // bytes
+    uint64_t maxTexelBufferElements = 0;  // texels of 16 bytes
+    uint64_t maxAllocationSize = 0;       // bytes, one allocation
+    uint64_t memory = 0;                  // bytes of the largest device-local heap
+    uint32_t maxWorkgroupInvocations = 0;
+    uint32_t maxWorkgroupSizeX = 0;
+    uint32_t maxWorkgroupCountX = 0;
+    uint32_t maxPushConstantBytes = 0;
+    uint32_t maxStorageBuffersPerStage = 0;
+    uint32_t maxStorageImagesPerStage = 0;
+    uint32_t subgroupSize = 0;
+    double timestampPeriod = 0;  // nanoseconds a tick; 0: no timestamps on the compute queue
+};
+
+struct DeviceInfo {
+    uint32_t index = 0;   // in the loader's order
+    std::string name;     // "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string type;     // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    std::string driver;   // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
+    std::string api;      // "1.3.230"
+    bool software = false;   // type CPU
+    bool llvmpipe = false;   // Mesa's lavapipe, by driver id
+    bool usable = false;
+    std::string reason;      // why it is usable or refused, one phrase
+    DeviceLimits limits;
+};
+
+struct DeviceOptions {
+    std::string selector;     // empty: the best; a number: the index; else part of the name, any case
+    bool validation = false;  // validation layer with synchronization validation; its messages are collected
+};
+
+// Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian packages that bring
+// one) ; an empty list if the loader knows no device.
+std::vector<DeviceInfo> listDevices();
+
+// The device that `selector` means. Empty: discrete before integrated before virtual before CPU, then the lowest index.
+// Throws Error(Device) with a reason for every device if none is usable, or if the selector matches none or only refused ones.
+const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector);
+
+struct DeviceState;  // Vulkan handles, see device_state.h
+
+// An open device with one compute queue. Move-only.
+class Device {
+  public:
+    explicit Device(const DeviceOptions& options = {});
+    ~Device();
+    Device(Device&&) noexcept;
+    Device& operator=(Device&&) noexcept;
+
+    const DeviceInfo& info() const;
+    // Messages of the validation layer so far (errors and warnings), and whether the layer was there at all.
+    std::vector<std::string> validationMessages() const;
+    bool validationActive() const;
+    DeviceState& state() const { return *state_; }
+
+  private:
+    std::unique_ptr<DeviceState> state_;
+};
+
+}  // namespace glint::gpu

@@ -1,0 +1,92 @@
+// The CPU reference: double precision, its own traversal and intersection code, written independently of the shaders from the
+// same formulas. It reads the rounded inputs that the device reads, so the two differ by arithmetic alone.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+
+namespace glint::reference {
+
+// Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit length. Local coordinates.
+struct Ray {
+    glm::dvec3 origin{0};
+    glm::dvec3 direction{0, 0, -1};
+    double tMin = 0;
+    double tMax = std::numeric_limits<double>::infinity();
+};
+
+struct Hit {
+    double t = 0;
+    double u = 0, v = 0;               // triangles: P = (1-u-v)a + u b + v c; spheres and planes: 0
+    uint32_t primitive = shared::kNone;  // kind and index in leaf order, as in shared/layout.h
+    uint32_t id = 0;                   // global primitive number
+    bool operator==(const Hit&) const = default;
+};
+
+// A hit as the user sees it.
+struct Surface {
+    uint32_t object = 0;     // index in the scene's object list
+    uint32_t primitive = 0;  // face index in the file's order
+    uint32_t material = 0;
+    glm::dvec3 position{0};         // local
+    glm::dvec3 geometricNormal{0};  // outward, unit: winding order for triangles
+    glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
+};
+
+// Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray and shadow ray of a path is moved:
+// each component c of its origin by a random amount of up to `ulps` * 2^-24 * scale (scale: the greatest magnitude among the
+// coordinates of origin, and hit point that spawned it, and the geometry involved), each component of its unit direction by up to
+// `ulps` * 2^-24. seed 0 and ulps 0: no jitter. Deterministic for a seed.
+struct Jitter {
+    uint64_t seed = 0;
+    double ulps = 0;
+};
+
+// One step of a path, for `verify` and for picking.
+struct Bounce {
+    Ray ray;
+    std::optional<Hit> hit;
+    std::optional<Surface> surface;
+    std::vector<uint8_t> occluded;  // per light: 1 if it faces the surface and its shadow ray is blocked
+};
+
+struct PixelRecord {
+    glm::dvec3 color{0};
+    double alpha = 0;       // 1 if the camera ray hits anything
+    uint32_t bounces = 0;   // rays of the path after the camera ray
+    uint64_t cost = 0;      // boxes and primitives tested by all rays of the path
+    uint32_t pathHash = 0;  // hashPath over the hit ids, see shaders/shared/path_hash in layout comments
+    uint32_t shadowBits = 0;  // bit i: light i (i < 32) is occluded at the first hit
+    std::vector<Bounce> path;
+};
+
+class Tracer {
+  public:
+    explicit Tracer(const PackedScene& scene);  // keeps a reference: the scene must outlive the tracer
+
+    // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
+    // `source`: the primitive that the ray starts on (kind|index) or kNone; a plane or triangle never hits itself, a sphere only at its far side.
+    std::optional<Hit> closest(const Ray& ray, uint32_t source = shared::kNone, uint64_t* cost = nullptr) const;
+    // True if anything is hit.
+    bool occluded(const Ray& ray, uint32_t source = shared::kNone, uint64_t* cost = nullptr) const;
+    // The same by testing every primitive, without the BVH: the oracle's oracle.
+    std::optional<Hit> closestBruteForce(const Ray& ray, uint32_t source = shared::kNone) const;
+
+    Surface surface(const Ray& ray, const Hit& hit) const;
+
+    // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at +0.5).
+    Ray cameraRay(const shared::Camera& camera, double x, double y) const;
+
+    // Follows a camera ray through at most environment.maxDepth reflections. keepPath fills PixelRecord::path.
+    PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
+
+  private:
+    const PackedScene& scene_;
+};
+
+}  // namespace glint::reference

@@ -1,0 +1,25 @@
+// Mesh files. One mesh each, polygons split into triangles, numbers in double.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace glint {
+
+struct ImportedMesh {
+    Mesh mesh;                        // mesh.materials index `materials` below (empty if the file names none)
+    std::vector<Material> materials;  // from the file, in order of first definition
+    std::vector<std::string> warnings;
+};
+
+// Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
+// OBJ: v, vn, f with positive and negative indices, o/g ignored; MTL: Ka Kd Ks Ns d/Tr Ni illum (illum 3 and above: Ks is the mirror
+// colour too; illum 0: Kd alone); map_* is warned about by name, once.
+// PLY: x y z, nx ny nz, face lists under either customary name; other elements and properties are skipped.
+// Vertices that are not finite are kept (see validateScene). Throws Error(Scene): "bunny.obj:88: face uses vertex 9, the file has 8".
+ImportedMesh importMesh(const std::filesystem::path& path);
+
+}  // namespace glint

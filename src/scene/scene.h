@@ -1,0 +1,110 @@
+// What a user describes: plain data in double precision, world space, right-handed, y up, colours linear RGB.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace glint {
+
+using Color = glm::dvec3;  // linear RGB radiance or reflectance
+
+struct ImageSettings {
+    int width = 800;   // pixels, 1..65536
+    int height = 600;  // pixels, 1..65536
+    int samplesPerPixel = 1;
+};
+
+// The window of the image plane at unit distance along the view direction (Shirley & Marschner, Fundamentals of
+// Computer Graphics, ch. 4): left, right along u, bottom, top along v.
+struct ViewWindow {
+    double left = -1, right = 1, bottom = -1, top = 1;
+};
+
+struct Camera {
+    glm::dvec3 eye{0, 0, 5};
+    glm::dvec3 target{0, 0, 0};
+    glm::dvec3 up{0, 1, 0};
+    double fovY = 40;                  // degrees, vertical, in (0, 180); used when `window` is absent
+    std::optional<ViewWindow> window;  // overrides fovY; its aspect need not be the picture's
+    // Camera rays have unit directions, so these bound the distance from the eye. 0 <= near < far.
+    double nearT = 0;
+    double farT = std::numeric_limits<double>::infinity();
+};
+
+struct PointLight {
+    glm::dvec3 position{0};
+    Color intensity{1};
+    bool inverseSquare = false;  // falloff: intensity / distance^2 instead of intensity
+};
+
+struct DirectionalLight {
+    glm::dvec3 direction{0, -1, 0};  // the way the light travels; need not be unit length, not zero
+    Color intensity{1};
+};
+
+using Light = std::variant<PointLight, DirectionalLight>;
+
+// L = ambient Ia + sum Ii [diffuse max(0, n.l) + specular max(0, n.h)^shininess] + mirror L_reflected (Blinn 1977; Whitted 1980)
+struct Material {
+    std::string name;
+    Color ambient{0.8};
+    Color diffuse{0.8};
+    Color specular{0};
+    double shininess = 32;  // >= 0
+    Color mirror{0};        // each channel in [0, 1]
+};
+
+// Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is either
+// empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle without normals.
+struct Mesh {
+    static constexpr uint32_t kNoIndex = 0xffffffffu;
+    std::vector<glm::dvec3> positions;
+    std::vector<glm::dvec3> normals;  // need not be unit length
+    std::vector<glm::uvec3> corners;  // one per triangle
+    std::vector<glm::uvec3> normalCorners;
+    std::vector<uint32_t> faces;      // per triangle: index of its polygon in the file's order; empty: the identity
+    std::vector<uint32_t> materials;  // per triangle: index into Scene::materials; empty: the object's material
+};
+
+struct SphereShape {
+    glm::dvec3 center{0};
+    double radius = 1;  // > 0
+};
+struct PlaneShape {
+    glm::dvec3 point{0};
+    glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
+};
+struct TriangleShape {
+    glm::dvec3 vertices[3];
+};
+struct MeshShape {
+    std::shared_ptr<const Mesh> mesh;
+};
+using Shape = std::variant<SphereShape, PlaneShape, TriangleShape, MeshShape>;
+
+// `name` is where the object stands in its file ("/objects/3"), for messages.
+struct Object {
+    std::string name;
+    Shape shape;
+    uint32_t material = 0;  // index into Scene::materials
+};
+
+struct Scene {
+    ImageSettings image;
+    Camera camera;
+    Color background{0};
+    Color ambient{0};  // Ia
+    int maxDepth = 5;  // greatest number of reflections followed from a camera ray, 0..1000
+    std::vector<Light> lights;
+    std::vector<Material> materials;
+    std::vector<Object> objects;
+    std::vector<std::string> warnings;  // one line each: what was ignored or mended while loading
+};
+
+}  // namespace glint
