@@ -8,9 +8,11 @@ function(glint_module name)
   target_link_libraries(glint_${name} PUBLIC ${ARG_MODULES} glm::glm PRIVATE ${ARG_LIBRARIES} Threads::Threads)
 endfunction()
 
-# A gtest program; LABEL is unit (no device), gpu (needs a Vulkan device) or slow (run by hand).
+# A gtest program; LABEL is unit (no device), gpu (runs on lavapipe, GlintLavapipe.cmake) or slow (run by hand).
+# ENVIRONMENT takes NAME=value pairs that its tests see besides.
+include(GlintLavapipe)
 function(glint_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;MODULES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   list(TRANSFORM ARG_MODULES PREPEND glint_)
   target_link_libraries(${name} PRIVATE ${ARG_MODULES} ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
@@ -19,6 +21,25 @@ function(glint_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
                        PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+
+  if(ARG_LABEL STREQUAL "gpu")
+    glint_lavapipe_environment(lavapipe)
+    list(PREPEND ARG_ENVIRONMENT ${lavapipe})
+    if(GLINT_SANITIZE)
+      target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/gpu/sanitizer_support.cpp)
+    endif()
+  endif()
+  if(ARG_ENVIRONMENT)
+    # PROPERTIES above cannot carry a list; CTest knows the discovered tests as ${name}_TESTS.
+    set(script ${CMAKE_CURRENT_BINARY_DIR}/${name}_environment.cmake)
+    file(CONFIGURE OUTPUT ${script} @ONLY
+         CONTENT [=[
+if(@name@_TESTS)
+  set_tests_properties(${@name@_TESTS} PROPERTIES ENVIRONMENT [==[@ARG_ENVIRONMENT@]==])
+endif()
+]=])
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
+  endif()
 endfunction()

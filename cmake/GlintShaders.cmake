@@ -1,0 +1,60 @@
+# GLSL to SPIR-V 1.3 (Vulkan 1.1), checked by spirv-val and embedded as a C header.
+#
+#   glint_shaders(<target> SOURCES a.comp ... [DEFINES NAME=VALUE ...] [SUFFIX <suffix>])
+#
+# makes `#include "a_<suffix>.spv.h"` define `const uint32_t a_<suffix>_spv[]` in the sources of <target> (plain `a.spv.h`
+# and `a_spv` without SUFFIX). The header and the module itself, `a_<suffix>.spv`, lie in ${CMAKE_BINARY_DIR}/shaders.
+# Shaders include each other relative to themselves or to shaders/; an edit of an included file recompiles its users.
+
+function(glint_find_shader_tool variable program package)
+  find_program(${variable} ${program} DOC "${program}, from the Debian package ${package}")
+  if(NOT ${variable})
+    message(FATAL_ERROR "${program} not found: it compiles or checks the shaders. Install the Debian package "
+                        "${package}, or set ${variable} to its path.")
+  endif()
+endfunction()
+
+glint_find_shader_tool(GLINT_GLSLANG_VALIDATOR glslangValidator glslang-tools)
+glint_find_shader_tool(GLINT_SPIRV_VAL spirv-val spirv-tools)
+
+function(glint_shaders target)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "SUFFIX" "SOURCES;DEFINES")
+  if(ARG_UNPARSED_ARGUMENTS OR NOT ARG_SOURCES)
+    message(FATAL_ERROR "glint_shaders(${target}): expected SOURCES, DEFINES or SUFFIX (got '${ARG_UNPARSED_ARGUMENTS}')")
+  endif()
+  set(directory ${CMAKE_BINARY_DIR}/shaders)
+  file(MAKE_DIRECTORY ${directory})
+  list(TRANSFORM ARG_DEFINES PREPEND -D)
+
+  foreach(source IN LISTS ARG_SOURCES)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
+    cmake_path(GET source STEM name)
+    if(ARG_SUFFIX)
+      string(APPEND name _${ARG_SUFFIX})
+    endif()
+    # Two rules for one output would race under Make.
+    get_property(taken GLOBAL PROPERTY GLINT_SHADER_${name})
+    if(taken)
+      message(FATAL_ERROR "glint_shaders(${target}): ${taken} already compiles to ${name}.spv; give a SUFFIX")
+    endif()
+    set_property(GLOBAL PROPERTY GLINT_SHADER_${name} ${source})
+
+    set(module ${directory}/${name}.spv)
+    set(compile ${GLINT_GLSLANG_VALIDATOR} --quiet -V --target-env vulkan1.1 -I${CMAKE_SOURCE_DIR}/shaders ${ARG_DEFINES})
+    # glslang's array needs uint32_t and brings no #include of its own.
+    file(CONFIGURE OUTPUT ${module}.h CONTENT "#pragma once\n#include <cstdint>\n#include \"${name}.spv.inc\"\n")
+    # The array comes last: while the module is invalid there is none, and nothing that includes it builds.
+    add_custom_command(
+      OUTPUT ${module}.inc
+      BYPRODUCTS ${module}
+      COMMAND ${compile} -o ${module} ${source}
+      COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
+      COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
+      DEPENDS ${source}
+      DEPFILE ${module}.d
+      COMMENT "Compiling shader ${name}"
+      VERBATIM)
+    target_sources(${target} PRIVATE ${module}.h ${module}.inc)
+  endforeach()
+  target_include_directories(${target} PRIVATE ${directory})
+endfunction()

@@ -29,7 +29,7 @@ struct SceneFeatures {
 SceneFeatures allFeatures();
 
 struct PackStatistics {
-    double buildSeconds = 0;
+    double buildSeconds = 0;         // of the BVH alone
     uint32_t leaves = 0;
     uint32_t depth = 0;
     double sahCost = 0;              // expected cost of a random ray, in primitive tests (node = BvhOptions::traversalCost)
@@ -53,6 +53,13 @@ struct PackedScene {
     std::vector<std::string> warnings;
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
 };
+
+// The world point that local coordinates start from. Let c be the centre and e half the greatest edge of the box around the camera's eye
+// and all finite geometry except planes (without such geometry: around the eye, its target and each plane's point nearest the eye).
+// The origin is exactly 0 unless the largest |component| of c exceeds 64 e, which would cost the geometry 6 bits and more of fp32's
+// 24. Then it is c rounded to a multiple of the power of two in (e, 2e]: no more than e away from c, and a number of few bits,
+// exact in fp32 too as long as |c| < 2^24 e.
+glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 
 // Flattens a valid scene: rounds to fp32 relative to the origin, drops degenerate triangles, builds the BVH, puts primitives in leaf
 // order. The origin is 0 unless the geometry lies far from it compared with its size, see chooseOrigin.

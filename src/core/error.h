@@ -9,11 +9,11 @@ namespace glint {
 // Exit codes of the command line; scripts depend on the values.
 enum class ExitCode : int {
     Done = 0,
-    Failed = 1,       // could not render or write
-    Usage = 2,        // the command line is at fault
-    Scene = 3,        // the scene or a file it names is at fault
-    Device = 4,       // no usable device, or a Vulkan call failed
-    Difference = 5,   // diff or verify found a difference
+    Failed = 1,        // could not render or write
+    Usage = 2,         // the command line is at fault
+    Scene = 3,         // the scene or a file it names is at fault
+    Device = 4,        // no usable device, or a Vulkan call failed
+    Difference = 5,    // diff or verify found a difference
     Interrupted = 130  // Ctrl-C; the finished part has been saved
 };
 

@@ -7,7 +7,8 @@
 
 namespace glint {
 
-// width x height pixels of `channels` interleaved floats; sample(x, y, c) is pixels[(y * width + x) * channels + c].
+// width x height pixels of `channels` interleaved floats; sample (x, y, c) is
+// pixels[(y * width + x) * channels + c].
 struct Image {
     int width = 0;
     int height = 0;
@@ -19,7 +20,9 @@ struct Image {
         : width(w), height(h), channels(c), pixels(static_cast<size_t>(w) * h * c, value) {}
 
     float& at(int x, int y, int c) { return pixels[(static_cast<size_t>(y) * width + x) * channels + c]; }
-    float at(int x, int y, int c) const { return pixels[(static_cast<size_t>(y) * width + x) * channels + c]; }
+    float at(int x, int y, int c) const {
+        return pixels[(static_cast<size_t>(y) * width + x) * channels + c];
+    }
 };
 
 // A named image, e.g. the AOV "normal" with three channels. All layers of one picture have the same size.

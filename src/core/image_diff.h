@@ -11,22 +11,24 @@ namespace glint {
 struct PixelDifference {
     int x = 0;
     int y = 0;
-    float difference = 0;  // greatest absolute channel difference; +inf if exactly one of the two is not finite
+    float difference = 0;  // greatest absolute channel difference, see ImageDifference::max
 };
 
 struct ImageDifference {
-    double rmse = 0;              // root mean square over all channels of all pixels that are finite in both
-    double psnr = 0;              // 20 log10(1 / rmse), in dB for a fixed peak of 1; +inf for equal pictures
-    double max = 0;               // greatest absolute channel difference
-    double mean = 0;              // mean signed difference B - A, the bias
-    uint64_t pixels = 0;          // pixels compared
-    uint64_t above = 0;           // pixels with a channel difference above the tolerance
-    uint64_t notFinite = 0;       // pixels that are not finite in exactly one of the pictures
+    double rmse = 0;         // root mean square over all channels of all pixels that are finite in both
+    double psnr = 0;         // 20 log10(1 / rmse), in dB for a fixed peak of 1; +inf for equal pictures
+    double max = 0;          // greatest absolute channel difference; +inf if a sample is not finite in one
+                             // picture and is finite, or not finite in another way, in the other
+    double mean = 0;         // mean signed difference B - A, the bias
+    uint64_t pixels = 0;     // pixels compared
+    uint64_t above = 0;      // pixels with a channel difference above the tolerance
+    uint64_t notFinite = 0;  // pixels that are not finite in exactly one of the pictures
     std::vector<PixelDifference> worst;  // the worst pixels, worst first, then by y, x; only differing ones
 };
 
 // Compares colours channel by channel (the first min(3, channels) ones), linear, unclamped. A grey picture (1
-// channel) compares against each channel of a colour one. `tolerance` >= 0. Throws Error(Failed) if sizes differ.
+// channel) compares against each channel of a colour one. `tolerance` >= 0. Throws Error(Failed) if the
+// sizes, or the numbers of channels otherwise, differ. Two NaN are equal, and so are two equal infinities.
 ImageDifference compareImages(const Image& a, const Image& b, double tolerance, size_t worstCount = 10);
 
 // A picture of |a - b|, 3 channels, scaled by `gain`.

@@ -12,21 +12,23 @@ namespace glint {
 // True if the extension of `path` names a format that writeImage can write (.png .exr .pfm .hdr, any case).
 bool isWritableImagePath(const std::filesystem::path& path);
 
-// Writes `image` (1, 3 or 4 channels; a fourth is alpha, dropped by PFM and HDR) in the format that the extension
-// names. The file appears whole: it is written beside its destination and renamed. Parent folders must exist.
-// Throws Error(Usage) for an unknown extension and Error(Failed) if the file cannot be written; no partial
-// file is left behind.
+// Writes `image` (1, 3 or 4 channels; a fourth is alpha, dropped by PFM and HDR) in the format that the
+// extension names. The file appears whole: it is written beside its destination and renamed. Parent folders
+// must exist. Throws Error(Usage) for an unknown extension and Error(Failed) if the file cannot be written;
+// no partial file is left behind.
 void writeImage(const std::filesystem::path& path, const Image& image);
 
-// Writes several layers. EXR: one file, the layer "color" as R,G,B (and the layer "alpha" as A), any other layer NAME as
-// channels NAME.X (1 channel: Y; 2: U,V; 3: X,Y,Z). Other formats: the layer "color" goes to `path`, a layer NAME to
-// stem.NAME.ext beside it (2-channel layers are padded with a zero; PNG stores samples of layers other than color and
-// alpha scaled to their finite min..max, so use EXR or PFM for data). "alpha" becomes the PNG's own alpha channel.
-// Returns the files written, in order. Same errors as writeImage; either all files appear or none.
-std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path, const std::vector<Layer>& layers);
+// Writes several layers. EXR: one file, the layer "color" as R,G,B (and the layer "alpha" as A), any other
+// layer NAME as channels NAME.X (1 channel: Y; 2: U,V; 3: X,Y,Z). Other formats: the layer "color" goes to
+// `path`, a layer NAME to stem.NAME.ext beside it (2-channel layers are padded with a zero; PNG stores
+// samples of layers other than color and alpha scaled to their finite min..max, so use EXR or PFM for data).
+// "alpha" becomes the PNG's own alpha channel. Returns the files written, in order. Same errors as
+// writeImage; either all files appear or none.
+std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path,
+                                               const std::vector<Layer>& layers);
 
-// Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels.
-// Throws Error(Failed) with the path and the reason if it is missing, truncated or of an unknown kind.
+// Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
+// the reason if it is missing, truncated or of an unknown kind.
 Image readImage(const std::filesystem::path& path);
 
 }  // namespace glint

@@ -9,9 +9,9 @@ namespace glint {
 // Threads used when a caller asks for 0: the number of processors this process may run on, at least 1.
 unsigned defaultThreadCount();
 
-// Calls body(i) once for every i in [0, count), from up to `threads` threads (0: defaultThreadCount()), handing out
-// indices one at a time in ascending order. The first exception thrown by a body stops further indices and is
-// rethrown here after all threads have ended.
+// Calls body(i) once for every i in [0, count), from up to `threads` threads (0: defaultThreadCount()),
+// handing out indices one at a time in ascending order. The first exception thrown by a body stops further
+// indices and is rethrown here after all threads have ended.
 void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned threads = 0);
 
 }  // namespace glint

@@ -26,7 +26,7 @@ struct BufferState;
 // Move-only. `name` is what messages call it. Sizes are rounded up to 16 bytes, never zero.
 class Buffer {
   public:
-    Buffer() = default;
+    Buffer();
     // Throws Error(Device), naming the array, its size and the limit, if `bytes` passes what `access` or the device allows, or
     // if memory runs out.
     Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access, MemoryKind memory);
@@ -65,7 +65,7 @@ struct KernelState;
 // A compute pipeline and its descriptor set. Move-only.
 class Kernel {
   public:
-    Kernel() = default;
+    Kernel();
     Kernel(const Device& device, const KernelOptions& options);
     ~Kernel();
     Kernel(Kernel&&) noexcept;

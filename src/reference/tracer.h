@@ -1,5 +1,6 @@
-// The CPU reference: double precision, its own traversal and intersection code, written independently of the shaders from the
-// same formulas. It reads the rounded inputs that the device reads, so the two differ by arithmetic alone.
+// The CPU reference: double precision, its own traversal and intersection code, written independently of the
+// shaders from the same formulas. It reads the rounded inputs that the device reads, so the two differ by
+// arithmetic alone.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,8 @@
 
 namespace glint::reference {
 
-// Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit length. Local coordinates.
+// Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
+// length. Local coordinates.
 struct Ray {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, -1};
@@ -22,9 +24,9 @@ struct Ray {
 
 struct Hit {
     double t = 0;
-    double u = 0, v = 0;               // triangles: P = (1-u-v)a + u b + v c; spheres and planes: 0
+    double u = 0, v = 0;                 // triangles: P = (1-u-v)a + u b + v c; spheres and planes: 0
     uint32_t primitive = shared::kNone;  // kind and index in leaf order, as in shared/layout.h
-    uint32_t id = 0;                   // global primitive number
+    uint32_t id = 0;                     // global primitive number
     bool operator==(const Hit&) const = default;
 };
 
@@ -38,10 +40,11 @@ struct Surface {
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
 };
 
-// Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray and shadow ray of a path is moved:
-// each component c of its origin by a random amount of up to `ulps` * 2^-24 * scale (scale: the greatest magnitude among the
-// coordinates of origin, and hit point that spawned it, and the geometry involved), each component of its unit direction by up to
-// `ulps` * 2^-24. seed 0 and ulps 0: no jitter. Deterministic for a seed.
+// Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
+// and shadow ray of a path is moved: each component c of its origin by a random amount of up to `ulps` *
+// 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
+// it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24. seed 0 and
+// ulps 0: no jitter. Deterministic for a seed.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -57,11 +60,13 @@ struct Bounce {
 
 struct PixelRecord {
     glm::dvec3 color{0};
-    double alpha = 0;       // 1 if the camera ray hits anything
-    uint32_t bounces = 0;   // rays of the path after the camera ray
-    uint64_t cost = 0;      // boxes and primitives tested by all rays of the path
-    uint32_t pathHash = 0;  // hashPath over the hit ids, see shaders/shared/path_hash in layout comments
-    uint32_t shadowBits = 0;  // bit i: light i (i < 32) is occluded at the first hit
+    std::optional<Hit> hit;          // of the camera ray
+    std::optional<Surface> surface;  // at that hit
+    double alpha = 0;                // 1 if the camera ray hits anything
+    uint32_t bounces = 0;            // rays of the path after the camera ray
+    uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
+    uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/shading.md
+    uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
     std::vector<Bounce> path;
 };
 
@@ -70,8 +75,10 @@ class Tracer {
     explicit Tracer(const PackedScene& scene);  // keeps a reference: the scene must outlive the tracer
 
     // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
-    // `source`: the primitive that the ray starts on (kind|index) or kNone; a plane or triangle never hits itself, a sphere only at its far side.
-    std::optional<Hit> closest(const Ray& ray, uint32_t source = shared::kNone, uint64_t* cost = nullptr) const;
+    // `source`: the primitive that the ray starts on (kind|index) or kNone; a plane or triangle never hits
+    // itself, a sphere only at its far side.
+    std::optional<Hit> closest(const Ray& ray, uint32_t source = shared::kNone,
+                               uint64_t* cost = nullptr) const;
     // True if anything is hit.
     bool occluded(const Ray& ray, uint32_t source = shared::kNone, uint64_t* cost = nullptr) const;
     // The same by testing every primitive, without the BVH: the oracle's oracle.
@@ -79,10 +86,12 @@ class Tracer {
 
     Surface surface(const Ray& ray, const Hit& hit) const;
 
-    // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at +0.5).
+    // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at
+    // +0.5).
     Ray cameraRay(const shared::Camera& camera, double x, double y) const;
 
-    // Follows a camera ray through at most environment.maxDepth reflections. keepPath fills PixelRecord::path.
+    // Follows a camera ray through at most environment.maxDepth reflections. keepPath fills
+    // PixelRecord::path.
     PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
 
   private:

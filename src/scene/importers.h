@@ -16,10 +16,15 @@ struct ImportedMesh {
 };
 
 // Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
-// OBJ: v, vn, f with positive and negative indices, o/g ignored; MTL: Ka Kd Ks Ns d/Tr Ni illum (illum 3 and above: Ks is the mirror
-// colour too; illum 0: Kd alone); map_* is warned about by name, once.
+//
+// OBJ: v, vn, f with positive and negative indices; o, g and all else are ignored. MTL: Ka Kd Ks Ns illum
+// (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or black: the diffuse
+// colour); transparency (d, Tr) and each kind of map (map_*) are warned about.
+//
 // PLY: x y z, nx ny nz, face lists under either customary name; other elements and properties are skipped.
-// Vertices that are not finite are kept (see validateScene). Throws Error(Scene): "bunny.obj:88: face uses vertex 9, the file has 8".
+//
+// Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
+// "bunny.obj:88: face uses vertex 9, the file has 8".
 ImportedMesh importMesh(const std::filesystem::path& path);
 
 }  // namespace glint

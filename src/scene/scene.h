@@ -20,8 +20,8 @@ struct ImageSettings {
     int samplesPerPixel = 1;
 };
 
-// The window of the image plane at unit distance along the view direction (Shirley & Marschner, Fundamentals of
-// Computer Graphics, ch. 4): left, right along u, bottom, top along v.
+// The window of the image plane at unit distance along the view direction (Shirley & Marschner, Fundamentals
+// of Computer Graphics, ch. 4): left, right along u, bottom, top along v.
 struct ViewWindow {
     double left = -1, right = 1, bottom = -1, top = 1;
 };
@@ -50,7 +50,8 @@ struct DirectionalLight {
 
 using Light = std::variant<PointLight, DirectionalLight>;
 
-// L = ambient Ia + sum Ii [diffuse max(0, n.l) + specular max(0, n.h)^shininess] + mirror L_reflected (Blinn 1977; Whitted 1980)
+// L = ambient Ia + sum Ii [diffuse max(0, n.l) + specular max(0, n.h)^shininess] + mirror L_reflected
+// (Blinn 1977; Whitted 1980)
 struct Material {
     std::string name;
     Color ambient{0.8};
@@ -60,16 +61,17 @@ struct Material {
     Color mirror{0};        // each channel in [0, 1]
 };
 
-// Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is either
-// empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle without normals.
+// Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is
+// either empty (no vertex normals at all) or as long as `corners`, with kNoIndex thrice for a triangle
+// without normals.
 struct Mesh {
     static constexpr uint32_t kNoIndex = 0xffffffffu;
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;  // need not be unit length
     std::vector<glm::uvec3> corners;  // one per triangle
     std::vector<glm::uvec3> normalCorners;
-    std::vector<uint32_t> faces;      // per triangle: index of its polygon in the file's order; empty: the identity
-    std::vector<uint32_t> materials;  // per triangle: index into Scene::materials; empty: the object's material
+    std::vector<uint32_t> faces;      // per triangle: its polygon's index in the file; empty: the identity
+    std::vector<uint32_t> materials;  // per triangle, into Scene::materials; empty: the object's material
 };
 
 struct SphereShape {

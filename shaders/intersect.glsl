@@ -1,0 +1,134 @@
+// Ray against one primitive. The reference's own versions are in src/reference/intersect.cpp.
+#ifndef GLINT_INTERSECT_GLSL
+#define GLINT_INTERSECT_GLSL
+
+#include "ray.glsl"
+#include "storage.glsl"
+
+// Distances along the ray of the two planes of each slab, the far one enlarged by 1 + 2 gamma_7: a division good to 2.5 ulp (Vulkan's
+// promise), one subtraction and one product leave each plane within gamma_7 of its true distance, so a box that is hit is
+// never missed (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with gamma_7 in place of his gamma_3). The same factor on the
+// interval's end keeps a box whose primitive is hit at exactly that t.
+const float kFarPad = 1.00000083446503;
+
+// True if the box may hold a hit in the ray's interval that ends at tEnd = tMax * kFarPad. Both planes are chosen by the sign of the
+// direction, not by min and max, so that an empty box (lo > hi) is never hit.
+bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out float tNear) {
+    vec3 nearPlane = mix(lo, hi, frame.negative);
+    vec3 farPlane = mix(hi, lo, frame.negative);
+    precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
+    precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
+    // Written as comparisons: these compile to one instruction each where min and max take three, for NaN's sake.
+    float near = ray.tMin;
+    near = t0.x > near ? t0.x : near;
+    near = t0.y > near ? t0.y : near;
+    near = t0.z > near ? t0.z : near;
+    float far = t1.x;
+    far = t1.y < far ? t1.y : far;
+    far = t1.z < far ? t1.z : far;
+    precise float padded = far * kFarPad;
+    far = padded < tEnd ? padded : tEnd;
+    tNear = near;
+    return near <= far;
+}
+
+// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles get the same products with the
+// same roundings, so no ray slips between them. t must exceed its own error bound (Pharr et al., PBRT 4th ed., sec. 6.8.7).
+bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    precise vec2 a2 = a.xy - frame.shear.xy * a.z;
+    precise vec2 b2 = b.xy - frame.shear.xy * b.z;
+    precise vec2 c2 = c.xy - frame.shear.xy * c.z;
+    precise float ea = c2.x * b2.y - c2.y * b2.x;
+    precise float eb = a2.x * c2.y - a2.y * c2.x;
+    precise float ec = b2.x * a2.y - b2.y * a2.x;
+    precise float det = ea + eb + ec;
+    precise float az = frame.shear.z * a.z;
+    precise float bz = frame.shear.z * b.z;
+    precise float cz = frame.shear.z * c.z;
+    precise float scaled = ea * az + eb * bz + ec * cz;
+    precise float inverse = 1.0 / det;
+    precise float tHit = scaled * inverse;
+    precise float uHit = eb * inverse;
+    precise float vHit = ec * inverse;
+    t = tHit;
+    u = uHit;
+    v = vHit;
+
+    float maxZ = max(abs(az), max(abs(bz), abs(cz)));
+    float maxX = max(abs(a2.x), max(abs(b2.x), abs(c2.x)));
+    float maxY = max(abs(a2.y), max(abs(b2.y), abs(c2.y)));
+    float maxE = max(abs(ea), max(abs(eb), abs(ec)));
+    float deltaZ = gammaBound(3.0) * maxZ;
+    float deltaX = gammaBound(5.0) * (maxX + maxZ);
+    float deltaY = gammaBound(5.0) * (maxY + maxZ);
+    float deltaE = 2.0 * (gammaBound(2.0) * maxX * maxY + deltaY * maxX + deltaX * maxY);
+    float deltaT = 3.0 * (gammaBound(3.0) * maxE * maxZ + deltaE * maxZ + deltaZ * maxE) * abs(inverse);
+
+    bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
+    return inside && det != 0.0 && tHit > deltaT && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+// Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al., Numerical Recipes, sec. 5.6).
+// disc is b^2 - a c, computed by the caller in the way that suits the sphere.
+bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t) {
+    precise float root = sqrt(max(disc, 0.0));
+    precise float q = -(b + (b < 0.0 ? -root : root));
+    precise float r0 = c / q;
+    precise float r1 = q / a;
+    float lower = r0 < r1 ? r0 : r1;
+    float upper = r0 < r1 ? r1 : r0;
+    bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
+    bool upperIn = upper > ray.tMin && upper <= ray.tMax;
+    t = lowerIn ? lower : upper;
+    return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
+}
+
+// Discriminant from the distance of the centre to the ray (Haines, Gunther, Akenine-Moller, "Precision Improvements for Ray/Sphere
+// Intersection", Ray Tracing Gems, 2019, ch. 7), not from b^2 - a c, which loses everything once the sphere is far away. An anchored sphere
+// measures from a point of its surface, so that a radius far greater than all distances cancels nothing.
+bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+    precise vec3 o = ray.origin - sphere.point;
+    precise float a = dot(ray.direction, ray.direction);
+    precise float b = dot(o, ray.direction);
+    precise vec3 perpendicular = o - (b / a) * ray.direction;
+    precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));
+    precise float c = dot(o, o) - sphere.radius * sphere.radius;
+    if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
+        precise float anchoredB = b + sphere.radius * dot(sphere.anchorNormal, ray.direction);
+        precise float anchoredC = dot(o, o) + 2.0 * sphere.radius * dot(o, sphere.anchorNormal);
+        precise float anchoredDisc = anchoredB * anchoredB - a * anchoredC;
+        b = anchoredB;
+        c = anchoredC;
+        disc = anchoredDisc;
+    }
+    if (primitive == ray.source) {
+        // The ray starts on the surface: c is zero, whatever rounding says.
+        precise float square = b * b;
+        c = 0.0;
+        disc = square;
+    }
+    return nearestRoot(ray, a, b, c, disc, t);
+}
+
+// t from an anchor point, not from a stored plane constant: a distant constant would cancel.
+bool intersectPlane(Ray ray, Plane plane, out float t) {
+    precise float speed = dot(plane.normal, ray.direction);
+    precise float height = dot(plane.normal, plane.point - ray.origin);
+    precise float tHit = height / speed;
+    t = tHit;
+    return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+// Takes the hit if it is closer, or as close with a lower id.
+void accept(inout Ray ray, inout Hit hit, float t, float u, float v, uint primitive, uint id) {
+    bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
+    if (better) {
+        hit = Hit(t, u, v, primitive, id);
+        ray.tMax = t;
+    }
+}
+
+#endif

@@ -1,0 +1,83 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One dispatch for each light, so that the
+// loop trips of a dispatch are those of one ray.
+#define GLINT_ANY_HIT
+#include "path.glsl"
+#include "surface.glsl"
+#include "traversal.glsl"
+
+// A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
+const float kShadowEnd = 1.0 - 1.0 / 65536.0;
+// A light closer than this lies on the surface and gives it nothing: 1/d^2 would overflow.
+const float kNearestLight = 1e-15;
+
+struct LightSample {
+    vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light
+    vec3 direction;  // unit
+    vec3 intensity;  // with falloff
+    float tMax;      // of the shadow ray
+    bool valid;
+};
+
+LightSample sampleLight(Light light, vec3 position) {
+    LightSample s = LightSample(light.position, light.position, light.intensity, kInfinity, true);
+    if (FEATURE_POINT_LIGHTS && light.kind != kLightDirectional) {
+        precise vec3 toLight = light.position - position;
+        float distance = length(toLight);
+        s.toLight = toLight;
+        s.direction = toLight / distance;
+        s.tMax = kShadowEnd;
+        s.valid = distance > kNearestLight;
+        if (light.kind == kLightPointInverseSquare) s.intensity = light.intensity / distance / distance;
+    }
+    return s;
+}
+
+vec3 reflected(Material material, Surface surface, vec3 toViewer, LightSample light) {
+    vec3 radiance = material.diffuse * max(dot(surface.shadingNormal, light.direction), 0.0);
+    if (FEATURE_SPECULAR) {
+        vec3 sum = light.direction + toViewer;
+        float size = length(sum);
+        float cosine = dot(surface.shadingNormal, sum) / max(size, 1e-30);
+        float power = material.shininess == 0.0 ? 1.0 : pow(clamp(cosine, 0.0, 1.0), material.shininess);
+        if (size > 0.0 && cosine > 0.0) radiance += material.specular * power;
+    }
+    return radiance * light.intensity;
+}
+
+void main() {
+    uint path = pathIndex();
+    uvec4 walkRow = loadRow(kRowWalk, path);
+    Ray ray = loadRay(path);
+    Hit hit = loadHit(path, walkRow.y);
+    bool live = isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
+    Surface surface = surfaceAt(ray, hit);
+    faceForward(surface, ray.direction);
+    LightSample light = sampleLight(loadLight(dispatch.lightIndex), surface.position);
+    bool facing = live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
+                  dot(surface.shadingNormal, light.direction) > 0.0;
+
+    Traversal traversal;
+    traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
+                        facing ? light.tMax : -1.0, hit.primitive);
+    traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone);
+    traversal.trips = 0u;
+    traversal.cost = 0u;
+    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x);
+    bool occluded = traversal.hit.primitive != kNone;
+    if (occluded || !facing) slot = kNone;
+
+    Material material = loadMaterial(surface.material);
+    vec3 radiance = reflected(material, surface, -ray.direction, light);
+    uvec4 throughput = loadRow(kRowThroughput, path);
+    uvec4 sum = loadRow(kRowRadiance, path);
+    if (facing && slot == kNone && !occluded) {
+        storeRow(kRowRadiance, path, packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
+    }
+    if (live) {
+        uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
+        storeRow(kRowWalk, path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
+        if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+    }
+}

@@ -1,0 +1,48 @@
+// The path state: which pixel an invocation works on, and its rows.
+#ifndef GLINT_PATH_GLSL
+#define GLINT_PATH_GLSL
+
+#include "ray.glsl"
+#include "storage.glsl"
+
+layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
+
+uint pathIndex() { return gl_GlobalInvocationID.x; }
+
+// The pixel of this invocation in the whole picture; false outside the region. Lanes follow a Morton curve in the tile, so that 8 lanes
+// make a block of 4x2 pixels and 32 one of 8x4.
+bool pixelOf(out uvec2 pixel) {
+    uint group = gl_WorkGroupID.x;
+    uint tile = dispatch.firstTile + (group % dispatch.run) * dispatch.interleave + group / dispatch.run;
+    uint tilesX = (dispatch.regionWidth + kTileSize - 1u) / kTileSize;
+    uint lane = gl_LocalInvocationID.x;
+    uvec2 inTile = uvec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
+                         ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
+    uvec2 local = uvec2(tile % tilesX, tile / tilesX) * kTileSize + inTile;
+    pixel = local + uvec2(dispatch.regionX, dispatch.regionY);
+    return tile < dispatch.firstTile + dispatch.tileCount && local.x < dispatch.regionWidth && local.y < dispatch.regionHeight;
+}
+
+// A path that has ended keeps a ray whose interval is empty.
+bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
+
+// tMax is in the hit row.
+Ray loadRay(uint path) {
+    uvec4 origin = loadRow(kRowOrigin, path);
+    uvec4 direction = loadRow(kRowDirection, path);
+    return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w), kInfinity, origin.w);
+}
+
+void storeRay(uint path, Ray ray) {
+    storeRow(kRowOrigin, path, packRow(ray.origin, ray.source));
+    storeRow(kRowDirection, path, packRow(ray.direction, floatBitsToUint(ray.tMin)));
+    storeRow(kRowHit, path, uvec4(floatBitsToUint(ray.tMax), 0u, 0u, kNone));
+}
+
+// The best hit so far; before any, t is the end of the ray's interval. `id` is in the walk row.
+Hit loadHit(uint path, uint id) {
+    uvec4 row = loadRow(kRowHit, path);
+    return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w, id);
+}
+
+#endif

@@ -1,0 +1,81 @@
+// Rays, their bounds, and the arithmetic helpers of intersection. Everything here is `precise`: a contracted product would break
+// the sign argument of the watertight triangle test and the error bounds (docs/architecture.md, numerics).
+#ifndef GLINT_RAY_GLSL
+#define GLINT_RAY_GLSL
+
+#include "shared/layout.h"
+
+// gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and Stability, 2002, sec. 3.1).
+const float kUnit = 5.9604645e-8;
+float gammaBound(float n) { return n * kUnit / (1.0 - n * kUnit); }
+
+// Points origin + t direction, tMin < t <= tMax.
+struct Ray {
+    vec3 origin;
+    vec3 direction;
+    float tMin;
+    float tMax;
+    uint source;  // primitive that the ray starts on, or kNone
+};
+
+struct Hit {
+    float t;
+    float u;
+    float v;
+    uint primitive;  // kNone: a miss
+    uint id;         // of the best hit: equal t goes to the lowest
+};
+
+bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
+
+// What the box and triangle tests need of a ray, once a ray.
+struct RayFrame {
+    vec3 inverse;    // 1/d, finite, with the sign of d kept where d is 0
+    bvec3 negative;  // 1/d < 0: the far plane of a slab is its lower one
+    uint axis;       // of the largest component of d: 0, 1, 2
+    vec3 shear;      // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: dx/dz, dy/dz, 1/dz
+};
+
+// (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
+vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v); }
+
+RayFrame makeFrame(vec3 d) {
+    RayFrame frame;
+    // |1/d| stays below 2^125, so that (plane - origin) * inverse is +-inf or finite for any coordinates in range,
+    // never 0 * inf = NaN.
+    const float kTiny = 2.3509887e-38;  // 2^-125
+    vec3 guarded;
+    guarded.x = abs(d.x) < kTiny ? ((floatBitsToUint(d.x) >> 31) != 0u ? -kTiny : kTiny) : d.x;
+    guarded.y = abs(d.y) < kTiny ? ((floatBitsToUint(d.y) >> 31) != 0u ? -kTiny : kTiny) : d.y;
+    guarded.z = abs(d.z) < kTiny ? ((floatBitsToUint(d.z) >> 31) != 0u ? -kTiny : kTiny) : d.z;
+    precise vec3 inverse = 1.0 / guarded;
+    frame.inverse = inverse;
+    frame.negative = lessThan(inverse, vec3(0.0));
+    vec3 a = abs(d);
+    frame.axis = a.x > a.y ? (a.x > a.z ? 0u : 2u) : (a.y > a.z ? 1u : 2u);
+    vec3 turned = turnToZ(d, frame.axis);
+    precise float sz = 1.0 / turned.z;
+    precise float sx = turned.x * sz;
+    precise float sy = turned.y * sz;
+    frame.shear = vec3(sx, sy, sz);
+    return frame;
+}
+
+// The next float away from zero by one unit in the last place in the direction of `sense`.
+float nextTowards(float x, float sense) {
+    if (sense == 0.0) return x;
+    if (x == 0.0) return sense > 0.0 ? 1e-37 : -1e-37;
+    int step = (x > 0.0) == (sense > 0.0) ? 1 : -1;
+    return intBitsToFloat(floatBitsToInt(x) + step);
+}
+
+// A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most `error` on each axis
+// (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6).
+vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
+    precise float d = dot(abs(n), error);
+    precise vec3 offset = d * n;
+    precise vec3 moved = p + offset;
+    return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y), nextTowards(moved.z, offset.z));
+}
+
+#endif

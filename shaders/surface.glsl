@@ -1,0 +1,107 @@
+// From a hit to the surface there: position with a bound on its error, normals, material.
+#ifndef GLINT_SURFACE_GLSL
+#define GLINT_SURFACE_GLSL
+
+#include "intersect.glsl"
+
+struct Surface {
+    vec3 position;
+    vec3 error;   // the true point is within position +- error on each axis
+    vec3 normal;  // geometric, outward, unit
+    vec3 shadingNormal;  // outward, in the hemisphere of `normal`, unit
+    uint object;
+    uint primitive;
+    uint material;
+};
+
+// Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed., sec. 6.8.5), far below the error of o + t d.
+void triangleSurface(Hit hit, inout Surface surface) {
+    uint index = hit.primitive & kPrimitiveIndexMask;
+    Triangle triangle = loadTriangle(index);
+    TriangleSurface details = loadTriangleSurface(index);
+    precise float w = 1.0 - hit.u - hit.v;
+    precise vec3 p0 = w * triangle.v0;
+    precise vec3 p1 = hit.u * triangle.v1;
+    precise vec3 p2 = hit.v * triangle.v2;
+    precise vec3 position = p0 + p1 + p2;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));
+    surface.normal = details.normal;
+    surface.shadingNormal = details.normal;
+    if (FEATURE_VERTEX_NORMALS) {
+        bool smoothed = details.vertexNormals != kNone;
+        VertexNormals corners = loadVertexNormals(smoothed ? details.vertexNormals : 0u);
+        vec3 sum = w * corners.n0 + hit.u * corners.n1 + hit.v * corners.n2;
+        float size = dot(sum, sum);
+        vec3 direction = sum * inversesqrt(max(size, 1e-30));
+        if (smoothed && size > 1e-30) surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
+    }
+    surface.object = details.object;
+    surface.primitive = details.primitive;
+    surface.material = details.material;
+}
+
+// The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5), plus the rounding of adding the centre.
+void sphereSurface(Ray ray, Hit hit, inout Surface surface) {
+    Sphere sphere = loadSphere(hit.primitive & kPrimitiveIndexMask);
+    precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
+    precise vec3 outward = offset / length(offset);
+    precise vec3 scaled = outward * sphere.radius;
+    if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
+        // One Newton step along the normal on |x|^2 + 2 r n.x = 0, x measured from the anchor.
+        precise vec3 away = offset / sphere.radius + sphere.anchorNormal;
+        precise vec3 unit = away / length(away);
+        precise float height = dot(offset, offset) / (2.0 * sphere.radius) + dot(offset, sphere.anchorNormal);
+        precise vec3 corrected = offset - height * unit;
+        outward = unit;
+        scaled = corrected;
+    }
+    precise vec3 position = sphere.point + scaled;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(scaled) + abs(sphere.point));
+    surface.normal = outward;
+    surface.shadingNormal = outward;
+    surface.object = sphere.object;
+    surface.primitive = sphere.primitive;
+    surface.material = sphere.material;
+}
+
+void planeSurface(Ray ray, Hit hit, inout Surface surface) {
+    Plane plane = loadPlane(hit.primitive & kPrimitiveIndexMask);
+    precise vec3 position = ray.origin + hit.t * ray.direction;
+    precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
+    surface.position = projected;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(plane.point));
+    surface.normal = plane.normal;
+    surface.shadingNormal = plane.normal;
+    surface.object = plane.object;
+    surface.primitive = plane.primitive;
+    surface.material = plane.material;
+}
+
+// hit.primitive must not be kNone.
+Surface surfaceAt(Ray ray, Hit hit) {
+    Surface surface;
+    surface.position = vec3(0.0);
+    surface.error = vec3(0.0);
+    surface.normal = vec3(0.0, 1.0, 0.0);
+    surface.shadingNormal = surface.normal;
+    surface.object = 0u;
+    surface.primitive = 0u;
+    surface.material = 0u;
+    uint kind = hit.primitive >> kPrimitiveKindShift;
+    if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
+    if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
+    if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
+    return surface;
+}
+
+// Turns both normals against the ray. Two-sided surfaces: the geometric normal decides.
+void faceForward(inout Surface surface, vec3 direction) {
+    if (dot(surface.normal, direction) > 0.0) {
+        surface.normal = -surface.normal;
+        surface.shadingNormal = -surface.shadingNormal;
+    }
+}
+
+#endif

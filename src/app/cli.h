@@ -1,0 +1,78 @@
+// The command line (docs/command-line.md).
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "scene/picture.h"
+
+namespace glint::app {
+
+// Runs `glint ARGS...` and returns the exit code; never throws. Results go to `out`, progress, warnings and errors to `err`.
+int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err);
+
+struct Size {
+    int width = 0, height = 0;
+};
+
+enum class Backend { Gpu, Cpu };
+
+// Options that several commands share.
+struct SceneOptions {
+    std::filesystem::path scene;
+    std::optional<Size> size;
+    std::optional<int> spp;
+    std::optional<int> maxDepth;
+};
+
+struct DeviceChoice {
+    std::string selector;
+    bool validation = false;
+};
+
+struct RenderCommand {
+    SceneOptions scene;
+    std::filesystem::path output;  // empty: the scene's stem with .png, in the current folder
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+    std::vector<std::string> aovs;  // empty: color
+    std::optional<Region> crop;
+    std::string stats;  // "" or "json"
+    ProgressMode progress = ProgressMode::Auto;
+    bool quiet = false;
+};
+
+struct VerifyCommand {
+    std::vector<std::filesystem::path> scenes;
+    SceneOptions common;
+    DeviceChoice device;
+    std::filesystem::path folder = ".";
+    ProgressMode progress = ProgressMode::Auto;
+};
+
+struct TraceCommand {
+    SceneOptions scene;
+    std::string rays;  // a file, "-" for standard input, empty for --pixel
+    std::optional<std::pair<int, int>> pixel;
+    bool any = false;
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+};
+
+struct DiffCommand {
+    std::filesystem::path a, b, output;
+    double tolerance = 0;
+};
+
+int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err);
+int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err);
+int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err);
+int runDiff(const DiffCommand& command, std::ostream& out);
+int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err);
+int runDevices(std::ostream& out);
+
+}  // namespace glint::app

@@ -1,0 +1,107 @@
+// The primitives of a scene, numbered and rounded to fp32; internal to the packing.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bvh/builder.h"
+#include "bvh/packed_scene.h"
+#include "scene/scene.h"
+#include "shared/layout.h"
+
+namespace glint {
+
+// Ids are consecutive over objects and, within a mesh, over its triangles; every primitive has one, packed or
+// not.
+class PrimitiveNumbers {
+  public:
+    static constexpr uint32_t kChunk = 32768;  // ids that one thread treats at a time
+
+    explicit PrimitiveNumbers(const Scene& scene);
+
+    uint32_t firstId(uint32_t object) const { return first_[object]; }
+    uint32_t facesOf(uint32_t object) const { return first_[object + 1] - first_[object]; }
+    uint32_t total() const { return first_.back(); }
+    size_t chunks() const { return (total() + size_t{kChunk} - 1) / kChunk; }
+
+    // Calls visit(object, firstFace, endFace) for each object that has ids in the chunk.
+    template <class Visit>
+    void visitChunk(size_t chunk, Visit&& visit) const {
+        const uint32_t begin = static_cast<uint32_t>(chunk * kChunk);
+        const uint32_t end = std::min<uint32_t>(total() - begin, kChunk) + begin;
+        auto next = std::upper_bound(first_.begin(), first_.end(), begin);
+        for (uint32_t id = begin; id < end; ++next) {
+            const uint32_t objectEnd = std::min(*next, end);
+            if (objectEnd == id) continue;  // a mesh without triangles
+            const auto object = static_cast<uint32_t>(next - first_.begin() - 1);
+            visit(object, id - first_[object], objectEnd - first_[object]);
+            id = objectEnd;
+        }
+    }
+
+  private:
+    std::vector<uint32_t> first_;  // per object, and one past the last
+};
+
+// The triangles of an object, or none.
+class TriangleSource {
+  public:
+    explicit TriangleSource(const Object& object) : triangle_(std::get_if<TriangleShape>(&object.shape)) {
+        if (const auto* shape = std::get_if<MeshShape>(&object.shape)) mesh_ = shape->mesh.get();
+    }
+    bool any() const { return triangle_ != nullptr || mesh_ != nullptr; }
+    const Mesh* mesh() const { return mesh_; }
+    std::array<glm::dvec3, 3> vertices(uint32_t face) const {
+        if (mesh_ == nullptr) return {triangle_->vertices[0], triangle_->vertices[1], triangle_->vertices[2]};
+        const glm::uvec3 c = mesh_->corners[face];
+        return {mesh_->positions[c.x], mesh_->positions[c.y], mesh_->positions[c.z]};
+    }
+
+  private:
+    const TriangleShape* triangle_ = nullptr;
+    const Mesh* mesh_ = nullptr;
+};
+
+// Where the packed scene is seen from: what rounding needs to know.
+struct Frame {
+    glm::dvec3 origin{0};
+    glm::dvec3 eye{0};  // world
+};
+
+using Corners = std::array<glm::vec3, 3>;
+
+// Rounds world - origin to fp32; nothing if a component is not finite or beyond fp32.
+std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin);
+
+// Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
+// surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.
+shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
+// Encloses the rounded sphere, whatever its form.
+Box sphereBox(const shared::Sphere& sphere);
+
+// What goes into the BVH, in the order of ids.
+struct Primitives {
+    struct Source {
+        uint32_t object, face;
+    };
+    std::vector<Box> boxes;  // of the rounded primitives
+    std::vector<uint8_t> kinds;
+    std::vector<Source> sources;
+    uint32_t triangles = 0, spheres = 0;
+};
+
+// Leaves out planes and the triangles that cannot be hit, which are counted and warned of.
+// Throws Error(Scene) if there are more primitives of a kind than a leaf can name.
+Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
+                             unsigned threads, PackStatistics& statistics,
+                             std::vector<std::string>& warnings);
+
+// Throws Error(Scene) if count passes limit; `what` is the array's name.
+void checkLimit(const char* what, uint64_t count, uint64_t limit);
+
+}  // namespace glint

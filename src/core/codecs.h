@@ -1,0 +1,53 @@
+// Encoders and decoders between pictures and the bytes of a file; core/image_io.h is the public face.
+// Encoders take pictures whose sizes have been checked. Everything here throws CodecError with the bare
+// reason.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint {
+
+using Bytes = std::vector<uint8_t>;
+using ByteView = std::span<const uint8_t>;
+
+class CodecError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+// 1 to 4 interleaved 8-bit channels: grey, grey and alpha, RGB, RGBA.
+Bytes encodePng(int width, int height, int channels, const Bytes& samples);
+
+// RGBE shares one exponent: a stored sample lies below the given one by less than 1/128 of the pixel's
+// greatest channel. Negative samples and NaN become 0, +inf the greatest value that RGBE holds. 1, 3 or 4
+// channels, a fourth is dropped.
+Bytes encodeHdr(const Image& image);
+
+// 1, 3 or 4 channels, a fourth is dropped. Every bit of a sample is kept, NaN included.
+Bytes encodePfm(const Image& image);
+
+// One plane of an EXR file.
+struct ExrChannel {
+    std::string name;
+    std::vector<float> samples;  // row 0 at the top
+};
+
+// 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample is kept.
+Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels);
+
+// 8 and 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
+Image decodePng(ByteView file);
+Image decodeJpeg(ByteView file);
+Image decodeHdr(ByteView file);
+Image decodePfm(ByteView file);
+
+// The channels R, G, B and A if there is colour, else Y, else the channels of the file's only layer.
+Image decodeExr(ByteView file);
+
+}  // namespace glint

@@ -1,0 +1,280 @@
+#include "core/image_io.h"
+
+#include <algorithm>
+#include <cctype>
+#include <new>
+#include <optional>
+#include <string>
+
+#include "core/codecs.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "core/quantize.h"
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { Png, Exr, Pfm, Hdr };
+
+std::optional<Format> formatOf(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension == ".png") return Format::Png;
+    if (extension == ".exr") return Format::Exr;
+    if (extension == ".pfm") return Format::Pfm;
+    if (extension == ".hdr") return Format::Hdr;
+    return std::nullopt;
+}
+
+Format writableFormat(const fs::path& path) {
+    if (const auto format = formatOf(path)) {
+        return *format;
+    }
+    const std::string extension = path.extension().string();
+    throw Error(ExitCode::Usage,
+                path.string() + ": " +
+                    (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
+                    " (use .png, .exr, .pfm or .hdr)");
+}
+
+// Runs an encoder or decoder; its failures get the file's name.
+template <typename Function>
+auto withPath(const fs::path& path, Function function) {
+    try {
+        return function();
+    } catch (const CodecError& error) {
+        throw Error(ExitCode::Failed, path.string() + ": " + error.what());
+    } catch (const std::bad_alloc&) {
+        throw Error(ExitCode::Failed, path.string() + ": not enough memory for the picture");
+    }
+}
+
+bool isColor(const Layer& layer) {
+    return layer.name == "color";
+}
+bool isAlpha(const Layer& layer) {
+    return layer.name == "alpha";
+}
+
+const Layer* findLayer(const std::vector<Layer>& layers, bool (*predicate)(const Layer&)) {
+    const auto found = std::find_if(layers.begin(), layers.end(), predicate);
+    return found == layers.end() ? nullptr : &*found;
+}
+
+void checkImage(const Image& image, const std::string& what, bool isColorImage) {
+    const bool channelsFit = image.channels == 1 || image.channels == 3 ||
+                             (isColorImage ? image.channels == 4 : image.channels == 2);
+    const bool sizeFits =
+        image.width > 0 && image.height > 0 && channelsFit &&
+        image.pixels.size() == static_cast<size_t>(image.width) * image.height * image.channels;
+    if (!sizeFits) {
+        throw CodecError(what + " of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                         " pixels with " + std::to_string(image.channels) + " channels cannot be written");
+    }
+}
+
+void checkLayers(const std::vector<Layer>& layers) {
+    if (layers.empty()) {
+        throw CodecError("there is no layer to write");
+    }
+    for (const Layer& layer : layers) {
+        checkImage(layer.image, "a layer \"" + layer.name + "\"", isColor(layer));
+        if (layer.image.width != layers[0].image.width || layer.image.height != layers[0].image.height) {
+            throw CodecError("the layers \"" + layers[0].name + "\" and \"" + layer.name +
+                             "\" differ in size");
+        }
+        if (isAlpha(layer) && layer.image.channels != 1) {
+            throw CodecError("the layer \"alpha\" must have one channel");
+        }
+    }
+}
+
+// The picture with `channels` channels: missing ones are 0, surplus ones are left out.
+Image withChannels(const Image& image, int channels) {
+    Image result(image.width, image.height, channels);
+    const auto from = static_cast<size_t>(image.channels);
+    const auto to = static_cast<size_t>(channels);
+    for (size_t i = 0; i < result.pixels.size(); ++i) {
+        const size_t channel = i % to;
+        result.pixels[i] = channel < from ? image.pixels[i / to * from + channel] : 0.0f;
+    }
+    return result;
+}
+
+std::vector<float> plane(const Image& image, int channel) {
+    std::vector<float> samples;
+    samples.reserve(image.pixels.size() / static_cast<size_t>(image.channels));
+    for (size_t i = static_cast<size_t>(channel); i < image.pixels.size();
+         i += static_cast<size_t>(image.channels)) {
+        samples.push_back(image.pixels[i]);
+    }
+    return samples;
+}
+
+void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChannel>& channels) {
+    const int count = layer.image.channels;
+    if (isColor(layer)) {
+        const char* const names[] = {count == 1 ? "Y" : "R", "G", "B", "A"};
+        for (int c = 0; c < (withAlpha ? count : std::min(count, 3)); ++c) {
+            channels.push_back({names[c], plane(layer.image, c)});
+        }
+        return;
+    }
+    if (isAlpha(layer)) {
+        channels.push_back({"A", plane(layer.image, 0)});
+        return;
+    }
+    const char* const suffixes[] = {"Y", "UV", "XYZ"};  // for 1, 2 and 3 channels
+    for (int c = 0; c < count; ++c) {
+        channels.push_back({layer.name + "." + suffixes[count - 1][c], plane(layer.image, c)});
+    }
+}
+
+Bytes encodeLayersExr(const std::vector<Layer>& layers) {
+    const bool alphaIsLayer = findLayer(layers, isAlpha) != nullptr;
+    std::vector<ExrChannel> channels;
+    for (const Layer& layer : layers) {
+        appendExrChannels(layer, !alphaIsLayer, channels);
+    }
+    return encodeExr(layers[0].image.width, layers[0].image.height, std::move(channels));
+}
+
+// `alpha` (may be null) replaces the picture's own.
+Bytes encodeColorPng(const Image& image, const Image* alpha) {
+    if (alpha == nullptr) {
+        return encodePng(image.width, image.height, image.channels, quantizeColor(image));
+    }
+    const int colors = std::min(image.channels, 3);
+    Bytes samples;
+    samples.reserve(alpha->pixels.size() * static_cast<size_t>(colors + 1));
+    for (size_t i = 0; i < alpha->pixels.size(); ++i) {
+        for (int c = 0; c < colors; ++c) {
+            samples.push_back(
+                srgbByte(image.pixels[i * static_cast<size_t>(image.channels) + static_cast<size_t>(c)]));
+        }
+        samples.push_back(linearByte(static_cast<double>(alpha->pixels[i])));
+    }
+    return encodePng(image.width, image.height, colors + 1, samples);
+}
+
+Bytes encodeAlphaPng(const Image& image) {
+    Bytes samples(image.pixels.size());
+    std::transform(image.pixels.begin(), image.pixels.end(), samples.begin(),
+                   [](float value) { return linearByte(static_cast<double>(value)); });
+    return encodePng(image.width, image.height, 1, samples);
+}
+
+Bytes encodeColor(Format format, const Image& image, const Image* alpha) {
+    switch (format) {
+        case Format::Png:
+            return encodeColorPng(image, alpha);
+        case Format::Exr:
+            return encodeLayersExr({{"color", image}});
+        case Format::Pfm:
+            return encodePfm(image);
+        case Format::Hdr:
+            return encodeHdr(image);
+    }
+    throw CodecError("unknown format");
+}
+
+// A layer other than color, in a file of its own.
+Bytes encodeData(Format format, const Layer& layer) {
+    if (format == Format::Png && isAlpha(layer)) {
+        return encodeAlphaPng(layer.image);
+    }
+    if (format == Format::Png) {
+        // Padding comes after scaling: the zero must not take part in the range.
+        const Image& image = layer.image;
+        const Bytes scaled = quantizeData(image);
+        if (image.channels != 2) {
+            return encodePng(image.width, image.height, image.channels, scaled);
+        }
+        Bytes padded;
+        padded.reserve(scaled.size() / 2 * 3);
+        for (size_t i = 0; i < scaled.size(); i += 2) {
+            padded.insert(padded.end(), {scaled[i], scaled[i + 1], uint8_t{0}});
+        }
+        return encodePng(image.width, image.height, 3, padded);
+    }
+    const bool pad = layer.image.channels == 2;
+    return encodeColor(format, pad ? withChannels(layer.image, 3) : layer.image, nullptr);
+}
+
+std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const std::vector<Layer>& layers) {
+    checkLayers(layers);
+    if (format == Format::Exr) {
+        return {{path, encodeLayersExr(layers)}};
+    }
+    const bool hasColor = findLayer(layers, isColor) != nullptr;
+    const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, isAlpha) : nullptr;
+    std::vector<OutputFile> files;
+    for (const Layer& layer : layers) {
+        if (&layer == alpha) {
+            continue;
+        }
+        if (isColor(layer)) {
+            files.push_back(
+                {path, encodeColor(format, layer.image, alpha == nullptr ? nullptr : &alpha->image)});
+        } else {
+            fs::path beside = path;
+            beside.replace_filename(path.stem().string() + "." + layer.name + path.extension().string());
+            files.push_back({beside, encodeData(format, layer)});
+        }
+    }
+    return files;
+}
+
+bool startsWith(const Bytes& file, std::string_view magic) {
+    return file.size() >= magic.size() &&
+           std::equal(magic.begin(), magic.end(), file.begin(),
+                      [](char c, uint8_t byte) { return static_cast<uint8_t>(c) == byte; });
+}
+
+Image decode(const Bytes& file) {
+    if (file.empty()) throw CodecError("the file is empty");
+    if (startsWith(file, "\x89PNG\r\n\x1a\n")) return decodePng(file);
+    if (startsWith(file, "\xff\xd8\xff")) return decodeJpeg(file);
+    if (startsWith(file, "\x76\x2f\x31\x01")) return decodeExr(file);
+    if (startsWith(file, "#?")) return decodeHdr(file);
+    if (startsWith(file, "PF") || startsWith(file, "Pf")) return decodePfm(file);
+    throw CodecError("not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)");
+}
+
+}  // namespace
+
+bool isWritableImagePath(const fs::path& path) {
+    return formatOf(path).has_value();
+}
+
+void writeImage(const fs::path& path, const Image& image) {
+    const Format format = writableFormat(path);
+    std::vector<OutputFile> files(1);
+    files[0].path = path;
+    files[0].bytes = withPath(path, [&] {
+        checkImage(image, "a picture", true);
+        return encodeColor(format, image, nullptr);
+    });
+    writeFiles(files);
+}
+
+std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>& layers) {
+    const Format format = writableFormat(path);
+    const std::vector<OutputFile> files = withPath(path, [&] { return encodeLayers(format, path, layers); });
+    writeFiles(files);
+    std::vector<fs::path> paths;
+    for (const OutputFile& file : files) {
+        paths.push_back(file.path);
+    }
+    return paths;
+}
+
+Image readImage(const fs::path& path) {
+    const Bytes file = readFile(path);
+    return withPath(path, [&] { return decode(file); });
+}
+
+}  // namespace glint

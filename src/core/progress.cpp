@@ -1,0 +1,126 @@
+#include "core/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+#include "core/error.h"
+#include "core/stopwatch.h"
+
+namespace glint {
+namespace {
+
+constexpr double kSilence = 1.0;     // seconds at the start
+constexpr double kRedraw = 0.1;      // seconds between two looks at what is to be shown
+constexpr double kLineTime = 2.0;    // seconds between two plain lines
+constexpr double kLineParts = 10.0;  // or whenever a part of this many is done
+constexpr int kBarWidth = 20;
+
+std::string timeText(double seconds) {
+    const auto total = static_cast<long>(seconds);
+    char text[48];
+    if (total >= 3600) {
+        std::snprintf(text, sizeof(text), "%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
+    } else {
+        std::snprintf(text, sizeof(text), "%ld:%02ld", total / 60, total % 60);
+    }
+    return text;
+}
+
+// "47 %  0:12 elapsed, 0:14 left"
+std::string statusText(double fraction, double elapsed) {
+    char percentage[16];
+    std::snprintf(percentage, sizeof(percentage), "%2d %%", static_cast<int>(fraction * 100.0));
+    std::string text = std::string(percentage) + "  " + timeText(elapsed) + " elapsed";
+    // Below 0.1 % the estimate is noise.
+    if (fraction >= 0.001) {
+        text += ", " + timeText(std::round(elapsed * (1.0 - fraction) / fraction)) + " left";
+    }
+    return text;
+}
+
+ProgressMode resolve(ProgressMode mode, bool terminal) {
+    if (mode == ProgressMode::Auto) {
+        return terminal ? ProgressMode::Bar : ProgressMode::None;
+    }
+    return mode;
+}
+
+Progress::Clock steadyClock() {
+    return [stopwatch = Stopwatch()] { return stopwatch.seconds(); };
+}
+
+}  // namespace
+
+ProgressMode parseProgressMode(std::string_view text) {
+    if (text == "auto") return ProgressMode::Auto;
+    if (text == "bar") return ProgressMode::Bar;
+    if (text == "plain") return ProgressMode::Plain;
+    if (text == "none") return ProgressMode::None;
+    throw Error(ExitCode::Usage,
+                "unknown progress mode '" + std::string(text) + "' (use auto, bar, plain or none)");
+}
+
+Progress::Progress(std::string label, ProgressMode mode, std::ostream& sink, bool terminal, Clock clock)
+    : label_(std::move(label)),
+      mode_(resolve(mode, terminal)),
+      sink_(sink),
+      clock_(clock ? std::move(clock) : steadyClock()),
+      start_(clock_()),
+      due_(kSilence) {}
+
+Progress::~Progress() {
+    finish();
+}
+
+void Progress::update(double fraction) {
+    if (mode_ == ProgressMode::None) {
+        return;
+    }
+    const double elapsed = clock_() - start_;
+    if (elapsed < due_.load(std::memory_order_relaxed)) {
+        return;
+    }
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    // Another thread is at it, or has just been.
+    if (!lock.owns_lock() || elapsed < due_.load(std::memory_order_relaxed) || finished_) {
+        return;
+    }
+    due_.store(elapsed + kRedraw, std::memory_order_relaxed);
+    fraction_ = std::max(fraction_, std::isnan(fraction) ? 0.0 : std::clamp(fraction, 0.0, 1.0));
+    show(fraction_, elapsed);
+}
+
+void Progress::show(double fraction, double elapsed) {
+    if (mode_ == ProgressMode::Bar) {
+        drawBar(fraction, elapsed);
+    } else if (elapsed - lineTime_ >= kLineTime ||
+               std::floor(fraction * kLineParts) > std::floor(lineFraction_ * kLineParts)) {
+        sink_ << label_ + "  " + statusText(fraction, elapsed) + "\n" << std::flush;
+        lineTime_ = elapsed;
+        lineFraction_ = fraction;
+    }
+}
+
+void Progress::drawBar(double fraction, double elapsed) {
+    const auto filled = static_cast<size_t>(fraction * kBarWidth);
+    std::string line = label_ + "  [" + std::string(filled, '#') + std::string(kBarWidth - filled, '-') +
+                       "]  " + statusText(fraction, elapsed);
+    const size_t length = line.size();
+    // A shorter line must not leave the end of a longer one behind.
+    line.resize(std::max(length, barLength_), ' ');
+    sink_ << '\r' << line << std::flush;
+    barLength_ = length;
+}
+
+void Progress::finish() {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+    if (barLength_ > 0) {
+        sink_ << '\r' << std::string(barLength_, ' ') << '\r' << std::flush;
+        barLength_ = 0;
+    }
+}
+
+}  // namespace glint

@@ -1,0 +1,140 @@
+#include <algorithm>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+constexpr uint64_t kTexelBytes = 16;  // VK_FORMAT_R32G32B32A32_UINT
+
+// Whole texels, at least one: an empty array still needs a buffer to bind.
+uint64_t texels(uint64_t bytes) {
+    return std::max(bytes / kTexelBytes + (bytes % kTexelBytes != 0 ? 1 : 0), uint64_t{1});
+}
+
+// In texels, like all comparisons below: a size near 2^64 must not wrap when it is rounded up.
+uint64_t largestRange(Access access, const DeviceLimits& limits) {
+    return access == Access::StorageBuffer ? limits.maxStorageBufferRange / kTexelBytes
+                                           : limits.maxTexelBufferElements;
+}
+
+std::string needs(const std::string& name, uint64_t bytes) {
+    return "array \"" + name + "\" needs " + std::to_string(bytes) + " bytes";
+}
+
+void checkSize(const std::string& name, uint64_t bytes, Access access, const DeviceLimits& limits) {
+    if (fits(bytes, access, limits)) return;
+    const uint64_t range = largestRange(access, limits);
+    std::string text = needs(name, bytes) + ", but this device ";
+    if (texels(bytes) > range) {
+        text += "binds at most " + std::to_string(range * kTexelBytes) + " bytes as a " +
+                (access == Access::StorageBuffer ? "storage buffer" : "texel buffer");
+    } else {
+        text += "allocates at most " + std::to_string(limits.maxAllocationSize) + " bytes at once";
+    }
+    throw Error(ExitCode::Device, text);
+}
+
+void createBuffer(BufferState& state, const DeviceState& device) {
+    VkBufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    info.size = state.bytes;
+    info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    info.usage |= state.access == Access::StorageBuffer ? VK_BUFFER_USAGE_STORAGE_BUFFER_BIT
+                                                        : VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
+    info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    state.buffer =
+        create(device, "vkCreateBuffer", info, device.vk.vkCreateBuffer, device.vk.vkDestroyBuffer);
+}
+
+void allocate(BufferState& state, const DeviceState& device) {
+    VkMemoryRequirements requirements{};
+    device.vk.vkGetBufferMemoryRequirements(device.device, state.buffer.get(), &requirements);
+    const std::optional<uint32_t> type = chooseMemoryType(device.physical.memory, requirements.memoryTypeBits,
+                                                          state.kind, device.physical.unified);
+    if (!type) {
+        throw Error(ExitCode::Device, std::string("this device has no ") +
+                                          (state.kind == MemoryKind::Host ? "host-visible" : "device-local") +
+                                          " memory for it");
+    }
+    VkMemoryAllocateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    info.allocationSize = requirements.size;
+    info.memoryTypeIndex = *type;
+    state.memory =
+        create(device, "vkAllocateMemory", info, device.vk.vkAllocateMemory, device.vk.vkFreeMemory);
+    check(device.vk.vkBindBufferMemory(device.device, state.buffer.get(), state.memory.get(), 0),
+          "vkBindBufferMemory");
+
+    constexpr VkMemoryPropertyFlags kMappable =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryPropertyFlags flags = device.physical.memory.memoryTypes[*type].propertyFlags;
+    const bool mappable = (flags & kMappable) == kMappable;
+    if (mappable && (state.kind == MemoryKind::Host || device.physical.unified)) {
+        void* host = nullptr;
+        check(device.vk.vkMapMemory(device.device, state.memory.get(), 0, VK_WHOLE_SIZE, 0, &host),
+              "vkMapMemory");
+        state.host = static_cast<std::byte*>(host);
+    }
+}
+
+void createView(BufferState& state, const DeviceState& device) {
+    VkBufferViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+    info.buffer = state.buffer.get();
+    info.format = VK_FORMAT_R32G32B32A32_UINT;
+    info.range = VK_WHOLE_SIZE;
+    state.view = create(device, "vkCreateBufferView", info, device.vk.vkCreateBufferView,
+                        device.vk.vkDestroyBufferView);
+}
+
+}  // namespace
+
+bool fits(uint64_t bytes, Access access, const DeviceLimits& limits) {
+    return texels(bytes) <= std::min(largestRange(access, limits), limits.maxAllocationSize / kTexelBytes);
+}
+
+void checkRange(const char* what, const Buffer& buffer, uint64_t offset, uint64_t bytes) {
+    if (offset <= buffer.size() && bytes <= buffer.size() - offset) return;
+    throw Error(ExitCode::Device, std::string(what) + " of " + std::to_string(bytes) + " bytes at offset " +
+                                      std::to_string(offset) + " passes the end of array \"" +
+                                      buffer.state().name + "\" (" + std::to_string(buffer.size()) +
+                                      " bytes)");
+}
+
+Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access,
+               MemoryKind memory)
+    : state_(std::make_unique<BufferState>()) {
+    checkSize(name, bytes, access, device.info().limits);
+    const DeviceState& owner = device.state();
+    state_->device = &owner;
+    state_->name = name;
+    state_->bytes = texels(bytes) * kTexelBytes;
+    state_->access = access;
+    state_->kind = memory;
+    try {
+        createBuffer(*state_, owner);
+        allocate(*state_, owner);
+        if (access == Access::TexelBuffer) createView(*state_, owner);
+    } catch (const Error& error) {
+        throw Error(error.code(), needs(name, state_->bytes) + ", but " + error.what());
+    }
+}
+
+Buffer::Buffer() = default;
+Buffer::~Buffer() = default;
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+
+uint64_t Buffer::size() const {
+    return state_->bytes;
+}
+Access Buffer::access() const {
+    return state_->access;
+}
+void* Buffer::mapped() const {
+    return state_->kind == MemoryKind::Host ? state_->host : nullptr;
+}
+
+}  // namespace glint::gpu

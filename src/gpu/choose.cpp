@@ -1,0 +1,134 @@
+// Decisions from plain data: which device, which queue family, and the words for what a device lacks.
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <functional>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+constexpr uint32_t kWorkgroupInvocations = 64;  // local size of every kernel
+constexpr uint32_t kPushConstantBytes = 128;    // what Vulkan guarantees (table 33, required limits)
+constexpr uint32_t kBindings = 8;  // arrays of one kernel, as storage buffers or as storage texel buffers
+
+int rank(const DeviceInfo& device) {
+    constexpr const char* kOrder[] = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
+    return static_cast<int>(std::find(std::begin(kOrder), std::end(kOrder), device.type) -
+                            std::begin(kOrder));
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+std::string label(const DeviceInfo& device) {
+    return std::to_string(device.index) + " \"" + device.name + "\"";
+}
+
+using DeviceRefs = std::vector<std::reference_wrapper<const DeviceInfo>>;
+
+std::string labels(const std::vector<DeviceInfo>& devices) {
+    std::string text;
+    for (const DeviceInfo& device : devices) text += (text.empty() ? "" : ", ") + label(device);
+    return text;
+}
+
+std::string reasons(const DeviceRefs& devices) {
+    std::string text;
+    for (const DeviceInfo& device : devices)
+        text += (text.empty() ? "" : "; ") + label(device) + " " + device.reason;
+    return text;
+}
+
+bool isNumber(const std::string& text) {
+    return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+    DeviceRefs matches;
+    if (!selector.empty() && isNumber(selector)) {
+        uint64_t index = 0;
+        const auto parsed = std::from_chars(selector.data(), selector.data() + selector.size(), index);
+        for (const DeviceInfo& device : devices) {
+            if (parsed.ec == std::errc() && device.index == index) matches.push_back(device);
+        }
+        return matches;
+    }
+    for (const DeviceInfo& device : devices) {
+        if (lower(device.name).find(lower(selector)) != std::string::npos) matches.push_back(device);
+    }
+    return matches;
+}
+
+}  // namespace
+
+const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+    if (devices.empty()) {
+        throw Error(
+            ExitCode::Device,
+            "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
+    }
+    const DeviceRefs matches = matching(devices, selector);
+    if (matches.empty()) {
+        const std::string what = isNumber(selector) ? "no Vulkan device has index " + selector
+                                                    : "no Vulkan device has \"" + selector + "\" in its name";
+        throw Error(ExitCode::Device, what + "; there is " + labels(devices));
+    }
+    const DeviceInfo* best = nullptr;
+    for (const DeviceInfo& device : matches) {
+        if (device.usable && (best == nullptr || rank(device) < rank(*best))) best = &device;
+    }
+    if (best == nullptr) {
+        const std::string what =
+            selector.empty() ? "no usable Vulkan device" : "device " + selector + " cannot be used";
+        throw Error(ExitCode::Device, what + ": " + reasons(matches));
+    }
+    return *best;
+}
+
+std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families) {
+    std::optional<uint32_t> best;
+    int bestScore = -1;
+    for (uint32_t i = 0; i < families.size(); ++i) {
+        const VkQueueFamilyProperties& family = families[i];
+        if ((family.queueFlags & VK_QUEUE_COMPUTE_BIT) == 0 || family.queueCount == 0) continue;
+        const bool dedicated = (family.queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0;
+        const bool timestamps = family.timestampValidBits > 0;
+        const int score = (timestamps ? 2 : 0) + (dedicated ? 1 : 0);
+        if (score > bestScore) {
+            best = i;
+            bestScore = score;
+        }
+    }
+    return best;
+}
+
+std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits) {
+    const auto number = [](uint64_t value) { return std::to_string(value); };
+    if (apiVersion < VK_API_VERSION_1_1) return "knows Vulkan 1.0 only, glint needs 1.1";
+    if (!hasComputeQueue) return "has no compute queue";
+    const uint32_t invocations = std::min(limits.maxWorkgroupInvocations, limits.maxWorkgroupSizeX);
+    if (invocations < kWorkgroupInvocations) {
+        return "runs workgroups of at most " + number(invocations) + " invocations, glint needs " +
+               number(kWorkgroupInvocations);
+    }
+    if (limits.maxPushConstantBytes < kPushConstantBytes) {
+        return "has " + number(limits.maxPushConstantBytes) + " bytes of push constants, glint needs " +
+               number(kPushConstantBytes);
+    }
+    const bool texelBuffers =
+        limits.maxTexelBufferElements > 0 && limits.maxStorageImagesPerStage >= kBindings;
+    if (limits.maxStorageBuffersPerStage < kBindings && !texelBuffers) {
+        return "binds " + number(limits.maxStorageBuffersPerStage) + " storage buffers and " +
+               number(limits.maxTexelBufferElements > 0 ? limits.maxStorageImagesPerStage : 0) +
+               " storage texel buffers to a kernel, glint needs " + number(kBindings) + " of one kind";
+    }
+    return "";
+}
+
+}  // namespace glint::gpu

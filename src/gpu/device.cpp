@@ -1,0 +1,91 @@
+#include "gpu/device.h"
+
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+std::vector<DeviceInfo> infos(const std::vector<PhysicalDevice>& devices) {
+    std::vector<DeviceInfo> result;
+    for (const PhysicalDevice& device : devices) result.push_back(device.info);
+    return result;
+}
+
+void loadDeviceTable(DeviceState& state) {
+    // volk reads this global, which belongs to no instance; the lock keeps another thread's instance out
+    // meanwhile.
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    vkGetDeviceProcAddr = state.instance->vk().vkGetDeviceProcAddr;
+    volkLoadDeviceTable(&state.vk, state.device);
+}
+
+void openDevice(DeviceState& state) {
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queue.queueFamilyIndex = state.physical.queueFamily;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    const char* const portability = "VK_KHR_portability_subset";
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = state.physical.portabilitySubset ? 1 : 0;
+    info.ppEnabledExtensionNames = &portability;
+    check(state.instance->vk().vkCreateDevice(state.physical.handle, &info, nullptr, &state.device),
+          "vkCreateDevice");
+    loadDeviceTable(state);
+    state.vk.vkGetDeviceQueue(state.device, state.physical.queueFamily, 0, &state.queue);
+
+    VkPipelineCacheCreateInfo cache{};
+    cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+    state.pipelineCache = create(state, "vkCreatePipelineCache", cache, state.vk.vkCreatePipelineCache,
+                                 state.vk.vkDestroyPipelineCache);
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> listDevices() {
+    return infos(queryDevices(Instance(nullptr)));
+}
+
+DeviceState::~DeviceState() {
+    if (device == VK_NULL_HANDLE || abandoned) {
+        if (abandoned) {  // the device lives on, and with it what it refers to
+            static_cast<void>(instance.release());
+            static_cast<void>(new std::shared_ptr<ValidationLog>(log));
+        }
+        return;
+    }
+    staging.reset();
+    pipelineCache = {};
+    vk.vkDestroyDevice(device, nullptr);
+}
+
+Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
+    state_->log = std::make_shared<ValidationLog>();
+    state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr);
+    const std::vector<PhysicalDevice> devices = queryDevices(*state_->instance);
+    state_->physical = devices[chooseDevice(infos(devices), options.selector).index];
+    openDevice(*state_);
+}
+
+Device::~Device() = default;
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+
+const DeviceInfo& Device::info() const {
+    return state_->physical.info;
+}
+
+std::vector<std::string> Device::validationMessages() const {
+    return state_->log->messages();
+}
+
+bool Device::validationActive() const {
+    return state_->instance->validationActive();
+}
+
+}  // namespace glint::gpu

@@ -1,0 +1,124 @@
+// Private to src/gpu and its tests: the Vulkan objects behind the public types, and the choices made from
+// plain data.
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/compute.h"
+#include "gpu/device.h"
+#include "gpu/handle.h"
+#include "gpu/instance.h"
+
+namespace glint::gpu {
+
+// ---- choices from plain data (choose.cpp, memory.cpp) ----
+
+// The family to compute on: one that does nothing else, so that the desktop's drawing does not wait behind a
+// dispatch, then any; of those, one with timestamps before one without.
+std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families);
+
+// What a device lacks, as a phrase; empty if glint runs on it. `apiVersion` is the device's.
+std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
+
+// The memory type among `allowedTypes` (a bit for each). Device: device-local; `unified` says that the host
+// reaches such memory at no cost, so visible types come first there and last elsewhere, where they are a
+// scarce window (256 MiB BAR). Host: visible and coherent, cached if there is such a type, because results
+// are read back from it.
+std::optional<uint32_t> chooseMemoryType(const VkPhysicalDeviceMemoryProperties& memory,
+                                         uint32_t allowedTypes, MemoryKind kind, bool unified);
+
+// ---- what Vulkan says about a physical device (query.cpp) ----
+
+struct PhysicalDevice {
+    VkPhysicalDevice handle = VK_NULL_HANDLE;
+    DeviceInfo info;
+    uint32_t queueFamily = 0;        // valid if info.usable
+    uint32_t timestampBits = 0;      // of that family
+    bool portabilitySubset = false;  // VK_KHR_portability_subset must then be enabled
+    bool unified = false;            // CPU or integrated
+    VkPhysicalDeviceMemoryProperties memory{};
+};
+
+std::vector<PhysicalDevice> queryDevices(const Instance& instance);
+
+// ---- states of the public types ----
+
+struct BufferState {
+    const DeviceState* device = nullptr;
+    std::string name;
+    VkDeviceSize bytes = 0;
+    Access access = Access::StorageBuffer;
+    MemoryKind kind = MemoryKind::Device;
+    // Destroyed from the last to the first: view, buffer, memory.
+    Handle<VkDeviceMemory> memory;
+    Handle<VkBuffer> buffer;
+    Handle<VkBufferView> view;  // TexelBuffer only
+    std::byte* host = nullptr;  // persistent mapping, of Device memory too where `unified`
+};
+
+// Throws Error(Device) if `bytes` at `offset` pass the end of the buffer; `what` begins the sentence ("an
+// upload").
+void checkRange(const char* what, const Buffer& buffer, uint64_t offset, uint64_t bytes);
+
+struct KernelState {
+    const DeviceState* device = nullptr;
+    std::string name;
+    std::vector<Access> bindings;
+    uint32_t pushConstantBytes = 0;
+    bool bound = false;
+    Handle<VkDescriptorSetLayout> setLayout;
+    Handle<VkPipelineLayout> layout;
+    Handle<VkPipeline> pipeline;
+    Handle<VkDescriptorPool> pool;  // none if there are no bindings
+    VkDescriptorSet set = VK_NULL_HANDLE;
+};
+
+struct SubmissionState {
+    DeviceState* device = nullptr;
+    Handle<VkCommandPool> pool;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Handle<VkQueryPool> timestamps;  // none without timestamps
+    Handle<VkFence> fence;
+    bool recording = false;
+};
+
+struct Staging {
+    Buffer buffer;
+    Submission submission;
+};
+
+struct DeviceState : DeviceContext {
+    DeviceState() = default;
+    ~DeviceState();
+    DeviceState(const DeviceState&) = delete;
+    DeviceState& operator=(const DeviceState&) = delete;
+
+    // Shared, so that a test can read what is said while the device is destroyed.
+    std::shared_ptr<ValidationLog> log;
+    std::unique_ptr<Instance> instance;
+    PhysicalDevice physical;
+    VkQueue queue = VK_NULL_HANDLE;
+    std::mutex queueMutex;  // a queue is externally synchronised (Vulkan 1.1, section 3.6)
+    Handle<VkPipelineCache> pipelineCache;
+
+    std::mutex stagingMutex;
+    std::unique_ptr<Staging> staging;  // made at the first transfer that needs it
+
+    // A dispatch is sized to last well under a second, and desktop drivers reset a device after 2 to 10 s, so
+    // a minute means that nothing will come.
+    uint64_t timeoutNanoseconds = 60'000'000'000;
+    // Amortises the cost of a submission (tens of microseconds) and stays small beside the scenes that need
+    // it.
+    uint64_t stagingBytes = uint64_t{32} << 20;
+};
+
+}  // namespace glint::gpu

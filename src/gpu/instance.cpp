@@ -1,0 +1,168 @@
+#include "gpu/instance.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "core/error.h"
+#include "gpu/handle.h"
+
+namespace glint::gpu {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+void openLoader() {
+    static const VkResult opened = volkInitialize();
+    if (opened != VK_SUCCESS) {
+        throw Error(ExitCode::Device,
+                    "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as "
+                    "mesa-vulkan-drivers, or use --backend cpu");
+    }
+    // A loader of Vulkan 1.0 lacks the function that tells the version.
+    if (volkGetInstanceVersion() < VK_API_VERSION_1_1) {
+        throw Error(ExitCode::Device,
+                    "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1, or use "
+                    "--backend cpu");
+    }
+}
+
+std::vector<VkExtensionProperties> instanceExtensions(const char* layer) {
+    uint32_t count = 0;
+    check(vkEnumerateInstanceExtensionProperties(layer, &count, nullptr),
+          "vkEnumerateInstanceExtensionProperties");
+    std::vector<VkExtensionProperties> extensions(count);
+    check(vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data()),
+          "vkEnumerateInstanceExtensionProperties");
+    extensions.resize(count);
+    return extensions;
+}
+
+bool hasLayer(const char* name) {
+    uint32_t count = 0;
+    check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
+    std::vector<VkLayerProperties> layers(count);
+    check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties");
+    layers.resize(count);
+    return std::any_of(layers.begin(), layers.end(), [&](const VkLayerProperties& layer) {
+        return std::strcmp(layer.layerName, name) == 0;
+    });
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
+                                       VkDebugUtilsMessageTypeFlagsEXT /*type*/,
+                                       const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
+    static_cast<ValidationLog*>(log)->add(data->pMessage);
+    return VK_FALSE;
+}
+
+// The type GENERAL stays out: there the loader reports what it thinks of the machine's other drivers.
+VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog* log) {
+    VkDebugUtilsMessengerCreateInfoEXT info{};
+    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    info.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    info.messageType =
+        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    info.pfnUserCallback = collect;
+    info.pUserData = log;
+    return info;
+}
+
+}  // namespace
+
+bool contains(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+    return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& extension) {
+        return std::strcmp(extension.extensionName, name) == 0;
+    });
+}
+
+void ValidationLog::add(std::string message) {
+    const std::lock_guard lock(mutex_);
+    messages_.push_back(std::move(message));
+}
+
+std::vector<std::string> ValidationLog::messages() const {
+    const std::lock_guard lock(mutex_);
+    return messages_;
+}
+
+Instance::Instance(ValidationLog* log) {
+    openLoader();
+    std::vector<const char*> extensions;
+    std::vector<const char*> layers;
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    if (contains(instanceExtensions(nullptr), VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+        extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+        info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+    }
+
+    VkDebugUtilsMessengerCreateInfoEXT messenger = messengerInfo(log);
+    const VkValidationFeatureEnableEXT enabled[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    VkValidationFeaturesEXT features{};
+    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    features.pNext = &messenger;  // for what goes wrong while the instance itself is made or destroyed
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = enabled;
+    const bool validation = log != nullptr && hasLayer(kValidationLayer);
+    if (validation) {
+        layers.push_back(kValidationLayer);
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+        info.pNext = &features;
+    }
+
+    VkApplicationInfo application{};
+    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    application.pApplicationName = "glint";
+    application.apiVersion = VK_API_VERSION_1_1;
+    info.pApplicationInfo = &application;
+    info.enabledLayerCount = static_cast<uint32_t>(layers.size());
+    info.ppEnabledLayerNames = layers.data();
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {  // the loader's word for "no driver at all"
+        instance_ = VK_NULL_HANDLE;
+        return;
+    }
+    check(result, "vkCreateInstance");
+
+#define GLINT_LOAD(name) vk_.name = reinterpret_cast<PFN_##name>(vkGetInstanceProcAddr(instance_, #name));
+    GLINT_INSTANCE_FUNCTIONS(GLINT_LOAD)
+#undef GLINT_LOAD
+    if (validation) {
+        const auto createMessenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+            vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+        if (createMessenger == nullptr ||
+            createMessenger(instance_, &messenger, nullptr, &messenger_) != VK_SUCCESS) {
+            messenger_ = VK_NULL_HANDLE;
+        }
+    }
+}
+
+Instance::~Instance() {
+    if (messenger_ != VK_NULL_HANDLE) {
+        const auto destroyMessenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+            vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+        destroyMessenger(instance_, messenger_, nullptr);
+    }
+    if (instance_ != VK_NULL_HANDLE) vk_.vkDestroyInstance(instance_, nullptr);
+}
+
+std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
+    if (instance_ == VK_NULL_HANDLE) return {};
+    uint32_t count = 0;
+    VkResult result = vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+    // Some drivers say so here, not at vkCreateInstance, when their hardware is absent.
+    if (result == VK_ERROR_INITIALIZATION_FAILED) return {};
+    check(result, "vkEnumeratePhysicalDevices");
+    std::vector<VkPhysicalDevice> devices(count);
+    check(vk_.vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
+    devices.resize(count);
+    return devices;
+}
+
+}  // namespace glint::gpu

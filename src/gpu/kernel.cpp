@@ -1,0 +1,197 @@
+#include <algorithm>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+std::string label(const std::string& name) {
+    return "kernel \"" + name + "\": ";
+}
+
+const char* accessText(Access access) {
+    return access == Access::StorageBuffer ? "a storage buffer" : "a texel buffer";
+}
+
+VkDescriptorType descriptorType(Access access) {
+    return access == Access::StorageBuffer ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                           : VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+}
+
+uint32_t count(const std::vector<Access>& bindings, Access access) {
+    return static_cast<uint32_t>(std::count(bindings.begin(), bindings.end(), access));
+}
+
+void checkLimit(const std::string& name, const char* what, uint32_t wanted, uint32_t limit) {
+    if (wanted > limit) {
+        throw Error(ExitCode::Device, label(name) + "needs " + std::to_string(wanted) + " " + what +
+                                          ", but this device has at most " + std::to_string(limit));
+    }
+}
+
+void checkLimits(const KernelOptions& options, const DeviceLimits& limits) {
+    const std::string& name = options.name;
+    checkLimit(name, "invocations in a workgroup", options.workgroupSizeX,
+               std::min(limits.maxWorkgroupSizeX, limits.maxWorkgroupInvocations));
+    checkLimit(name, "bytes of push constants", options.pushConstantBytes, limits.maxPushConstantBytes);
+    checkLimit(name, "storage buffers", count(options.bindings, Access::StorageBuffer),
+               limits.maxStorageBuffersPerStage);
+    checkLimit(name, "texel buffers", count(options.bindings, Access::TexelBuffer),
+               limits.maxStorageImagesPerStage);
+}
+
+void createLayouts(KernelState& state, const DeviceState& device) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings(state.bindings.size());
+    for (uint32_t i = 0; i < bindings.size(); ++i) {
+        bindings[i].binding = i;
+        bindings[i].descriptorType = descriptorType(state.bindings[i]);
+        bindings[i].descriptorCount = 1;
+        bindings[i].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+    }
+    VkDescriptorSetLayoutCreateInfo set{};
+    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    set.bindingCount = static_cast<uint32_t>(bindings.size());
+    set.pBindings = bindings.data();
+    state.setLayout = create(device, "vkCreateDescriptorSetLayout", set,
+                             device.vk.vkCreateDescriptorSetLayout, device.vk.vkDestroyDescriptorSetLayout);
+
+    VkPushConstantRange range{};
+    range.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+    range.size = state.pushConstantBytes;
+    VkPipelineLayoutCreateInfo layout{};
+    layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    layout.setLayoutCount = 1;
+    layout.pSetLayouts = state.setLayout.address();
+    layout.pushConstantRangeCount = range.size > 0 ? 1 : 0;
+    layout.pPushConstantRanges = &range;
+    state.layout = create(device, "vkCreatePipelineLayout", layout, device.vk.vkCreatePipelineLayout,
+                          device.vk.vkDestroyPipelineLayout);
+}
+
+void createPipeline(KernelState& state, const DeviceState& device, const KernelOptions& options) {
+    VkShaderModuleCreateInfo code{};
+    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    code.codeSize = options.spirv.size_bytes();
+    code.pCode = options.spirv.data();
+    const Handle<VkShaderModule> module =
+        create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
+               device.vk.vkDestroyShaderModule);
+
+    std::vector<VkSpecializationMapEntry> entries(options.constants.size());
+    for (uint32_t i = 0; i < entries.size(); ++i) {
+        entries[i].constantID = i;
+        entries[i].offset = i * static_cast<uint32_t>(sizeof(uint32_t));
+        entries[i].size = sizeof(uint32_t);  // a bool too: it is a VkBool32
+    }
+    VkSpecializationInfo specialization{};
+    specialization.mapEntryCount = static_cast<uint32_t>(entries.size());
+    specialization.pMapEntries = entries.data();
+    specialization.dataSize = options.constants.size() * sizeof(uint32_t);
+    specialization.pData = options.constants.data();
+
+    VkComputePipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.module = module.get();
+    info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &specialization;
+    info.layout = state.layout.get();
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(device.vk.vkCreateComputePipelines(device.device, device.pipelineCache.get(), 1, &info, nullptr,
+                                             &pipeline),
+          "vkCreateComputePipelines");
+    state.pipeline = Handle<VkPipeline>(device, pipeline, device.vk.vkDestroyPipeline);
+}
+
+void createSet(KernelState& state, const DeviceState& device) {
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const Access access : {Access::StorageBuffer, Access::TexelBuffer}) {
+        const uint32_t used = count(state.bindings, access);
+        if (used > 0) sizes.push_back({descriptorType(access), used});
+    }
+    if (sizes.empty()) return;
+    VkDescriptorPoolCreateInfo pool{};
+    pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    pool.maxSets = 1;
+    pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    pool.pPoolSizes = sizes.data();
+    state.pool = create(device, "vkCreateDescriptorPool", pool, device.vk.vkCreateDescriptorPool,
+                        device.vk.vkDestroyDescriptorPool);
+    VkDescriptorSetAllocateInfo set{};
+    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+    set.descriptorPool = state.pool.get();
+    set.descriptorSetCount = 1;
+    set.pSetLayouts = state.setLayout.address();
+    check(device.vk.vkAllocateDescriptorSets(device.device, &set, &state.set), "vkAllocateDescriptorSets");
+}
+
+void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buffers) {
+    if (buffers.size() != kernel.bindings.size()) {
+        throw Error(ExitCode::Device, label(kernel.name) + "has " + std::to_string(kernel.bindings.size()) +
+                                          " bindings, but was given " + std::to_string(buffers.size()) +
+                                          " buffers");
+    }
+    for (size_t i = 0; i < buffers.size(); ++i) {
+        const std::string binding = label(kernel.name) + "binding " + std::to_string(i);
+        if (buffers[i] == nullptr || !*buffers[i])
+            throw Error(ExitCode::Device, binding + " was given no buffer");
+        const BufferState& buffer = buffers[i]->state();
+        if (buffer.access != kernel.bindings[i]) {
+            throw Error(ExitCode::Device, binding + " is " + accessText(kernel.bindings[i]) +
+                                              ", but array \"" + buffer.name + "\" was made as " +
+                                              accessText(buffer.access));
+        }
+    }
+}
+
+}  // namespace
+
+Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_unique<KernelState>()) {
+    checkLimits(options, device.info().limits);
+    const DeviceState& owner = device.state();
+    state_->device = &owner;
+    state_->name = options.name;
+    state_->bindings = options.bindings;
+    state_->pushConstantBytes = options.pushConstantBytes;
+    state_->bound = options.bindings.empty();
+    try {
+        createLayouts(*state_, owner);
+        createPipeline(*state_, owner, options);
+        createSet(*state_, owner);
+    } catch (const Error& error) {
+        throw Error(error.code(), label(options.name) + error.what());
+    }
+}
+
+Kernel::Kernel() = default;
+Kernel::~Kernel() = default;
+Kernel::Kernel(Kernel&&) noexcept = default;
+Kernel& Kernel::operator=(Kernel&&) noexcept = default;
+
+void Kernel::bind(std::span<const Buffer* const> buffers) {
+    checkBindings(*state_, buffers);
+    std::vector<VkDescriptorBufferInfo> infos(buffers.size());
+    std::vector<VkWriteDescriptorSet> writes(buffers.size());
+    for (uint32_t i = 0; i < writes.size(); ++i) {
+        const BufferState& buffer = buffers[i]->state();
+        infos[i] = {buffer.buffer.get(), 0, VK_WHOLE_SIZE};
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = state_->set;
+        writes[i].dstBinding = i;
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = descriptorType(buffer.access);
+        if (buffer.access == Access::StorageBuffer) {
+            writes[i].pBufferInfo = &infos[i];
+        } else {
+            writes[i].pTexelBufferView = buffer.view.address();
+        }
+    }
+    const DeviceState& device = *state_->device;
+    device.vk.vkUpdateDescriptorSets(device.device, static_cast<uint32_t>(writes.size()), writes.data(), 0,
+                                     nullptr);
+    state_->bound = true;
+}
+
+}  // namespace glint::gpu

@@ -1,0 +1,183 @@
+#include <chrono>
+#include <utility>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+constexpr VkPipelineStageFlags kDeviceStages =
+    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+constexpr VkAccessFlags kDeviceWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags kDeviceReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
+
+void createObjects(SubmissionState& state) {
+    const DeviceState& device = *state.device;
+    VkCommandPoolCreateInfo pool{};
+    pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+    pool.queueFamilyIndex = device.physical.queueFamily;
+    state.pool = create(device, "vkCreateCommandPool", pool, device.vk.vkCreateCommandPool,
+                        device.vk.vkDestroyCommandPool);
+    VkCommandBufferAllocateInfo commands{};
+    commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    commands.commandPool = state.pool.get();
+    commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    commands.commandBufferCount = 1;
+    check(device.vk.vkAllocateCommandBuffers(device.device, &commands, &state.commands),
+          "vkAllocateCommandBuffers");
+    VkFenceCreateInfo fence{};
+    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    state.fence = create(device, "vkCreateFence", fence, device.vk.vkCreateFence, device.vk.vkDestroyFence);
+    if (device.physical.info.limits.timestampPeriod > 0) {
+        VkQueryPoolCreateInfo queries{};
+        queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+        queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        queries.queryCount = 2;
+        state.timestamps = create(device, "vkCreateQueryPool", queries, device.vk.vkCreateQueryPool,
+                                  device.vk.vkDestroyQueryPool);
+    }
+}
+
+void barrier(const SubmissionState& state, VkPipelineStageFlags nextStages, VkAccessFlags nextAccess) {
+    VkMemoryBarrier memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    memory.srcAccessMask = kDeviceWrites;
+    memory.dstAccessMask = nextAccess;
+    state.device->vk.vkCmdPipelineBarrier(state.commands, kDeviceStages, nextStages, 0, 1, &memory, 0,
+                                          nullptr, 0, nullptr);
+}
+
+// Before each command. The first one's barrier is for what earlier submissions wrote.
+void prepareCommand(SubmissionState& state) {
+    const VolkDeviceTable& vk = state.device->vk;
+    if (!state.recording) {
+        VkCommandBufferBeginInfo begin{};
+        begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+        begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+        check(vk.vkBeginCommandBuffer(state.commands, &begin), "vkBeginCommandBuffer");
+        state.recording = true;
+        if (state.timestamps) {
+            vk.vkCmdResetQueryPool(state.commands, state.timestamps.get(), 0, 2);
+            vk.vkCmdWriteTimestamp(state.commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, state.timestamps.get(),
+                                   0);
+        }
+    }
+    barrier(state, kDeviceStages, kDeviceReads | kDeviceWrites);
+}
+
+double deviceSeconds(const SubmissionState& state) {
+    if (!state.timestamps) return 0;
+    const DeviceState& device = *state.device;
+    uint64_t ticks[2] = {};
+    check(
+        device.vk.vkGetQueryPoolResults(device.device, state.timestamps.get(), 0, 2, sizeof(ticks), ticks,
+                                        sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "vkGetQueryPoolResults");
+    // The counter has timestampBits and wraps; the difference modulo its width is right unless a batch
+    // outlasts a period.
+    const uint32_t bits = device.physical.timestampBits;
+    const uint64_t mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
+    const double nanoseconds =
+        static_cast<double>((ticks[1] - ticks[0]) & mask) * device.physical.info.limits.timestampPeriod;
+    return nanoseconds * 1e-9;
+}
+
+void submitAndWait(SubmissionState& state) {
+    DeviceState& device = *state.device;
+    const VkFence fence = state.fence.get();
+    VkSubmitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    info.commandBufferCount = 1;
+    info.pCommandBuffers = &state.commands;
+    check(device.vk.vkResetFences(device.device, 1, &fence), "vkResetFences");
+    {
+        const std::lock_guard lock(device.queueMutex);
+        check(device.vk.vkQueueSubmit(device.queue, 1, &info, fence), "vkQueueSubmit");
+    }
+    const VkResult result =
+        device.vk.vkWaitForFences(device.device, 1, &fence, VK_TRUE, device.timeoutNanoseconds);
+    if (result == VK_TIMEOUT) {
+        device.abandoned = true;
+        throw Error(ExitCode::Device, "the device \"" + device.physical.info.name +
+                                          "\" hangs: a batch of work has not finished after " +
+                                          std::to_string(device.timeoutNanoseconds / 1'000'000'000) + " s");
+    }
+    check(result, "vkWaitForFences");
+}
+
+void checkDispatch(const KernelState& kernel, uint32_t groupsX, size_t pushConstantBytes,
+                   const DeviceLimits& limits) {
+    const std::string label = "kernel \"" + kernel.name + "\": ";
+    if (!kernel.bound) throw Error(ExitCode::Device, label + "dispatched before its buffers were bound");
+    if (pushConstantBytes != kernel.pushConstantBytes) {
+        throw Error(ExitCode::Device, label + "has " + std::to_string(kernel.pushConstantBytes) +
+                                          " bytes of push constants, but was given " +
+                                          std::to_string(pushConstantBytes));
+    }
+    if (groupsX > limits.maxWorkgroupCountX) {
+        throw Error(ExitCode::Device, label + "a dispatch of " + std::to_string(groupsX) +
+                                          " workgroups, but this device runs at most " +
+                                          std::to_string(limits.maxWorkgroupCountX));
+    }
+}
+
+}  // namespace
+
+Submission::Submission(const Device& device) : state_(std::make_unique<SubmissionState>()) {
+    state_->device = &device.state();
+    createObjects(*state_);
+}
+
+Submission::~Submission() = default;
+Submission::Submission(Submission&&) noexcept = default;
+Submission& Submission::operator=(Submission&&) noexcept = default;
+
+void Submission::dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants) {
+    const KernelState& k = kernel.state();
+    const DeviceState& device = *state_->device;
+    checkDispatch(k, groupsX, pushConstants.size(), device.physical.info.limits);
+    if (groupsX == 0) return;
+    prepareCommand(*state_);
+    const VkCommandBuffer commands = state_->commands;
+    device.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.pipeline.get());
+    if (k.set != VK_NULL_HANDLE) {
+        device.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.layout.get(), 0, 1,
+                                          &k.set, 0, nullptr);
+    }
+    if (!pushConstants.empty()) {
+        device.vk.vkCmdPushConstants(commands, k.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                     k.pushConstantBytes, pushConstants.data());
+    }
+    device.vk.vkCmdDispatch(commands, groupsX, 1, 1);
+}
+
+void Submission::copy(const Buffer& source, uint64_t sourceOffset, const Buffer& destination,
+                      uint64_t destinationOffset, uint64_t bytes) {
+    checkRange("a copy", source, sourceOffset, bytes);
+    checkRange("a copy", destination, destinationOffset, bytes);
+    if (bytes == 0) return;
+    prepareCommand(*state_);
+    const VkBufferCopy region{sourceOffset, destinationOffset, bytes};
+    state_->device->vk.vkCmdCopyBuffer(state_->commands, source.state().buffer.get(),
+                                       destination.state().buffer.get(), 1, &region);
+}
+
+Submission::Times Submission::submit() {
+    if (!state_->recording) return {};
+    const VolkDeviceTable& vk = state_->device->vk;
+    state_->recording = false;
+    barrier(*state_, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+    if (state_->timestamps) {
+        vk.vkCmdWriteTimestamp(state_->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+                               state_->timestamps.get(), 1);
+    }
+    check(vk.vkEndCommandBuffer(state_->commands), "vkEndCommandBuffer");
+    const auto start = std::chrono::steady_clock::now();
+    submitAndWait(*state_);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    return {wall.count(), deviceSeconds(*state_)};
+}
+
+}  // namespace glint::gpu

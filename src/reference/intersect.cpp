@@ -1,0 +1,218 @@
+#include "reference/intersect.h"
+
+#include <limits>
+
+namespace glint::reference {
+namespace {
+
+// Quadruple precision where the compiler has it; long double elsewhere is still at least as good as double.
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 Quad;
+constexpr double kQuadRoundoff = 0x1p-113;
+#else
+using Quad = long double;
+constexpr double kQuadRoundoff = std::numeric_limits<long double>::epsilon() / 2;
+#endif
+
+using Extended = long double;
+constexpr double kExtendedRoundoff = static_cast<double>(std::numeric_limits<long double>::epsilon() / 2);
+
+// glm refuses __float128 (no std::numeric_limits in strict mode).
+template <class T>
+struct Vec {
+    T x, y, z;
+};
+
+template <class T>
+Vec<T> toVec(const glm::vec3& v) {
+    return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
+}
+template <class T>
+Vec<T> toVec(const double (&v)[3]) {
+    return {static_cast<T>(v[0]), static_cast<T>(v[1]), static_cast<T>(v[2])};
+}
+template <class T>
+Vec<T> operator-(const Vec<T>& a, const Vec<T>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vec<T> operator*(T s, const Vec<T>& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+template <class T>
+T dot(const Vec<T>& a, const Vec<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class T>
+T magnitude(T a) {
+    return a < 0 ? -a : a;
+}
+template <class T>
+Vec<T> magnitudes(const Vec<T>& a) {
+    return {magnitude(a.x), magnitude(a.y), magnitude(a.z)};
+}
+
+// Accepts t if it lies in the ray's interval.
+bool accept(Extended t, const PreparedRay& ray, double tMax, Root& root) {
+    root.t = static_cast<double>(t);
+    return root.t > ray.tMin && root.t <= tMax && root.t <= std::numeric_limits<double>::max();
+}
+
+// The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
+// each of them a difference or a product rounded, err by at most 8 roundings each; 2^5 covers them, and what
+// they cannot tell from zero is zero.
+int edgeSide(const Vec<Quad>& d, const Vec<Quad>& b, const Vec<Quad>& c) {
+    const Quad side = dot(d, cross(b, c));
+    const Vec<Quad> p = magnitudes(b), q = magnitudes(c);
+    const Vec<Quad> sum{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+    const Quad bound = static_cast<Quad>(32 * kQuadRoundoff) * dot(magnitudes(d), sum);
+    return side > bound ? 1 : side < -bound ? -1 : 0;
+}
+
+// False too for a line in the triangle's plane, where all three sides are zero.
+bool lineHitsTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
+    const Vec<Quad> o = toVec<Quad>(ray.origin), d = toVec<Quad>(ray.direction);
+    const Vec<Quad> a = toVec<Quad>(triangle.v0) - o, b = toVec<Quad>(triangle.v1) - o,
+                    c = toVec<Quad>(triangle.v2) - o;
+    const int e0 = edgeSide(d, b, c), e1 = edgeSide(d, c, a), e2 = edgeSide(d, a, b);
+    const bool positive = e0 > 0 || e1 > 0 || e2 > 0;
+    const bool negative = e0 < 0 || e1 < 0 || e2 < 0;
+    return positive != negative;
+}
+
+// a t^2 - 2 b t + c = 0 for w = point - origin, ordinary: b = w.d, c = w.w - r^2; anchored: b = (w - r n).d,
+// c = w.w - 2 r n.w.
+template <class T>
+struct SphereEquation {
+    T a, b, c;
+    T discriminant;  // b^2 - a c
+    T bound;         // of its rounding error
+
+    // roundoff: of T. Each of w, products and sums rounds: b errs by 5 u of the sum of its terms' magnitudes,
+    // c by 6 u, a by 3 u, so b^2 - a c by 16 u of the squares and products of those sums.
+    SphereEquation(const shared::Sphere& sphere, const Vec<T>& w, const Vec<T>& d, double roundoff) {
+        const T r = static_cast<T>(sphere.radius);
+        a = dot(d, d);
+        T bTerms = dot(magnitudes(w), magnitudes(d));
+        T cTerms = dot(w, w);
+        if (isAnchored(sphere)) {
+            const Vec<T> n = r * toVec<T>(sphere.anchorNormal);
+            b = dot(w, d) - dot(n, d);
+            c = cTerms - 2 * dot(n, w);
+            bTerms += dot(magnitudes(n), magnitudes(d));
+            cTerms += 2 * dot(magnitudes(n), magnitudes(w));
+        } else {
+            b = dot(w, d);
+            c = cTerms - r * r;
+            cTerms += r * r;
+        }
+        discriminant = b * b - a * c;
+        bound = static_cast<T>(16 * roundoff) * (bTerms * bTerms + a * cTerms);
+    }
+};
+
+}  // namespace
+
+PreparedRay::PreparedRay(const Ray& ray) {
+    double greatest = 0;
+    bool finite = true;
+    kz = 0;
+    for (int i = 0; i < 3; ++i) {
+        origin[i] = ray.origin[i];
+        direction[i] = ray.direction[i];
+        finite = finite && std::isfinite(origin[i]) && std::isfinite(direction[i]);
+        inverse[i] = 1 / direction[i];
+        const bool negative = std::signbit(direction[i]);
+        nearPlane[i] = i + (negative ? 4 : 0);
+        farPlane[i] = i + (negative ? 0 : 4);
+        if (std::abs(direction[i]) > greatest) {
+            greatest = std::abs(direction[i]);
+            kz = i;
+        }
+    }
+    // Below 1e-290 the reciprocal of the direction would overflow; no t that a double holds leads anywhere
+    // from there.
+    valid = finite && greatest > 1e-290 && !std::isnan(ray.tMin) && !std::isnan(ray.tMax);
+    tMin = std::max(ray.tMin, 0.0);
+    kx = (kz + 1) % 3;
+    ky = (kx + 1) % 3;
+    shearX = direction[kx] / direction[kz];
+    shearY = direction[ky] / direction[kz];
+}
+
+bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
+                   Root& root) {
+    if (!lineHits && !lineHitsTriangle(triangle, ray)) return false;
+    const Vec<Extended> v0 = toVec<Extended>(triangle.v0), d = toVec<Extended>(ray.direction);
+    const Vec<Extended> e1 = toVec<Extended>(triangle.v1) - v0, e2 = toVec<Extended>(triangle.v2) - v0;
+    const Vec<Extended> n = cross(e1, e2);
+    // Also the end of triangles without area: their n vanishes.
+    const Extended nd = dot(n, d);
+    if (nd == 0) return false;
+    // From the plane, not from the edge functions, whose relative error grows without bound as the triangle
+    // thins.
+    const Vec<Extended> s = v0 - toVec<Extended>(ray.origin);
+    if (!accept(dot(n, s) / nd, ray, tMax, root)) return false;
+    // Moeller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, eq. 6, written with n.d
+    // for the determinant.
+    const Vec<Extended> q = cross(d, s);
+    const Extended u = std::clamp<Extended>(-dot(e2, q) / nd, 0, 1);
+    const Extended v = std::clamp<Extended>(dot(e1, q) / nd, 0, 1);
+    const Extended sum = std::max<Extended>(u + v, 1);
+    root.u = static_cast<double>(u / sum);
+    root.v = static_cast<double>(v / sum);
+    return true;
+}
+
+bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
+                     Root& root) {
+    root.u = root.v = 0;
+    const Vec<Extended> d = toVec<Extended>(ray.direction);
+    const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
+    if (fromSurface) {
+        const SphereEquation<Extended> onSurface(sphere, w, d, kExtendedRoundoff);
+        return accept(2 * onSurface.b / onSurface.a, ray, tMax, root);
+    }
+    const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
+                                       toVec<double>(ray.direction), kUnitRoundoff);
+    if (rough.discriminant < -rough.bound) return false;
+
+    // Seen from the point of the line nearest to sphere.point, the distance to the sphere no longer enters
+    // the discriminant (Haines, Guenther and Akenine-Moeller, "Precision Improvements for Ray/Sphere
+    // Intersection", Ray Tracing Gems, 2019, ch. 7).
+    const Extended shift = dot(w, d) / dot(d, d);
+    SphereEquation<Extended> e(sphere, w - shift * d, d, kExtendedRoundoff);
+    // The shifted w errs by 10 roundings of |w|, which moves b by 10 u |w| |d|, and c by 20 u |w| (|w'| + r)
+    // with |w'| <= 2 r near tangency.
+    const Extended reach = std::sqrt(dot(w, w)), r = sphere.radius;
+    e.bound += 64 * kExtendedRoundoff * reach * (e.a * r + std::abs(e.b) * std::sqrt(e.a));
+    // 2^20 bounds from tangency the square root no longer magnifies the error above 2^-21 of itself.
+    if (std::abs(e.discriminant) <= 0x1p20L * e.bound) {
+        const SphereEquation<Quad> exact(sphere, toVec<Quad>(sphere.point) - toVec<Quad>(ray.origin),
+                                         toVec<Quad>(ray.direction), kQuadRoundoff);
+        e.discriminant = static_cast<Extended>(exact.discriminant);
+        e.c = (e.b * e.b - e.discriminant) / e.a;
+    }
+    if (e.discriminant < 0) return false;
+    // W. Press et al., Numerical Recipes, 3rd ed., eq. 5.6.4: neither root by a difference of near-equal
+    // numbers.
+    const Extended q = e.b + std::copysign(std::sqrt(e.discriminant), e.b);
+    Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
+    if (t0 > t1) std::swap(t0, t1);
+    return accept(t0, ray, tMax, root) || accept(t1, ray, tMax, root);
+}
+
+bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
+    root.u = root.v = 0;
+    const Vec<Extended> n = toVec<Extended>(plane.normal);
+    const Extended nd = dot(n, toVec<Extended>(ray.direction));
+    if (nd == 0) return false;
+    const Vec<Extended> w = toVec<Extended>(plane.point) - toVec<Extended>(ray.origin);
+    return accept(dot(n, w) / nd, ray, tMax, root);
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,87 @@
+// Ray against primitive, in double on the fp32 inputs. Hit or miss is decided in double where a forward error
+// bound proves the sign, and in quadruple precision elsewhere; t, u and v of an accepted hit are computed in
+// long double.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "reference/tracer.h"
+#include "shared/layout.h"
+
+namespace glint::reference {
+
+inline constexpr double kUnitRoundoff = 0x1p-53;  // of double
+
+// What the tests need of a ray, computed once.
+struct PreparedRay {
+    double origin[3];
+    double direction[3];
+    double inverse[3];  // 1 / direction; an infinity of the same sign for a zero
+    double tMin;        // >= 0
+    int kx, ky, kz;     // kz: the axis along which the direction is greatest
+    double shearX, shearY;
+    // Where, in floats from the start of a node, the nearer and the farther plane of each axis of its first
+    // box lie.
+    int nearPlane[3], farPlane[3];
+    bool valid;  // false: the ray misses everything
+
+    explicit PreparedRay(const Ray& ray);
+};
+
+struct Root {
+    double t, u, v;
+};
+
+// The rest of intersectTriangle, for the few triangles that the filter does not reject. lineHits: the filter
+// has proved that the line through the ray crosses the inside.
+bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
+                   Root& root);
+
+// Watertight by the argument of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
+// 2013, section 3: an edge function is a function of its edge and the ray alone, its sign is right or it is
+// zero, and zero counts as inside.
+//
+// Error bound. Let X = A_x - S_x A_z with A = v - o, |S_x| <= 1, u = 2^-53, Z >= |A_z|, S >= |X|, |Y|. As
+// |A_x| <= |X| + Z, rounding of A, S_x, the product and the difference move X by at most u (|X| + Z) + 3 u Z
+// + u |X| <= u (2 S + 4 Z). An edge function B_x C_y - B_y C_x then errs by at most 4 S u (2 S + 4 Z) + 4 u
+// S^2 <= 16 u S (S + Z), to first order; 20 covers the rest.
+inline bool intersectTriangle(const shared::Triangle& triangle, const PreparedRay& ray, double tMax,
+                              Root& root) {
+    const float* v0 = glm::value_ptr(triangle.v0);
+    const float* v1 = glm::value_ptr(triangle.v1);
+    const float* v2 = glm::value_ptr(triangle.v2);
+    const double ox = ray.origin[ray.kx], oy = ray.origin[ray.ky], oz = ray.origin[ray.kz];
+    const double az = v0[ray.kz] - oz, bz = v1[ray.kz] - oz, cz = v2[ray.kz] - oz;
+    const double ax = (v0[ray.kx] - ox) - ray.shearX * az, ay = (v0[ray.ky] - oy) - ray.shearY * az;
+    const double bx = (v1[ray.kx] - ox) - ray.shearX * bz, by = (v1[ray.ky] - oy) - ray.shearY * bz;
+    const double cx = (v2[ray.kx] - ox) - ray.shearX * cz, cy = (v2[ray.ky] - oy) - ray.shearY * cz;
+    const double e0 = cx * by - cy * bx;
+    const double e1 = ax * cy - ay * cx;
+    const double e2 = bx * ay - by * ax;
+    const double depth = std::max(std::max(std::abs(az), std::abs(bz)), std::abs(cz));
+    const double spread =
+        std::max(std::max(std::max(std::abs(ax), std::abs(ay)), std::max(std::abs(bx), std::abs(by))),
+                 std::max(std::abs(cx), std::abs(cy)));
+    const double bound = 20 * kUnitRoundoff * spread * (spread + depth);
+    const double least = std::min(std::min(e0, e1), e2);
+    const double greatest = std::max(std::max(e0, e1), e2);
+    if (least < -bound && greatest > bound) return false;
+    return solveTriangle(triangle, ray, least > bound || greatest < -bound, tMax, root);
+}
+
+// fromSurface: the ray starts on this sphere, so only its other root counts.
+bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
+                     Root& root);
+
+bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
+
+// True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/layout.h.
+inline bool isAnchored(const shared::Sphere& sphere) {
+    return sphere.anchorNormal != glm::vec3(0);
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,87 @@
+#include "reference/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "core/parallel.h"
+
+namespace glint::reference {
+namespace {
+
+constexpr int kPixelsPerPoll =
+    64;  // between two looks at `cancelled`: 64 pixels take well below a tenth of a second
+
+void keepAovs(const PackedScene& scene, const PixelRecord& record, PixelResult& pixel) {
+    pixel.bounces = record.bounces;
+    pixel.cost = record.cost;
+    pixel.pathHash = record.pathHash;
+    pixel.shadowBits = record.shadowBits;
+    pixel.hit = record.hit;
+    if (!record.hit) return;
+    pixel.depth = record.hit->t;
+    pixel.u = record.hit->u;
+    pixel.v = record.hit->v;
+    pixel.position = scene.origin + record.surface->position;
+    pixel.normal = record.surface->shadingNormal;
+    pixel.object = static_cast<int32_t>(record.surface->object);
+    pixel.primitive = static_cast<int32_t>(record.surface->primitive);
+    pixel.material = static_cast<int32_t>(record.surface->material);
+}
+
+PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const shared::Camera& camera, int x,
+                        int y, const RenderOptions& options) {
+    PixelResult pixel;
+    for (size_t i = 0; i < options.sampleOffsets.size(); ++i) {
+        const glm::dvec2 film = glm::dvec2(x, y) + options.sampleOffsets[i];
+        const PixelRecord record = tracer.trace(tracer.cameraRay(camera, film.x, film.y));
+        pixel.color += record.color;
+        pixel.alpha += record.alpha;
+        if (i == 0 && options.aovs) keepAovs(scene, record, pixel);
+    }
+    const double samples = static_cast<double>(std::max<size_t>(options.sampleOffsets.size(), 1));
+    pixel.color /= samples;
+    pixel.alpha /= samples;
+    return pixel;
+}
+
+}  // namespace
+
+RenderResult render(const PackedScene& scene, const shared::Camera& camera, int width, int height,
+                    const RenderOptions& options) {
+    RenderResult result;
+    result.x0 = std::clamp(options.x0, 0, width);
+    result.y0 = std::clamp(options.y0, 0, height);
+    const int x1 = options.x1 < 0 ? width : std::clamp(options.x1, result.x0, width);
+    const int y1 = options.y1 < 0 ? height : std::clamp(options.y1, result.y0, height);
+    result.width = std::max(x1 - result.x0, 0);
+    result.height = std::max(y1 - result.y0, 0);
+    result.pixels.resize(static_cast<size_t>(result.width) * result.height);
+    result.rowsDone.resize(result.height, 0);
+
+    const Tracer tracer(scene);
+    std::atomic<bool> stop{false};
+    std::mutex progressMutex;
+    int rowsFinished = 0;
+    parallelFor(
+        static_cast<size_t>(result.height),
+        [&](size_t row) {
+            PixelResult* pixels = &result.pixels[row * result.width];
+            for (int x = 0; x < result.width; ++x) {
+                if (x % kPixelsPerPoll == 0 && options.cancelled && !stop && options.cancelled()) stop = true;
+                if (stop) return;
+                pixels[x] = renderPixel(scene, tracer, camera, result.x0 + x,
+                                        result.y0 + static_cast<int>(row), options);
+            }
+            result.rowsDone[row] = 1;
+            if (!options.progress) return;
+            const std::lock_guard lock(progressMutex);
+            options.progress(static_cast<double>(++rowsFinished) / result.height);
+        },
+        options.threads);
+    result.complete =
+        std::all_of(result.rowsDone.begin(), result.rowsDone.end(), [](uint8_t done) { return done; });
+    return result;
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,186 @@
+#include <array>
+#include <limits>
+
+#include "reference/intersect.h"
+#include "reference/tracer.h"
+
+namespace glint::reference {
+namespace {
+
+using shared::kNone;
+
+// Slab planes: t = (b - o) * (1 / d) rounds three times, so a true far t may be computed short by gamma_3,
+// and a near one long by as much; scaling the far one by 1 + 2 gamma_3 = 1 + 6 u makes up for both (Pharr,
+// Jakob and Humphreys, Physically Based Rendering, 4th ed., section 6.8.2). Rounded up to 8 u.
+constexpr double kFarPad = 1 + 8 * kUnitRoundoff;
+
+// A box is entered if its near t is at most this times the best t. A hit's t is computed in long double and
+// errs by 2^-64 times the cancellation in n.(v0 - o); 2^-30 covers a cancellation of 2^34, far beyond any ray
+// that fp32 inputs can aim, and costs no visits. With less, an equal t with a lower id could hide in a box
+// that is left out.
+constexpr double kCullPad = 1 + 0x1p-30;
+
+// A box and primitive counter and the best hit so far.
+struct Search {
+    Hit best;
+    uint64_t cost = 0;
+    bool found = false;
+};
+
+// Where the ray is inside the box of a child (0 or 1) of a node: from the returned t on; NaN-free. > limit:
+// not within [0, limit]. A comparison with NaN is false, so a plane that a parallel ray runs in (0 * inf)
+// constrains nothing: boxes are closed.
+inline double enterBox(const float* node, int child, const PreparedRay& ray, double limit) {
+    const float* box = node + 8 * child;
+    double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+        const double t0 = (box[ray.nearPlane[i]] - ray.origin[i]) * ray.inverse[i];
+        const double t1 = (box[ray.farPlane[i]] - ray.origin[i]) * ray.inverse[i];
+        tNear = t0 > tNear ? t0 : tNear;
+        tFar = t1 < tFar ? t1 : tFar;
+    }
+    return tNear <= tFar * kFarPad && tNear <= limit ? tNear : std::numeric_limits<double>::infinity();
+}
+
+// No box begins at infinity: a parallel ray outside a slab has its near t there.
+inline double cullLimit(double t) {
+    return std::min(t * kCullPad, std::numeric_limits<double>::max());
+}
+
+bool isSource(uint32_t kind, uint32_t index, uint32_t source) {
+    return source == (kind << shared::kPrimitiveKindShift | index);
+}
+
+bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
+                        uint32_t source, double tMax, Root& root, uint32_t& id) {
+    switch (kind) {
+        case shared::kKindTriangle: {
+            const shared::Triangle& triangle = scene.triangles[index];
+            id = triangle.id;
+            return !isSource(kind, index, source) && intersectTriangle(triangle, ray, tMax, root);
+        }
+        case shared::kKindSphere: {
+            const shared::Sphere& sphere = scene.spheres[index];
+            id = sphere.id;
+            return intersectSphere(sphere, ray, isSource(kind, index, source), tMax, root);
+        }
+        default: {
+            const shared::Plane& plane = scene.planes[index];
+            id = plane.id;
+            return !isSource(kind, index, source) && intersectPlane(plane, ray, tMax, root);
+        }
+    }
+}
+
+// Tests `count` primitives of a kind. True if an any-hit search is over.
+template <bool kAny>
+bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t first,
+                    uint32_t count, uint32_t source, Search& search) {
+    for (uint32_t i = first; i < first + count; ++i) {
+        Root root;
+        uint32_t id = 0;
+        ++search.cost;
+        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        if constexpr (!kAny) {
+            if (search.found && root.t == search.best.t && id > search.best.id) continue;
+            search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};
+        }
+        search.found = true;
+        if constexpr (kAny) return true;
+    }
+    return false;
+}
+
+template <bool kAny>
+bool testLeaf(const PackedScene& scene, const PreparedRay& ray, uint32_t leaf, uint32_t source,
+              Search& search) {
+    return testPrimitives<kAny>(
+        scene, ray, leaf >> shared::kLeafKindShift & shared::kLeafKindMask, leaf & shared::kLeafFirstMask,
+        (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1, source, search);
+}
+
+// search.best.t holds the end of the ray's interval on entry.
+template <bool kAny>
+void searchTree(const PackedScene& scene, const PreparedRay& ray, uint32_t source, Search& search) {
+    struct Entry {
+        double t;
+        uint32_t child;
+    };
+    std::array<Entry, shared::kMaxBvhDepth + 1> stack;
+    size_t size = 0;
+    uint32_t child = scene.environment.root;
+    for (;;) {
+        if (child & shared::kLeafFlag) {
+            if (testLeaf<kAny>(scene, ray, child, source, search)) return;
+        } else {
+            const shared::Node& node = scene.nodes[child];
+            const auto* planes = reinterpret_cast<const float*>(&node);
+            const double limit = cullLimit(search.best.t);
+            const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
+            const double t0 =
+                has0 ? enterBox(planes, 0, ray, limit) : std::numeric_limits<double>::infinity();
+            const double t1 =
+                has1 ? enterBox(planes, 1, ray, limit) : std::numeric_limits<double>::infinity();
+            search.cost += static_cast<uint64_t>(has0) + static_cast<uint64_t>(has1);
+            const bool enter0 = t0 <= limit, enter1 = t1 <= limit;
+            if (enter0 && enter1) {
+                const bool swap = t1 < t0;
+                stack[size++] = swap ? Entry{t0, node.child0} : Entry{t1, node.child1};
+                child = swap ? node.child1 : node.child0;
+                continue;
+            }
+            if (enter0 || enter1) {
+                child = enter0 ? node.child0 : node.child1;
+                continue;
+            }
+        }
+        const double limit = cullLimit(search.best.t);
+        do {
+            if (size == 0) return;
+            --size;
+        } while (stack[size].t > limit);
+        child = stack[size].child;
+    }
+}
+
+template <bool kAny>
+Search searchScene(const PackedScene& scene, const Ray& ray, uint32_t source, uint64_t* cost) {
+    Search search;
+    const PreparedRay prepared(ray);
+    if (!prepared.valid) return search;
+    search.best.t = ray.tMax;
+    const auto planes = static_cast<uint32_t>(scene.planes.size());
+    if (!testPrimitives<kAny>(scene, prepared, shared::kKindPlane, 0, planes, source, search) &&
+        scene.environment.root != kNone) {
+        searchTree<kAny>(scene, prepared, source, search);
+    }
+    if (cost) *cost += search.cost;
+    return search;
+}
+
+}  // namespace
+
+Tracer::Tracer(const PackedScene& scene) : scene_(scene) {}
+
+std::optional<Hit> Tracer::closest(const Ray& ray, uint32_t source, uint64_t* cost) const {
+    const Search search = searchScene<false>(scene_, ray, source, cost);
+    return search.found ? std::optional<Hit>(search.best) : std::nullopt;
+}
+
+bool Tracer::occluded(const Ray& ray, uint32_t source, uint64_t* cost) const {
+    return searchScene<true>(scene_, ray, source, cost).found;
+}
+
+std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) const {
+    Search search;
+    const PreparedRay prepared(ray);
+    if (!prepared.valid) return std::nullopt;
+    search.best.t = ray.tMax;
+    const size_t counts[] = {scene_.triangles.size(), scene_.spheres.size(), scene_.planes.size()};
+    for (uint32_t kind = 0; kind < 3; ++kind) {
+        testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
+    }
+    return search.found ? std::optional<Hit>(search.best) : std::nullopt;
+}
+
+}  // namespace glint::reference

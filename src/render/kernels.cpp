@@ -1,0 +1,23 @@
+#include "render/kernels.h"
+
+#include "generate.spv.h"
+#include "generate_texel.spv.h"
+#include "intersect.spv.h"
+#include "intersect_any.spv.h"
+#include "intersect_any_texel.spv.h"
+#include "intersect_texel.spv.h"
+#include "light.spv.h"
+#include "light_texel.spv.h"
+#include "shade.spv.h"
+#include "shade_texel.spv.h"
+
+namespace glint::render {
+
+const KernelCode& embeddedKernels(gpu::Access access) {
+    static const KernelCode storage = {generate_spv, intersect_spv, intersect_any_spv, light_spv, shade_spv};
+    static const KernelCode texel = {generate_texel_spv, intersect_texel_spv, intersect_any_texel_spv, light_texel_spv,
+                                     shade_texel_spv};
+    return access == gpu::Access::TexelBuffer ? texel : storage;
+}
+
+}  // namespace glint::render

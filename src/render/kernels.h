@@ -1,0 +1,19 @@
+// The embedded SPIR-V of the kernels.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gpu/compute.h"
+
+namespace glint::render {
+
+// One entry for each kernel; `any` is intersect.comp with any-hit rays.
+struct KernelCode {
+    std::span<const uint32_t> generate, intersect, intersectAny, light, shade;
+};
+
+// The kernels that read arrays with `access`.
+const KernelCode& embeddedKernels(gpu::Access access);
+
+}  // namespace glint::render

@@ -1,0 +1,54 @@
+// The state of all paths of a slice, on the device and as the host reads it back.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "gpu/compute.h"
+#include "scene/picture.h"
+#include "shared/dispatch.h"
+
+namespace glint::render {
+
+// Which tiles of a region a slice covers, and which pixel each of its paths belongs to: the host's side of pixelOf in shaders/path.glsl.
+struct Slice {
+    Region region;
+    uint32_t firstTile = 0;
+    uint32_t tileCount = 0;
+    uint32_t interleave = 1;
+
+    static uint32_t tilesIn(const Region& region);
+    uint32_t run() const;     // workgroups in each of the `interleave` runs
+    uint32_t groups() const;  // workgroups to dispatch, at least tileCount
+    uint32_t paths() const { return groups() * shared::kWorkgroupSize; }
+    // False for a path without a pixel (a tile past the end, or past the region's edge).
+    bool pixelOf(uint32_t path, glm::ivec2& pixel) const;
+};
+
+// One 16-byte row entry of the path state.
+union RowEntry {
+    float f[4];
+    uint32_t u[4];
+};
+static_assert(sizeof(RowEntry) == 16);
+
+class PathState {
+  public:
+    PathState() = default;
+    // Room for `capacity` paths of `rows` rows. Throws Error(Device) if that does not fit.
+    PathState(const gpu::Device& device, gpu::Access access, uint32_t capacity, uint32_t rows);
+
+    uint32_t capacity() const { return capacity_; }
+    uint32_t rows() const { return rows_; }
+    const gpu::Buffer& buffer() const { return paths_; }
+    std::vector<RowEntry> readRow(const gpu::Device& device, uint32_t row, uint32_t count) const;
+    void writeRow(const gpu::Device& device, uint32_t row, const std::vector<RowEntry>& entries) const;
+
+  private:
+    gpu::Buffer paths_;
+    uint32_t capacity_ = 0;
+    uint32_t rows_ = 0;
+};
+
+}  // namespace glint::render

@@ -1,0 +1,75 @@
+#include "render/pipelines.h"
+
+namespace glint::render {
+
+namespace {
+
+std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
+    switch (id) {
+        case KernelId::Generate: return code.generate;
+        case KernelId::Intersect: return code.intersect;
+        case KernelId::IntersectAny: return code.intersectAny;
+        case KernelId::Light: return code.light;
+        case KernelId::Shade: return code.shade;
+    }
+    return {};
+}
+
+const char* nameOf(KernelId id) {
+    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade"};
+    return names[static_cast<int>(id)];
+}
+
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes) {
+    std::vector<uint32_t> constants;
+#define GLINT_CONSTANT(ID, NAME, field) constants.push_back(features.field ? 1u : 0u);
+    GLINT_FEATURES(GLINT_CONSTANT)
+#undef GLINT_CONSTANT
+#define GLINT_CONSTANT(ID, NAME, field) constants.push_back(modes.field ? 1u : 0u);
+    GLINT_MODES(GLINT_CONSTANT)
+#undef GLINT_CONSTANT
+    return constants;
+}
+
+// constantsOf relies on the ids being 0, 1, 2, ... in the order of the lists.
+constexpr bool idsAreConsecutive() {
+    uint32_t next = 0;
+#define GLINT_CHECK(ID, NAME, field) \
+    if (ID != next++) return false;
+    GLINT_FEATURES(GLINT_CHECK)
+    GLINT_MODES(GLINT_CHECK)
+#undef GLINT_CHECK
+    return true;
+}
+static_assert(idsAreConsecutive());
+
+}  // namespace
+
+Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, const SceneFeatures& features)
+    : device_(device), code_(code), access_(access), features_(features) {}
+
+void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
+    buffers_ = {&counters, &paths};
+    for (uint32_t binding = 2; binding < GLINT_BINDING_COUNT; ++binding) buffers_.push_back(&scene.at(binding));
+    for (auto& [key, kernel] : kernels_) kernel.bind(buffers_);
+}
+
+const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
+    const auto key = std::make_pair(id, modes);
+    const auto found = kernels_.find(key);
+    if (found != kernels_.end()) return found->second;
+
+    gpu::KernelOptions options;
+    options.name = nameOf(id);
+    options.spirv = codeOf(code_, id);
+    options.bindings.assign(GLINT_BINDING_COUNT, access_);
+    options.bindings[0] = gpu::Access::StorageBuffer;
+    options.constants = constantsOf(features_, modes);
+    options.pushConstantBytes = sizeof(shared::Dispatch);
+    options.workgroupSizeX = shared::kWorkgroupSize;
+    gpu::Kernel kernel(device_, options);
+    kernel.bind(buffers_);
+    return kernels_.emplace(key, std::move(kernel)).first->second;
+}
+
+}  // namespace glint::render

@@ -1,0 +1,39 @@
+// The pipelines of one scene, each made when first used.
+#pragma once
+
+#include <map>
+#include <tuple>
+
+#include "bvh/packed_scene.h"
+#include "gpu/compute.h"
+#include "render/kernels.h"
+#include "render/scene_buffers.h"
+
+namespace glint::render {
+
+enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade };
+
+// See GLINT_MODES in shaders/shared/dispatch.h.
+struct TraceModes {
+    bool aovs = false, cost = false, resume = false;
+    auto operator<=>(const TraceModes&) const = default;
+};
+
+class Pipelines {
+  public:
+    Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, const SceneFeatures& features);
+
+    // Buffers that every kernel sees. Kernels made so far are bound anew.
+    void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
+    const gpu::Kernel& get(KernelId id, const TraceModes& modes);
+
+  private:
+    const gpu::Device& device_;
+    const KernelCode& code_;
+    gpu::Access access_;
+    SceneFeatures features_;
+    std::vector<const gpu::Buffer*> buffers_;
+    std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
+};
+
+}  // namespace glint::render

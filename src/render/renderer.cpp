@@ -1,0 +1,356 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/stopwatch.h"
+#include "render/path_state.h"
+#include "render/pipelines.h"
+#include "render/scene_buffers.h"
+
+namespace glint::render {
+
+namespace {
+
+// lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS, lp_bld_limits.h of Mesa 22.3).
+constexpr uint32_t kLlvmpipeTrips = 65535;
+// One slice's paths at most: 2^20 paths of 176 bytes stay within 256 MiB, and fill any GPU.
+constexpr uint32_t kMaxSlicePaths = 1u << 20;
+constexpr uint32_t kFirstSliceTiles = 256;
+
+Region wholeOrGiven(const RenderSettings& settings) {
+    const Region& r = settings.region;
+    if (r.width() > 0 && r.height() > 0) return r;
+    return {0, 0, settings.width, settings.height};
+}
+
+}  // namespace
+
+gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes) {
+    const bool storageFits = gpu::fits(largestArrayBytes, gpu::Access::StorageBuffer, device.limits);
+    const bool texelFits = gpu::fits(largestArrayBytes, gpu::Access::TexelBuffer, device.limits);
+    const bool enoughImages = device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
+    if (enoughImages && texelFits && (device.llvmpipe || !storageFits)) return gpu::Access::TexelBuffer;
+    return gpu::Access::StorageBuffer;
+}
+
+// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some lane is live
+// counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 kMaxLeafSize + 2 is what one pass of the
+// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 3) inner loops once in every
+// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 3 (B + slack) more. The planes' loop
+// comes on top. So (S + 3)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device) {
+    if (!device.llvmpipe) return 1u << 16;
+    const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
+    constexpr uint32_t kSlack = 2 * shared::kMaxLeafSize + 2;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 4) - kSlack;
+}
+
+struct Renderer::State {
+    const gpu::Device& device;
+    const PackedScene& scene;
+    Options options;
+    gpu::Access access;
+    uint32_t tripBudget;
+    SceneBuffers buffers;
+    gpu::Buffer counters;
+    Pipelines pipelines;
+    PathState paths;
+    gpu::Submission submission;
+    StageTimes times;
+    // Of the submissions of the slice at hand.
+    double longestInSlice = 0;
+
+    State(const gpu::Device& dev, const PackedScene& packed, const Options& opts)
+        : device(dev),
+          scene(packed),
+          options(opts),
+          access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
+          tripBudget(opts.tripBudget ? opts.tripBudget : deriveTripBudget(dev.info())),
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
+                    opts.leaveOut ? packed.features : allFeatures()),
+          submission(dev) {
+        const Stopwatch watch;
+        buffers = SceneBuffers(device, scene, access);
+        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
+                               gpu::MemoryKind::Host);
+        times.upload += watch.seconds();
+    }
+
+    uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
+    void reservePaths(uint32_t capacity, uint32_t rows);
+    shared::Dispatch dispatchFor(const Slice& slice) const;
+    void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
+    void submit();
+    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
+    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
+    void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
+    bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes, double progressFrom,
+                     double progressTo);
+    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings, const TraceModes& modes);
+    void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
+    void readData(const Slice& slice, Picture& picture) const;
+};
+
+void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows) {
+    if (paths.capacity() < capacity || paths.rows() < rows) {
+        const uint32_t newCapacity = std::max(capacity, paths.capacity());
+        const uint32_t newRows = std::max(rows, paths.rows());
+        paths = PathState();
+        paths = PathState(device, access, newCapacity, newRows);
+    }
+    pipelines.bind(counters, paths.buffer(), buffers);
+}
+
+shared::Dispatch Renderer::State::dispatchFor(const Slice& slice) const {
+    shared::Dispatch dispatch;
+    dispatch.firstTile = slice.firstTile;
+    dispatch.tileCount = slice.tileCount;
+    dispatch.interleave = slice.interleave;
+    dispatch.run = slice.run();
+    dispatch.regionX = static_cast<uint32_t>(slice.region.x0);
+    dispatch.regionY = static_cast<uint32_t>(slice.region.y0);
+    dispatch.regionWidth = static_cast<uint32_t>(slice.region.width());
+    dispatch.regionHeight = static_cast<uint32_t>(slice.region.height());
+    dispatch.capacity = paths.capacity();
+    dispatch.tripBudget = tripBudget;
+    return dispatch;
+}
+
+void Renderer::State::record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups) {
+    submission.dispatch(pipelines.get(id, modes), groups, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+}
+
+void Renderer::State::submit() {
+    std::fill_n(counter(), shared::kCounterCount, 0u);
+    const gpu::Submission::Times t = submission.submit();
+    times.trace += t.wall;
+    times.device += t.device;
+    times.longestSubmission = std::max(times.longestSubmission, t.wall);
+    longestInSlice = std::max(longestInSlice, t.wall);
+    ++times.submissions;
+}
+
+void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups) {
+    record(id, modes, dispatch, groups);
+    submit();
+    modes.resume = true;
+    while (counter()[shared::kCounterUnfinished] != 0) {
+        ++times.resumes;
+        record(id, modes, dispatch, groups);
+        submit();
+    }
+}
+
+// The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all.
+void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    const Stopwatch watch;
+    Slice nothing;
+    nothing.region = {0, 0, 1, 1};
+    const StageTimes before = times;
+    for (KernelId id : ids) record(id, modes, dispatchFor(nothing), 1);
+    submit();
+    times = before;
+    times.compile += watch.seconds();
+}
+
+bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
+                                   const TraceModes& modes) {
+    const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
+    const uint32_t groups = slice.groups();
+    record(KernelId::Generate, modes, dispatch, groups);
+    for (dispatch.bounce = 0;; ++dispatch.bounce) {
+        traceRays(KernelId::Intersect, modes, dispatch, groups);
+        if (cancelled()) return false;
+        for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount; ++dispatch.lightIndex) {
+            traceRays(KernelId::Light, modes, dispatch, groups);
+            if (cancelled()) return false;
+        }
+        record(KernelId::Shade, modes, dispatch, groups);
+        submit();
+        if (cancelled()) return false;
+        if (counter()[shared::kCounterAlive] == 0) return true;
+    }
+}
+
+bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
+                                  double progressFrom, double progressTo) {
+    longestInSlice = 0;
+    ++times.slices;
+    shared::Dispatch dispatch = dispatchFor(slice);
+    const size_t samples = settings.sampleOffsets.size();
+    for (size_t i = 0; i < samples; ++i) {
+        dispatch.sampleIndex = static_cast<uint32_t>(i);
+        dispatch.sampleOffset = glm::vec3(settings.sampleOffsets[i], 0.0);
+        if (!renderSample(slice, dispatch, settings, modes)) return false;
+        if (settings.progress) {
+            settings.progress(progressFrom + (progressTo - progressFrom) * static_cast<double>(i + 1) /
+                                                 static_cast<double>(samples));
+        }
+    }
+    return true;
+}
+
+void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture) {
+    const Stopwatch watch;
+    const std::vector<RowEntry> radiance = paths.readRow(device, shared::kRowRadiance, slice.paths());
+    const float scale = 1.0f / static_cast<float>(settings.sampleOffsets.size());
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
+        glm::ivec2 pixel;
+        if (!slice.pixelOf(path, pixel)) continue;
+        const size_t index = static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() + (pixel.x - slice.region.x0);
+        float* color = &picture.color.pixels[index * 4];
+        for (int c = 0; c < 3; ++c) color[c] = radiance[path].f[c] * scale;
+        color[3] = static_cast<float>(radiance[path].u[3]) * scale;
+        picture.done[index] = 1;
+        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
+    }
+    if (!picture.data.empty()) readData(slice, picture);
+    times.readback += watch.seconds();
+}
+
+namespace {
+
+void fillData(PixelData& data, const glm::dvec3& origin, const RowEntry& position, const RowEntry& normal,
+              const RowEntry& indices, const RowEntry& counts, const RowEntry& geometry) {
+    const bool hit = indices.u[2] != shared::kNone;
+    if (hit) data.position = origin + glm::dvec3(position.f[0], position.f[1], position.f[2]);
+    data.depth = hit ? position.f[3] : std::numeric_limits<double>::infinity();
+    data.normal = {normal.f[0], normal.f[1], normal.f[2]};
+    data.geometricNormal = {geometry.f[0], geometry.f[1], geometry.f[2]};
+    data.material = normal.u[3];
+    data.u = indices.f[0];
+    data.v = indices.f[1];
+    data.object = indices.u[2];
+    data.primitive = indices.u[3];
+    data.bounces = counts.u[0];
+    data.cost = counts.u[1];
+    data.shadowBits = counts.u[2];
+    data.pathHash = counts.u[3];
+}
+
+}  // namespace
+
+void Renderer::State::readData(const Slice& slice, Picture& picture) const {
+    const uint32_t count = slice.paths();
+    const auto position = paths.readRow(device, shared::kRowAovPosition, count);
+    const auto normal = paths.readRow(device, shared::kRowAovNormal, count);
+    const auto indices = paths.readRow(device, shared::kRowAovIndices, count);
+    const auto counts = paths.readRow(device, shared::kRowAovCounts, count);
+    const auto geometry = paths.readRow(device, shared::kRowAovGeometry, count);
+    for (uint32_t path = 0; path < count; ++path) {
+        glm::ivec2 pixel;
+        if (!slice.pixelOf(path, pixel)) continue;
+        const size_t index = static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() + (pixel.x - slice.region.x0);
+        fillData(picture.data[index], scene.origin, position[path], normal[path], indices[path], counts[path], geometry[path]);
+    }
+}
+
+Renderer::Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options)
+    : state_(std::make_unique<State>(device, scene, options)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+
+const StageTimes& Renderer::times() const { return state_->times; }
+gpu::Access Renderer::access() const { return state_->access; }
+uint64_t Renderer::deviceBytes() const {
+    return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
+}
+
+Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {
+    State& s = *state_;
+    Picture picture;
+    picture.region = wholeOrGiven(settings);
+    const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();
+    picture.color = Image(picture.region.width(), picture.region.height(), 4);
+    picture.done.assign(pixels, 0);
+    TraceModes modes;
+    modes.cost = settings.cost;
+    modes.aovs = settings.data || settings.cost;
+    if (modes.aovs) picture.data.resize(pixels);
+
+    const uint32_t tiles = Slice::tilesIn(picture.region);
+    const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
+    const uint32_t limit = s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths;
+    const uint32_t wanted = std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
+    const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
+    s.reservePaths(maxTiles * shared::kWorkgroupSize, modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows);
+    s.buffers.setCamera(s.device, camera);
+    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
+    if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
+    s.compile(modes, kernels);
+
+    uint32_t sliceTiles = std::min(kFirstSliceTiles, maxTiles);
+    for (uint32_t first = 0; first < tiles;) {
+        const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
+        const double from = static_cast<double>(first) / tiles;
+        const double to = static_cast<double>(first + slice.tileCount) / tiles;
+        if (!s.renderSlice(slice, settings, modes, from, to)) {
+            picture.complete = false;
+            return picture;
+        }
+        s.readSlice(slice, settings, picture);
+        first += slice.tileCount;
+        // Aim below the bound, and grow by at most 4: the next slice may be four times dearer a pixel than the last.
+        const double factor = std::clamp(0.7 * s.options.sliceSeconds / std::max(s.longestInSlice, 1e-6), 0.1, 4.0);
+        sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), interleave, maxTiles);
+    }
+    return picture;
+}
+
+std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any) {
+    State& s = *state_;
+    std::vector<RayHit> hits(rays.size());
+    const TraceModes modes = {.aovs = !any};
+    constexpr uint32_t kBatch = 1u << 16;
+    const uint32_t capacity = std::max(1u, std::min(kBatch, static_cast<uint32_t>(rays.size())));
+    const uint32_t groups = (capacity + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
+    s.reservePaths(groups * shared::kWorkgroupSize, shared::kPathRowsWithAovs);
+    for (size_t first = 0; first < rays.size(); first += kBatch) {
+        const uint32_t count = static_cast<uint32_t>(std::min<size_t>(kBatch, rays.size() - first));
+        std::vector<RowEntry> origin(s.paths.capacity()), direction = origin, hit = origin, throughput = origin, walk = origin;
+        for (uint32_t i = 0; i < s.paths.capacity(); ++i) {
+            const RayInput ray = i < count ? rays[first + i] : RayInput{};
+            const float tMin = i < count ? ray.tMin : shared::kInfinity;
+            origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
+            origin[i].u[3] = shared::kNone;
+            direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, tMin}};
+            hit[i] = {{ray.tMax, 0, 0, 0}};
+            hit[i].u[3] = shared::kNone;
+            walk[i].u[0] = shared::kNone;
+            walk[i].u[1] = walk[i].u[2] = walk[i].u[3] = 0;
+            throughput[i] = {{0, 0, 0, 0}};
+        }
+        s.paths.writeRow(s.device, shared::kRowOrigin, origin);
+        s.paths.writeRow(s.device, shared::kRowDirection, direction);
+        s.paths.writeRow(s.device, shared::kRowHit, hit);
+        s.paths.writeRow(s.device, shared::kRowWalk, walk);
+        s.paths.writeRow(s.device, shared::kRowThroughput, throughput);
+        s.paths.writeRow(s.device, shared::kRowRadiance, throughput);
+        Slice slice;
+        slice.region = {0, 0, 1, 1};
+        const shared::Dispatch dispatch = s.dispatchFor(slice);
+        s.traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups);
+        const auto found = s.paths.readRow(s.device, shared::kRowHit, count);
+        for (uint32_t i = 0; i < count; ++i) {
+            hits[first + i].hit = found[i].u[3] != shared::kNone;
+            hits[first + i].t = found[i].f[0];
+            hits[first + i].kindAndIndex = found[i].u[3];
+        }
+        if (any) continue;
+        s.record(KernelId::Shade, modes, dispatch, groups);
+        s.submit();
+        const auto position = s.paths.readRow(s.device, shared::kRowAovPosition, count);
+        const auto normal = s.paths.readRow(s.device, shared::kRowAovNormal, count);
+        const auto indices = s.paths.readRow(s.device, shared::kRowAovIndices, count);
+        const auto counts = s.paths.readRow(s.device, shared::kRowAovCounts, count);
+        const auto geometry = s.paths.readRow(s.device, shared::kRowAovGeometry, count);
+        for (uint32_t i = 0; i < count; ++i) {
+            fillData(hits[first + i].data, s.scene.origin, position[i], normal[i], indices[i], counts[i], geometry[i]);
+        }
+    }
+    return hits;
+}
+
+}  // namespace glint::render

@@ -1,0 +1,88 @@
+// Renders a packed scene on a device: uploads what the scene has, builds pipelines of what it uses, dispatches slices bounded by measured time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+#include "gpu/compute.h"
+#include "gpu/device.h"
+#include "render/kernels.h"
+#include "scene/picture.h"
+
+namespace glint::render {
+
+struct Options {
+    double sliceSeconds = 0.1;   // aim for the longest single submission
+    uint32_t maxSlicePixels = 0; // 0: chosen; else at most so many pixels a slice (a test shows that the picture does not depend on it)
+    uint32_t tripBudget = 0;     // 0: derived from the device; else loop trips of a ray in one dispatch
+    bool leaveOut = true;        // false: the full pipeline, with the code of every feature
+    std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
+    const KernelCode* kernels = nullptr;  // instead of the embedded ones
+};
+
+// Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the device's
+// storage buffer range but not its texel buffer range; storage buffers everywhere else.
+gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
+
+// Loop trips that one ray may make in a dispatch.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device);
+
+struct RenderSettings {
+    int width = 0, height = 0;  // of the whole picture
+    Region region;              // the part wanted; all zero: everything
+    std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
+    bool data = false;          // fill Picture::data
+    bool cost = false;          // count boxes and primitives (PixelData::cost); implies data
+    std::function<void(double)> progress;   // 0..1
+    std::function<bool()> cancelled;        // asked between submissions
+};
+
+// Seconds. `trace` is the wall time of all submissions, `device` the part of it between timestamps (0 without).
+struct StageTimes {
+    double upload = 0, compile = 0, trace = 0, device = 0, readback = 0;
+    double longestSubmission = 0;
+    uint64_t submissions = 0, slices = 0, resumes = 0;
+};
+
+struct RayInput {
+    glm::vec3 origin{0};  // local
+    glm::vec3 direction{0, 0, -1};
+    float tMin = 0;
+    float tMax = shared::kInfinity;
+};
+
+struct RayHit {
+    bool hit = false;
+    float t = 0;
+    uint32_t kindAndIndex = shared::kNone;
+    PixelData data;
+};
+
+class Renderer {
+  public:
+    // Keeps references to `device` and `scene`. Throws Error(Device) for arrays that do not fit, naming array and both sizes.
+    Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
+    ~Renderer();
+    Renderer(Renderer&&) noexcept;
+
+    // A cancelled render returns with complete = false and what was finished by then.
+    Picture render(const shared::Camera& camera, const RenderSettings& settings);
+
+    // The closest hit of each ray, or with `any` whether there is a hit (then only RayHit::hit is filled).
+    std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any);
+
+    const StageTimes& times() const;  // of construction and all renders since
+    gpu::Access access() const;
+    uint64_t deviceBytes() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace glint::render

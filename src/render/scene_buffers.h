@@ -1,0 +1,29 @@
+// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded.
+#pragma once
+
+#include <array>
+
+#include "bvh/packed_scene.h"
+#include "gpu/compute.h"
+#include "shared/dispatch.h"
+
+namespace glint::render {
+
+// Bytes of the largest array.
+uint64_t largestArray(const PackedScene& scene);
+
+class SceneBuffers {
+  public:
+    SceneBuffers() = default;
+    SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access);
+
+    void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
+    // What to bind at `binding` (2 and up); a stand-in for an absent array, which no shader of the scene's pipelines reads.
+    const gpu::Buffer& at(uint32_t binding) const;
+    uint64_t bytes() const;
+
+  private:
+    std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers_;
+};
+
+}  // namespace glint::render

@@ -1,0 +1,85 @@
+// MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, appendix B1), parsed by
+// tinyobjloader.
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <sstream>
+#include <type_traits>
+
+#include "scene/readers.h"
+#include "scene/text_file.h"
+#include "scene/validate.h"
+
+static_assert(std::is_same_v<tinyobj::real_t, double>, "link tinyobjloader's double build");
+
+namespace glint {
+
+namespace {
+
+Color color(const double (&rgb)[3]) {
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+// The maps that are named, as the file spells them.
+std::vector<const char*> mapsOf(const tinyobj::material_t& m) {
+    const std::pair<const std::string&, const char*> maps[] = {
+        {m.ambient_texname, "map_Ka"},   {m.diffuse_texname, "map_Kd"},
+        {m.specular_texname, "map_Ks"},  {m.specular_highlight_texname, "map_Ns"},
+        {m.bump_texname, "map_bump"},    {m.displacement_texname, "disp"},
+        {m.alpha_texname, "map_d"},      {m.reflection_texname, "refl"},
+        {m.roughness_texname, "map_Pr"}, {m.metallic_texname, "map_Pm"},
+        {m.sheen_texname, "map_Ps"},     {m.emissive_texname, "map_Ke"},
+        {m.normal_texname, "norm"}};
+    std::vector<const char*> named;
+    for (const auto& [file, key] : maps)
+        if (!file.empty()) named.push_back(key);
+    return named;
+}
+
+Material convert(const tinyobj::material_t& m) {
+    Material material;
+    material.name = m.name;
+    material.diffuse = color(m.diffuse);
+    // Exporters without an ambient term write Ka 0 0 0 or leave it out; taken at its word the unlit side of
+    // nearly every model would be black, so both mean what a missing "ambient" means in a scene file: the
+    // diffuse colour.
+    const Color ambient = color(m.ambient);
+    material.ambient = m.illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
+    material.shininess = m.shininess;
+    const Color specular = m.illum == 0 ? Color(0) : color(m.specular);
+    // An exponent of 0 would add Ks to every lit point; exporters write Ns 0 for a surface without a
+    // highlight.
+    if (m.shininess > 0) material.specular = specular;
+    // Illumination models from 3 up trace rays (3: mirror, 4 to 7: glass and Fresnel, 8 and 9: without rays).
+    if (m.illum >= 3) material.mirror = glm::min(specular, Color(1));
+    return material;
+}
+
+}  // namespace
+
+void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
+             std::vector<std::string>& warnings) {
+    const std::string file = path.string();
+    std::istringstream stream(readWholeFile(path));
+    std::map<std::string, int> indices;
+    std::vector<tinyobj::material_t> parsed;
+    std::string parserWarnings, errors;
+    tinyobj::LoadMtl(&indices, &parsed, &stream, &parserWarnings, &errors);
+
+    std::vector<std::string> ignored;  // each map once, in order
+    for (const tinyobj::material_t& m : parsed) {
+        if (m.name.empty()) continue;  // what stands before the first newmtl
+        for (const char* map : mapsOf(m))
+            if (std::find(ignored.begin(), ignored.end(), map) == ignored.end()) ignored.emplace_back(map);
+        if (m.dissolve < 1)
+            warnings.push_back(file + ": material \"" + m.name +
+                               "\": d and Tr (transparency) are not supported by this version; drawn opaque");
+        const Material material = convert(m);
+        validateMaterial(material, {file, "material \"" + m.name + "\""});
+        materials.push_back(material);
+    }
+    for (const std::string& map : ignored)
+        warnings.push_back(file + ": " + map + " is ignored, textures are not supported by this version");
+}
+
+}  // namespace glint

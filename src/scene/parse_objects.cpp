@@ -1,0 +1,181 @@
+#include "scene/parse_objects.h"
+
+#include <algorithm>
+
+#include "scene/near_names.h"
+#include "scene/parse_transform.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+namespace {
+
+const KeyTable& keysOf(std::string_view type) {
+    if (type == "sphere") return keys::kSphere;
+    if (type == "plane") return keys::kPlane;
+    if (type == "triangle") return keys::kTriangle;
+    return keys::kMeshObject;
+}
+
+std::string hintIn(const std::string& hint) {
+    return hint.empty() ? "" : " (" + hint + ")";
+}
+
+Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCursor& where) {
+    if (!similarityFactor(transform.linear))
+        where.fail(
+            "a sphere can only be scaled alike in all directions; ellipsoids come with a later version");
+    return transformed(sphere, transform);
+}
+Shape applied(const PlaneShape& plane, const Affine& transform, const JsonCursor&) {
+    return transformed(plane, transform);
+}
+Shape applied(const TriangleShape& triangle, const Affine& transform, const JsonCursor&) {
+    return transformed(triangle, transform);
+}
+Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&) {
+    return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
+}
+
+}  // namespace
+
+std::string_view readType(const JsonCursor& type, const keys::TypeTable& table) {
+    const std::string& name = type.string();
+    const auto has = [&](std::span<const std::string_view> list) {
+        return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    if (has(table.types)) return name;
+    if (has(table.later))
+        type.fail("\"" + name + "\" is not supported by this version (supported: " + joinNames(table.types) +
+                  ")");
+    type.fail("unknown " + std::string(table.what) + " type \"" + name + "\"" +
+              hintIn(suggestion(name, table.types, "supported")));
+}
+
+ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
+                           const JsonCursor* meshes)
+    : scene_(scene), file_(file), folder_(folder), meshes_(meshes) {
+    for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
+}
+
+void ObjectParser::parse(const JsonCursor& object) {
+    object.expectObject();
+    const std::string_view type = readType(object.require("type"), keys::kObjectTypes);
+    object.expectKeys(keysOf(type));
+
+    Object result;
+    result.name = object.pointer();
+    const auto material = object.find("material");
+    if (type == "mesh") {
+        result.material = material ? findMaterial(*material) : Mesh::kNoIndex;
+        result.shape = MeshShape{parseMesh(object, result.material)};
+    } else {
+        result.material = material ? findMaterial(*material) : defaultMaterial();
+        result.shape = parseShape(object, type);
+        // Before the transform, so that the message shows the number in the file; meshes are looked at once,
+        // at the end.
+        validateShape(result.shape, {file_, result.name}, 0);
+    }
+    if (const auto transform = object.find("transform")) {
+        const Affine affine = parseTransform(*transform);
+        if (affine != Affine{})
+            result.shape =
+                std::visit([&](const auto& s) { return applied(s, affine, *transform); }, result.shape);
+    }
+    scene_.objects.push_back(std::move(result));
+}
+
+Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) {
+    if (type == "sphere") {
+        SphereShape sphere;
+        sphere.center = object.require("center").vector3();
+        sphere.radius = object.require("radius").number();
+        return sphere;
+    }
+    if (type == "plane") {
+        PlaneShape plane;
+        plane.point = object.require("point").vector3();
+        plane.normal = object.require("normal").vector3();
+        return plane;
+    }
+    const JsonCursor vertices = object.require("vertices");
+    if (!vertices.value().array() || vertices.size() != 3)
+        vertices.failWanted("must be three points [[x, y, z], ...]");
+    TriangleShape triangle;
+    for (size_t i = 0; i < 3; i++) triangle.vertices[i] = vertices.item(i).vector3();
+    return triangle;
+}
+
+// `material` is kNoIndex if the object names none; then it becomes the file's first one, or the default.
+std::shared_ptr<const Mesh> ObjectParser::parseMesh(const JsonCursor& object, uint32_t& material) {
+    LoadedMesh& loaded = load(object.require("mesh"));
+    if (material == Mesh::kNoIndex) {
+        material = loaded.own->materials.empty() ? defaultMaterial() : loaded.material;
+        return loaded.own;
+    }
+    if (loaded.own->materials.empty()) return loaded.own;
+    if (!loaded.plain) {
+        auto plain = std::make_shared<Mesh>(*loaded.own);
+        plain->materials.clear();
+        loaded.plain = std::move(plain);
+    }
+    return loaded.plain;
+}
+
+ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
+    const std::string& name = nameCursor.string();
+    const auto known = loaded_.find(name);
+    if (known != loaded_.end()) return known->second;
+
+    std::vector<std::string_view> names;
+    if (meshes_)
+        for (size_t i = 0; i < meshes_->memberCount(); i++) names.push_back(meshes_->memberName(i));
+    const auto entry = meshes_ ? meshes_->find(name) : std::nullopt;
+    if (!entry) {
+        const std::string hint = suggestion(name, names, "defined");
+        nameCursor.fail("no mesh \"" + name + "\"" +
+                        (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
+    }
+    const JsonCursor file = entry->require("file");
+    const std::filesystem::path path = folder_ / file.string();
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) file.fail("no such file: " + path.string());
+
+    ImportedMesh imported = importMesh(path);
+    for (std::string& warning : imported.warnings) scene_.warnings.push_back(std::move(warning));
+    LoadedMesh mesh;
+    mesh.material = static_cast<uint32_t>(scene_.materials.size());
+    for (Material& material : imported.materials) scene_.materials.push_back(std::move(material));
+    for (uint32_t& material : imported.mesh.materials) material += mesh.material;
+    mesh.own = std::make_shared<const Mesh>(std::move(imported.mesh));
+    return loaded_.emplace(name, std::move(mesh)).first->second;
+}
+
+void ObjectParser::warnOfUnusedMeshes() {
+    if (!meshes_) return;
+    for (size_t i = 0; i < meshes_->memberCount(); i++)
+        if (!loaded_.contains(meshes_->memberName(i)))
+            scene_.warnings.push_back(file_ + ": " + meshes_->member(i).pointer() +
+                                      ": no object uses this mesh");
+}
+
+uint32_t ObjectParser::findMaterial(const JsonCursor& nameCursor) const {
+    const std::string& name = nameCursor.string();
+    const auto found = materials_.find(name);
+    if (found != materials_.end()) return found->second;
+    std::vector<std::string_view> names;
+    for (const auto& [known, index] : materials_) names.push_back(known);
+    const std::string hint = suggestion(name, names, "defined");
+    nameCursor.fail("no material \"" + name + "\"" +
+                    (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
+}
+
+uint32_t ObjectParser::defaultMaterial() {
+    if (default_ == Mesh::kNoIndex) {
+        default_ = static_cast<uint32_t>(scene_.materials.size());
+        scene_.materials.emplace_back().name = "default";
+    }
+    return default_;
+}
+
+}  // namespace glint

@@ -1,0 +1,148 @@
+// The scene file, section by section. Only types and keys are checked here; what values mean is checked by
+// validateScene.
+#include <algorithm>
+
+#include "scene/json_cursor.h"
+#include "scene/limits.h"
+#include "scene/load.h"
+#include "scene/parse_objects.h"
+#include "scene/scene_keys.h"
+
+namespace glint {
+
+namespace {
+
+// Reads an optional key into `target`.
+template <typename T>
+void readInto(const JsonCursor& object, std::string_view key, T& target) {
+    const auto found = object.find(key);
+    if (!found) return;
+    if constexpr (std::is_same_v<T, double>)
+        target = found->number();
+    else
+        target = found->vector3();
+}
+
+void readInteger(const JsonCursor& object, std::string_view key, int least, int most, int& target) {
+    if (const auto found = object.find(key)) target = found->integer(least, most);
+}
+
+// Colours are vectors of the same C++ type as points, hence a function of their own.
+void readColor(const JsonCursor& object, std::string_view key, Color& target, const char* laterKey) {
+    const auto found = object.find(key);
+    if (!found) return;
+    if (laterKey && found->value().object() && found->find(laterKey))
+        found->fail("\"" + std::string(laterKey) +
+                    "\" is not supported by this version (give a number or [r, g, b])");
+    target = found->color();
+}
+
+void parseImage(const JsonCursor& image, ImageSettings& settings) {
+    image.expectKeys(keys::kImage);
+    readInteger(image, "width", 1, kMaxImageSize, settings.width);
+    readInteger(image, "height", 1, kMaxImageSize, settings.height);
+    readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
+}
+
+void parseCamera(const JsonCursor& camera, Camera& result) {
+    camera.expectObject();
+    if (const auto type = camera.find("type")) readType(*type, keys::kCameraTypes);
+    camera.expectKeys(keys::kCamera);
+    readInto(camera, "eye", result.eye);
+    readInto(camera, "target", result.target);
+    readInto(camera, "up", result.up);
+    readInto(camera, "fovY", result.fovY);
+    readInto(camera, "near", result.nearT);
+    readInto(camera, "far", result.farT);
+    if (const auto window = camera.find("window")) {
+        if (!window->value().array() || window->size() != 4)
+            window->failWanted("must be four numbers [left, right, bottom, top]");
+        result.window = ViewWindow{window->item(0).number(), window->item(1).number(),
+                                   window->item(2).number(), window->item(3).number()};
+    }
+}
+
+bool readFalloff(const JsonCursor& light) {
+    const auto falloff = light.find("falloff");
+    if (!falloff) return false;
+    const std::string& name = falloff->string();
+    if (name != "none" && name != "inverseSquare")
+        falloff->failWanted("must be \"none\" or \"inverseSquare\"");
+    return name == "inverseSquare";
+}
+
+Light parseLight(const JsonCursor& light) {
+    light.expectObject();
+    const std::string_view type = readType(light.require("type"), keys::kLightTypes);
+    if (type == "point") {
+        light.expectKeys(keys::kPoint);
+        PointLight point;
+        point.position = light.require("position").vector3();
+        readColor(light, "intensity", point.intensity, nullptr);
+        point.inverseSquare = readFalloff(light);
+        return point;
+    }
+    light.expectKeys(keys::kDirectional);
+    DirectionalLight directional;
+    directional.direction = light.require("direction").vector3();
+    readColor(light, "intensity", directional.intensity, nullptr);
+    return directional;
+}
+
+Material parseMaterial(const JsonCursor& material, std::string_view name) {
+    material.expectKeys(keys::kMaterial);
+    Material result;
+    result.name = name;
+    readColor(material, "diffuse", result.diffuse, "texture");
+    result.ambient = result.diffuse;
+    readColor(material, "ambient", result.ambient, "texture");
+    readColor(material, "specular", result.specular, "texture");
+    readInto(material, "shininess", result.shininess);
+    readColor(material, "mirror", result.mirror, "texture");
+    return result;
+}
+
+void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
+                  const std::filesystem::path& folder) {
+    const auto meshes = root.find("meshes");
+    if (meshes) {
+        meshes->expectObject();
+        for (size_t i = 0; i < meshes->memberCount(); i++) {
+            const JsonCursor mesh = meshes->member(i);
+            mesh.expectKeys(keys::kMesh);
+            mesh.require("file").string();
+        }
+    }
+    ObjectParser parser(scene, name, folder, meshes ? &*meshes : nullptr);
+    if (const auto objects = root.find("objects"))
+        for (size_t i = 0; i < objects->size(); i++) parser.parse(objects->item(i));
+    parser.warnOfUnusedMeshes();
+}
+
+}  // namespace
+
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
+    const JsonValue document = parseJson(text, name);
+    const JsonCursor root(document, name);
+    root.expectKeys(keys::kScene);
+
+    Scene scene;
+    if (const auto schema = root.find("$schema")) schema->string();
+    if (const auto image = root.find("image")) parseImage(*image, scene.image);
+    if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
+    readColor(root, "background", scene.background, "environment");
+    readColor(root, "ambient", scene.ambient, nullptr);
+    readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
+    if (const auto lights = root.find("lights"))
+        for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
+    if (const auto materials = root.find("materials")) {
+        materials->expectObject();
+        for (size_t i = 0; i < materials->memberCount(); i++)
+            scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i)));
+    }
+    parseObjects(root, scene, name, folder);
+    validateScene(scene, name);
+    return scene;
+}
+
+}  // namespace glint

@@ -1,0 +1,13 @@
+// The "transform" of an object.
+#pragma once
+
+#include "scene/json_cursor.h"
+#include "scene/transform.h"
+
+namespace glint {
+
+// A list of steps, applied first to last, or 16 numbers by rows. The result is finite and has a condition
+// number of at most kMaxCondition, else Error(Scene).
+Affine parseTransform(const JsonCursor& transform);
+
+}  // namespace glint

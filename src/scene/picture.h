@@ -1,0 +1,65 @@
+// What a tracer makes: colour for each pixel, and on request everything else known about the pixel's first
+// sample.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint {
+
+// The pixels x0 <= x < x1, y0 <= y < y1, from the top left corner.
+struct Region {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    int width() const { return x1 - x0; }
+    int height() const { return y1 - y0; }
+};
+
+// Of a pixel's first sample; definitions in docs/shading.md. Indices are kNoIndex, depth infinite and all
+// else 0 on a miss.
+struct PixelData {
+    static constexpr uint32_t kNoIndex = 0xffffffffu;
+    glm::dvec3 position{0};  // world
+    double depth = std::numeric_limits<double>::infinity();
+    glm::vec3 normal{0};           // outward shading normal
+    glm::vec3 geometricNormal{0};  // outward
+    float u = 0, v = 0;
+    uint32_t object = kNoIndex;
+    uint32_t primitive = kNoIndex;
+    uint32_t material = kNoIndex;
+    uint32_t bounces = 0;
+    uint32_t cost = 0;
+    uint32_t pathHash = 0;
+    uint32_t shadowBits = 0;
+};
+
+struct Picture {
+    Region region;
+    Image color;                  // region-sized, 4 channels: linear radiance and alpha
+    std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
+    std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
+    bool complete = true;
+    uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
+
+    const PixelData& at(int x, int y) const {
+        return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];
+    }
+};
+
+// The AOVs that makeLayers knows, in the order of the documentation: color alpha depth position normal uv
+// object primitive material bounces cost.
+const std::vector<std::string>& aovNames();
+
+// The named layers of a picture. A picture without `data` has only color and alpha. Throws Error(Usage) for
+// an unknown name.
+std::vector<Layer> makeLayers(const Picture& picture, const std::vector<std::string>& names);
+
+// Offsets of the samples of a pixel, in [0,1)^2: the centre for 1, a regular grid for a square number, else
+// Hammersley's points (Hammersley 1960).
+std::vector<glm::dvec2> sampleOffsets(int samplesPerPixel);
+
+}  // namespace glint

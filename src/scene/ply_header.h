@@ -1,0 +1,43 @@
+// The header of a PLY file (Turk, The PLY Polygon File Format, 1994).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace glint {
+
+enum class PlyType : uint8_t { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
+
+size_t sizeOf(PlyType type);
+bool isInteger(PlyType type);
+
+struct PlyProperty {
+    std::string name;
+    PlyType type = PlyType::Float32;
+    bool isList = false;
+    PlyType countType = PlyType::Uint8;  // of a list
+};
+
+struct PlyElement {
+    std::string name;
+    uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+    int find(std::string_view property) const;  // its index, or -1
+};
+
+enum class PlyFormat { Ascii, LittleEndian, BigEndian };
+
+struct PlyHeader {
+    PlyFormat format = PlyFormat::Ascii;
+    std::vector<PlyElement> elements;
+    size_t bodyOffset = 0;  // the first byte after the header
+    size_t bodyLine = 1;    // the number of the first line after it
+};
+
+// Throws Error(Scene) "FILE:LINE: ..." for anything unsupported.
+PlyHeader readPlyHeader(std::string_view bytes, const std::string& file);
+
+}  // namespace glint

@@ -1,0 +1,59 @@
+// Words and numbers of a text file, line by line, for the mesh readers. Speed matters: millions of numbers a
+// file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace glint {
+
+class TextScanner {
+  public:
+    // `line` is the number of the first line of `text` in `file`. With `continuations` a backslash at the end
+    // of a line that is no comment joins the next one to it.
+    TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false)
+        : next_(text.data()),
+          end_(next_ + text.size()),
+          nextLine_(line),
+          continuations_(continuations),
+          file_(std::move(file)) {}
+
+    // Goes to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
+    bool nextLine();
+    size_t line() const { return line_; }  // counted from 1
+    bool lineDone();                       // nothing but blanks, or a comment (#), is left on this line
+    std::string_view word();               // up to the next blank; empty at the end of the line
+    std::string_view restOfLine();         // without blanks around it
+
+    // Fail with "FILE:LINE: ..." if the next word is not one, or if there is none. `owner` says what needs
+    // it, e.g. "a vertex".
+    double number(const char* owner);  // also nan and inf, any sign; too large ones become infinite
+    int64_t integer(const char* owner);
+
+    [[noreturn]] void fail(const std::string& what) const { failAt(line_, what); }
+    [[noreturn]] void failAt(size_t line, const std::string& what) const;
+
+  private:
+    bool blank(char c) const {
+        return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\r' || c == '\n' ||
+               (c == '\\' && joined_);
+    }
+    void skipBlanks() {
+        while (at_ < lineEnd_ && blank(*at_)) at_++;
+    }
+    bool atWordEnd(const char* p) const { return p == lineEnd_ || blank(*p); }
+    [[noreturn]] void failWord(const char* start, const char* owner, const char* kind) const;
+
+    const char* next_;  // the line after the present one
+    const char* end_;
+    const char* at_ = nullptr;
+    const char* lineEnd_ = nullptr;
+    size_t line_ = 0;
+    size_t nextLine_;
+    bool continuations_;
+    bool joined_ = false;
+    std::string file_;
+};
+
+}  // namespace glint

@@ -1,0 +1,44 @@
+// Affine transforms of scene objects, in double.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace glint {
+
+// x -> linear x + offset
+struct Affine {
+    glm::dmat3 linear{1};
+    glm::dvec3 offset{0};
+    bool operator==(const Affine&) const = default;
+};
+
+Affine scaling(const glm::dvec3& factors);
+Affine translation(const glm::dvec3& offset);
+// Turns by `degrees` about `axis` (not zero, any length), counter-clockwise seen from its tip. Exact for
+// quarter turns.
+Affine rotation(const glm::dvec3& axis, double degrees);
+// First `first`, then `second`.
+Affine then(const Affine& first, const Affine& second);
+
+// |A| |A^-1| in the Frobenius norm: 3 for a similarity, 1 to 3 times the spectral condition number in
+// general, infinite for a singular matrix and NaN for one that is not finite.
+double conditionNumber(const glm::dmat3& linear);
+
+// The factor of a transform that scales all directions alike (it may also turn and mirror), within 1e-6, so
+// that matrices written with seven digits pass; otherwise nothing.
+std::optional<double> similarityFactor(const glm::dmat3& linear);
+
+// The object under the transform; its inside stays inside. Normals go by the inverse transpose. A mirroring
+// transform (negative determinant) turns the winding of triangles around, so the second and third corner are
+// exchanged: outward normals stay outward and agree with the transformed vertex normals. `linear` must be
+// regular; a sphere needs a similarity.
+TriangleShape transformed(const TriangleShape& triangle, const Affine& transform);
+PlaneShape transformed(const PlaneShape& plane, const Affine& transform);
+SphereShape transformed(const SphereShape& sphere, const Affine& transform);
+Mesh transformed(const Mesh& mesh, const Affine& transform);
+
+}  // namespace glint

@@ -1,0 +1,224 @@
+#include "scene/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "core/error.h"
+#include "scene/json_cursor.h"
+#include "scene/limits.h"
+#include "scene/load.h"
+
+namespace glint {
+
+namespace {
+
+std::string text(const glm::dvec3& v) {
+    const std::string x = describe(v.x), y = describe(v.y), z = describe(v.z);
+    return '[' + x + ", " + y + ", " + z + ']';
+}
+
+std::string got(const std::string& what) {
+    return " (got " + what + ")";
+}
+std::string got(double number) {
+    return got(describe(number));
+}
+std::string got(const glm::dvec3& v) {
+    return got(text(v));
+}
+
+std::string gotColor(const Color& c) {
+    return c.x == c.y && c.y == c.z ? got(c.x) : got(c);
+}
+
+bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+double greatest(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
+    if (!finite(point)) place.fail(key, "must be finite" + got(point));
+    if (greatest(point) >= kMaxCoordinate)
+        place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
+}
+
+void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
+    checkPoint(place, key, direction);
+    if (greatest(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
+}
+
+void checkColor(const Place& place, std::string_view key, const Color& color) {
+    if (!finite(color)) place.fail(key, "must be finite" + gotColor(color));
+    if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
+    if (greatest(color) > kMaxColor)
+        place.fail(key, "must be at most " + describe(kMaxColor) + gotColor(color));
+}
+
+void checkInteger(const Place& place, std::string_view key, int value, int least, int most) {
+    if (value < least || value > most)
+        place.fail(key, "must be a whole number from " + std::to_string(least) + " to " +
+                            std::to_string(most) + got(value));
+}
+
+void checkWindow(const ViewWindow& window, const Place& place) {
+    for (const double edge : {window.left, window.right, window.bottom, window.top})
+        if (!(std::abs(edge) < kMaxCoordinate))
+            place.fail("window", "edges must be finite and below " + describe(kMaxCoordinate) + got(edge));
+    if (!(window.left < window.right))
+        place.fail("window", "left must be less than right (got " + describe(window.left) + " and " +
+                                 describe(window.right) + ")");
+    if (!(window.bottom < window.top))
+        place.fail("window", "bottom must be less than top (got " + describe(window.bottom) + " and " +
+                                 describe(window.top) + ")");
+}
+
+void checkView(const Camera& camera, const Place& place) {
+    const glm::dvec3 view = camera.target - camera.eye;
+    const double distance = glm::length(view);
+    if (!(distance >= kMinLength))
+        place.fail({}, "eye and target must differ (both " + text(camera.eye) + ")");
+    const double sine =
+        glm::length(glm::cross(glm::normalize(camera.up / greatest(camera.up)), view / distance));
+    if (!(sine >= kMinUpSine))
+        place.fail("up", "must not be parallel to the view direction " + text(view) + got(camera.up));
+}
+
+void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount) {
+    const auto checkSize = [&](const char* what, size_t size) {
+        if (size != 0 && size != mesh.corners.size())
+            place.fail({}, std::string("the mesh has ") + std::to_string(size) + " " + what + " for " +
+                               std::to_string(mesh.corners.size()) + " triangles");
+    };
+    checkSize("normal corners", mesh.normalCorners.size());
+    checkSize("face indices", mesh.faces.size());
+    checkSize("material indices", mesh.materials.size());
+    const auto checkIndex = [&](const char* what, size_t triangle, size_t index, size_t count) {
+        if (index >= count)
+            place.fail({}, "triangle " + std::to_string(triangle) + " of the mesh uses " + what + " " +
+                               std::to_string(index) + ", there are " + std::to_string(count));
+    };
+    for (size_t i = 0; i < mesh.corners.size(); i++)
+        for (int k = 0; k < 3; k++) checkIndex("vertex", i, mesh.corners[i][k], mesh.positions.size());
+    for (size_t i = 0; i < mesh.normalCorners.size(); i++)
+        if (mesh.normalCorners[i] != glm::uvec3(Mesh::kNoIndex))
+            for (int k = 0; k < 3; k++)
+                checkIndex("normal", i, mesh.normalCorners[i][k], mesh.normals.size());
+    for (size_t i = 0; i < mesh.materials.size(); i++)
+        checkIndex("material", i, mesh.materials[i], materialCount);
+}
+
+struct ShapeCheck {
+    const Place& place;
+    size_t materialCount;
+
+    void operator()(const SphereShape& sphere) const {
+        checkPoint(place, "center", sphere.center);
+        if (!(sphere.radius > 0)) place.fail("radius", "must be > 0" + got(sphere.radius));
+        if (sphere.radius < kMinRadius || sphere.radius > kMaxRadius)
+            place.fail("radius", "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) +
+                                     got(sphere.radius));
+    }
+    void operator()(const PlaneShape& plane) const {
+        checkPoint(place, "point", plane.point);
+        checkDirection(place, "normal", plane.normal);
+    }
+    void operator()(const TriangleShape& triangle) const {
+        for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
+    }
+    void operator()(const MeshShape& shape) const {
+        if (!shape.mesh) place.fail({}, "the mesh is missing");
+        checkMeshIndices(*shape.mesh, place, materialCount);
+        const auto& positions = shape.mesh->positions;
+        for (size_t i = 0; i < positions.size(); i++)
+            if (finite(positions[i]) && greatest(positions[i]) >= kMaxCoordinate)
+                place.fail({}, "vertex " + std::to_string(i) + " of the mesh: coordinates must be below " +
+                                   describe(kMaxCoordinate) + got(positions[i]));
+    }
+};
+
+}  // namespace
+
+void Place::fail(std::string_view key, const std::string& what) const {
+    std::string where = pointer;
+    if (!key.empty()) where += "/" + std::string(key);
+    throw Error(ExitCode::Scene, file + ": " + (where.empty() ? "" : where + ": ") + what);
+}
+
+void validateImage(const ImageSettings& image, const Place& place) {
+    checkInteger(place, "width", image.width, 1, kMaxImageSize);
+    checkInteger(place, "height", image.height, 1, kMaxImageSize);
+    checkInteger(place, "samplesPerPixel", image.samplesPerPixel, 1, kMaxSamplesPerPixel);
+}
+
+void validateCamera(const Camera& camera, const Place& place) {
+    checkPoint(place, "eye", camera.eye);
+    checkPoint(place, "target", camera.target);
+    checkDirection(place, "up", camera.up);
+    checkView(camera, place);
+    if (camera.window)
+        checkWindow(*camera.window, place);
+    else if (!(camera.fovY > 0 && camera.fovY < 180))
+        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+    if (!(camera.nearT >= 0 && std::isfinite(camera.nearT)))
+        place.fail("near", "must be >= 0 and finite" + got(camera.nearT));
+    if (!(camera.farT > camera.nearT))
+        place.fail("far", "must be greater than near, " + describe(camera.nearT) + got(camera.farT));
+}
+
+void validateLight(const Light& light, const Place& place) {
+    if (const auto* point = std::get_if<PointLight>(&light)) {
+        checkPoint(place, "position", point->position);
+        checkColor(place, "intensity", point->intensity);
+    } else {
+        const auto& directional = std::get<DirectionalLight>(light);
+        checkDirection(place, "direction", directional.direction);
+        checkColor(place, "intensity", directional.intensity);
+    }
+}
+
+void validateMaterial(const Material& material, const Place& place) {
+    checkColor(place, "ambient", material.ambient);
+    checkColor(place, "diffuse", material.diffuse);
+    checkColor(place, "specular", material.specular);
+    if (!(material.shininess >= 0 && material.shininess <= kMaxShininess))
+        place.fail("shininess", "must be from 0 to " + describe(kMaxShininess) + got(material.shininess));
+    checkColor(place, "mirror", material.mirror);
+    if (greatest(material.mirror) > 1)
+        place.fail("mirror", "must be from 0 to 1" + gotColor(material.mirror));
+}
+
+void validateShape(const Shape& shape, const Place& place, size_t materialCount) {
+    std::visit(ShapeCheck{place, materialCount}, shape);
+}
+
+void validateScene(const Scene& scene, const std::string& name) {
+    const Place root{name, ""};
+    validateImage(scene.image, {name, "/image"});
+    validateCamera(scene.camera, {name, "/camera"});
+    checkColor(root, "background", scene.background);
+    checkColor(root, "ambient", scene.ambient);
+    checkInteger(root, "maxDepth", scene.maxDepth, 0, kMaxBounces);
+    for (size_t i = 0; i < scene.lights.size(); i++)
+        validateLight(scene.lights[i], {name, "/lights/" + std::to_string(i)});
+    for (size_t i = 0; i < scene.materials.size(); i++) {
+        const Material& material = scene.materials[i];
+        const std::string key = material.name.empty() ? std::to_string(i) : escapePointer(material.name);
+        validateMaterial(material, {name, "/materials/" + key});
+    }
+    std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
+    for (const Object& object : scene.objects) {
+        const Place place{name, object.name};
+        if (object.material >= scene.materials.size())
+            place.fail("material", "there is no material number " + std::to_string(object.material) +
+                                       " (there are " + std::to_string(scene.materials.size()) + ")");
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
+        validateShape(object.shape, place, scene.materials.size());
+    }
+}
+
+}  // namespace glint

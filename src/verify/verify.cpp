@@ -1,0 +1,165 @@
+#include "verify/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "core/parallel.h"
+#include "verify/explain.h"
+
+namespace glint::verify {
+
+namespace {
+
+// Sums over pixels, one row at a time so that the result does not depend on the threads.
+struct RowSums {
+    double squares = 0, squaresSamePath = 0, maxSamePath = 0;
+    uint64_t samePath = 0, idsDiffer = 0;
+    std::vector<DifferingPixel> differing;
+    std::vector<float> grey;  // of the difference picture
+};
+
+constexpr float kDifferenceGain = 64;
+
+class Comparison {
+  public:
+    Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options, const Picture& device,
+               size_t sample)
+        : tracer_(scene), scene_(scene), camera_(camera), options_(options), device_(device), sample_(sample) {}
+
+    RowSums row(int y) const {
+        RowSums sums;
+        for (int x = 0; x < options_.width; ++x) comparePixel(x, y, sums);
+        return sums;
+    }
+
+  private:
+    void comparePixel(int x, int y, RowSums& sums) const {
+        const glm::dvec2 offset = options_.sampleOffsets[sample_];
+        const reference::Ray ray = tracer_.cameraRay(camera_, x + offset.x, y + offset.y);
+        const reference::PixelRecord expected = tracer_.trace(ray);
+        const PixelData& data = device_.at(x, y);
+        const glm::vec3 color(device_.color.at(x, y, 0), device_.color.at(x, y, 1), device_.color.at(x, y, 2));
+        const glm::dvec3 d = glm::abs(glm::dvec3(color) - expected.color);
+        const bool finite = std::isfinite(d.x + d.y + d.z);
+        const double difference = finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
+        const bool samePath = data.pathHash == expected.pathHash;
+        sums.grey.push_back(finite ? std::min(static_cast<float>(difference) * kDifferenceGain, 1.0f) : 1.0f);
+        if (finite) {
+            sums.squares += glm::dot(d, d);
+            if (samePath) {
+                sums.squaresSamePath += glm::dot(d, d);
+                sums.maxSamePath = std::max(sums.maxSamePath, difference);
+                ++sums.samePath;
+            }
+        }
+        if (difference <= options_.tolerance && samePath) return;
+        DifferingPixel pixel;
+        pixel.x = x;
+        pixel.y = y;
+        pixel.sample = sample_;
+        pixel.difference = difference;
+        pixel.deviceColor = color;
+        pixel.device = data;
+        pixel.reference = tracer_.trace(ray, {}, true);
+        sums.idsDiffer += samePath ? 0 : 1;
+        if (finite) explain(tracer_, ray, scene_, options_.tolerance, pixel);
+        sums.differing.push_back(std::move(pixel));
+    }
+
+    reference::Tracer tracer_;
+    const PackedScene& scene_;
+    const shared::Camera& camera_;
+    const Options& options_;
+    const Picture& device_;
+    size_t sample_;
+};
+
+void paint(Image& image, const DifferingPixel& pixel) {
+    static const float colors[3][3] = {{0.1f, 0.3f, 1}, {1, 0.8f, 0}, {1, 0, 0}};
+    for (int c = 0; c < 3; ++c) image.at(pixel.x, pixel.y, c) = colors[static_cast<int>(pixel.reason)][c];
+}
+
+bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
+    const bool ua = a.reason == Reason::Unexplained, ub = b.reason == Reason::Unexplained;
+    if (ua != ub) return ua;
+    if (a.difference != b.difference) return a.difference > b.difference;
+    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+}
+
+void addRow(RowSums& row, int y, Report& report, size_t sample) {
+    for (int x = 0; sample == 0 && x < static_cast<int>(row.grey.size()); ++x) {
+        for (int c = 0; c < 3; ++c) report.difference.at(x, y, c) = row.grey[x];
+    }
+    for (DifferingPixel& pixel : row.differing) {
+        switch (pixel.reason) {
+            case Reason::Tie: ++report.ties; break;
+            case Reason::Edge: ++report.edges; break;
+            case Reason::Unexplained: ++report.unexplained; break;
+        }
+        if (sample == 0) paint(report.difference, pixel);
+        report.worst.push_back(std::move(pixel));
+    }
+    report.idsDiffer += row.idsDiffer;
+    report.rmse += row.squares;
+    report.rmseSamePath += row.squaresSamePath;
+    report.maxSamePath = std::max(report.maxSamePath, row.maxSamePath);
+}
+
+void keepWorst(Report& report, size_t count) {
+    const size_t kept = std::min(count, report.worst.size());
+    std::partial_sort(report.worst.begin(), report.worst.begin() + static_cast<std::ptrdiff_t>(kept), report.worst.end(),
+                      worseThan);
+    report.worst.resize(kept);
+}
+
+}  // namespace
+
+const char* reasonName(Reason reason) {
+    static const char* const names[] = {"tie", "edge", "unexplained"};
+    return names[static_cast<int>(reason)];
+}
+
+Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera, const Options& options) {
+    Report report;
+    report.difference = Image(options.width, options.height, 3);
+    uint64_t samePath = 0;
+    for (size_t sample = 0; sample < options.sampleOffsets.size(); ++sample) {
+        render::RenderSettings settings;
+        settings.width = options.width;
+        settings.height = options.height;
+        settings.sampleOffsets = {options.sampleOffsets[sample]};
+        settings.data = true;
+        settings.cancelled = options.cancelled;
+        const Picture device = renderer.render(camera, settings);
+        const Comparison comparison(scene, camera, options, device, sample);
+        std::vector<RowSums> rows(options.height);
+        std::mutex mutex;
+        size_t finished = sample * options.height;
+        parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
+            if (!device.complete || (options.cancelled && options.cancelled())) return;
+            rows[y] = comparison.row(static_cast<int>(y));
+            const std::lock_guard lock(mutex);
+            ++finished;
+            if (options.progress) {
+                options.progress(static_cast<double>(finished) /
+                                 static_cast<double>(options.height * options.sampleOffsets.size()));
+            }
+        });
+        if (!device.complete || (options.cancelled && options.cancelled())) {
+            report.interrupted = true;
+            return report;
+        }
+        for (int y = 0; y < options.height; ++y) {
+            addRow(rows[y], y, report, sample);
+            samePath += rows[y].samePath;
+        }
+        report.pixels += static_cast<uint64_t>(options.width) * options.height;
+        keepWorst(report, options.worstCount);
+    }
+    report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
+    report.rmseSamePath = samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;
+    return report;
+}
+
+}  // namespace glint::verify

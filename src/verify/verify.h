@@ -1,0 +1,66 @@
+// Does the device draw what the reference draws? Every pixel that differs must be explained by rounding, or the verdict is no.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "reference/tracer.h"
+#include "render/renderer.h"
+#include "scene/picture.h"
+
+namespace glint::verify {
+
+// Why a differing pixel differs.
+enum class Reason {
+    Tie,         // explained, and the two first hits are other primitives at the same t within the bound
+    Edge,        // explained: the reference gives the device's answer for a ray moved by no more than rounding
+    Unexplained  // a defect, in the shader, the reference or the scene's packing
+};
+const char* reasonName(Reason reason);
+
+struct Options {
+    int width = 640, height = 480;
+    std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};  // each is a picture of its own
+    double tolerance = 1.0 / 512;      // greatest colour difference that needs no explanation: linear, unclamped, full scale 1
+    double maxExplainedShare = 0.005;  // of all pixels
+    size_t worstCount = 10;
+    std::function<void(double)> progress;
+    std::function<bool()> cancelled;
+};
+
+struct DifferingPixel {
+    int x = 0, y = 0;
+    size_t sample = 0;
+    Reason reason = Reason::Unexplained;
+    double difference = 0;  // greatest colour difference
+    double ulps = 0;        // the jitter that explained it
+    glm::vec3 deviceColor{0};
+    PixelData device;
+    reference::PixelRecord reference;
+};
+
+struct Report {
+    uint64_t pixels = 0;
+    uint64_t ties = 0, edges = 0, unexplained = 0;
+    uint64_t idsDiffer = 0;   // of the differing pixels, those whose paths hit other primitives
+    double rmse = 0;          // colour, all pixels
+    double rmseSamePath = 0;  // colour, pixels whose paths hit the same primitives: pure arithmetic
+    double maxSamePath = 0;
+    std::vector<DifferingPixel> worst;  // unexplained first, then by difference
+    Image difference;         // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie; of the first sample
+    bool interrupted = false;
+
+    uint64_t explained() const { return ties + edges; }
+    bool passed(const Options& options) const {
+        return !interrupted && unexplained == 0 &&
+               static_cast<double>(explained()) <= options.maxExplainedShare * static_cast<double>(pixels);
+    }
+};
+
+// `scene` must be the one that `renderer` was made from.
+Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera, const Options& options);
+
+}  // namespace glint::verify

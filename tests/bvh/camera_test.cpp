@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "bvh/packed_scene.h"
+
+namespace glint {
+namespace {
+
+// As shared/layout.h defines the camera ray of a film point.
+glm::dvec3 direction(const shared::Camera& c, double x, double y) {
+    return glm::normalize(glm::dvec3(c.center) + (x - c.halfWidth) * glm::dvec3(c.stepX) +
+                          (y - c.halfHeight) * glm::dvec3(c.stepY));
+}
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
+    EXPECT_NEAR(a.x, b.x, tolerance);
+    EXPECT_NEAR(a.y, b.y, tolerance);
+    EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+// fp32 rounds center and both steps; through half the picture's width the rounding of a step stays relative:
+// 3 * 2^-24 of a direction.
+constexpr double kRounding = 4e-7;
+
+Camera lookingDownZ(double fovY) {
+    Camera camera;
+    camera.eye = {0, 0, 0};
+    camera.target = {0, 0, -1};
+    camera.fovY = fovY;
+    return camera;
+}
+
+// T09 (J. Buck, "The Ray Tracer Challenge", ch. 7): 201 x 101, pi/2 across the width, pixel (0, 0) looks
+// along (0.66519, 0.33259, -0.66851). Its fov is horizontal, ours vertical: tan(fovY / 2) = 101 / 201; its
+// picture has +x on the left, ours on the right.
+TEST(PackCamera, CornerAndCentreOfTrtcPicture) {
+    const Camera camera = lookingDownZ(360 / std::numbers::pi * std::atan(101.0 / 201.0));
+    const shared::Camera packed = packCamera(camera, 201, 101, glm::dvec3(0));
+    expectNear(direction(packed, 100.5, 50.5), {0, 0, -1}, kRounding);
+    expectNear(direction(packed, 0.5, 0.5), {-0.66519, 0.33259, -0.66851}, 5e-6);
+    // The book's five digits are normalize(-100/100.5, 50/100.5, -1).
+    expectNear(direction(packed, 0.5, 0.5), glm::normalize(glm::dvec3(-100, 50, -100.5)), kRounding);
+    EXPECT_EQ(packed.halfWidth, 100.5f);
+    EXPECT_EQ(packed.halfHeight, 50.5f);
+}
+
+// The book's pixel size 0.01 at unit distance, for 200 x 125 with 90 degrees across and for 125 x 200 with 90
+// degrees in height.
+TEST(PackCamera, PixelSteps) {
+    const double wide = 360 / std::numbers::pi * std::atan(125.0 / 200.0);
+    for (const auto& [fovY, width, height] : {std::tuple{wide, 200, 125}, std::tuple{90.0, 125, 200}}) {
+        const shared::Camera packed = packCamera(lookingDownZ(fovY), width, height, glm::dvec3(0));
+        expectNear(packed.stepX, {0.01, 0, 0}, 1e-9);
+        expectNear(packed.stepY, {0, -0.01, 0}, 1e-9);  // rows go down
+        expectNear(packed.center, {0, 0, -1}, kRounding);
+    }
+}
+
+// Left and right edges of the film at l and r, top and bottom at t and b, whatever the picture's shape.
+TEST(PackCamera, WindowSpansTheFilm) {
+    Camera camera = lookingDownZ(40);
+    camera.window = ViewWindow{-0.5, 1.5, -0.25, 0.125};
+    const shared::Camera packed = packCamera(camera, 640, 480, glm::dvec3(0));
+    expectNear(direction(packed, 0, 0), glm::normalize(glm::dvec3(-0.5, 0.125, -1)), kRounding);
+    expectNear(direction(packed, 640, 480), glm::normalize(glm::dvec3(1.5, -0.25, -1)), kRounding);
+    // Shirley & Marschner, eq. 4.1: u = l + (r - l)(i + 0.5) / nx; column 100, row 30 from the top.
+    const double u = -0.5 + 2.0 * 100.5 / 640, v = 0.125 - 0.375 * 30.5 / 480;
+    expectNear(direction(packed, 100.5, 30.5), glm::normalize(glm::dvec3(u, v, -1)), kRounding);
+}
+
+// Eye on +x looking at the origin with z up: right is u = up x w = z x x = y, and up stays z.
+TEST(PackCamera, FrameOfAnotherView) {
+    Camera camera;
+    camera.eye = {5, 0, 0};
+    camera.target = {0, 0, 0};
+    camera.up = {1, 0, 2};  // leans towards the viewer; only its part across the view counts
+    camera.fovY = 90;
+    const shared::Camera packed = packCamera(camera, 2, 2, glm::dvec3(0));
+    expectNear(packed.center, {-1, 0, 0}, kRounding);
+    expectNear(packed.stepX, {0, 1, 0}, kRounding);
+    expectNear(packed.stepY, {0, 0, -1}, kRounding);
+}
+
+// The eye is subtracted in double: 2^-20 next to 1e7 is lost in fp32 but not relative to the origin.
+TEST(PackCamera, EyeIsRelativeToOrigin) {
+    const double small = std::ldexp(1.0, -20);
+    Camera camera;
+    camera.eye = {1e7 + small, -1e7, 3};
+    camera.target = {1e7 + small, -1e7, 2};
+    const shared::Camera packed = packCamera(camera, 4, 4, glm::dvec3(1e7, -1e7, 0));
+    EXPECT_EQ(packed.eye, glm::vec3(small, 0, 3));
+    expectNear(packed.center, {0, 0, -1}, kRounding);
+}
+
+TEST(PackCamera, Bounds) {
+    Camera camera;
+    camera.nearT = 0.5;
+    shared::Camera packed = packCamera(camera, 4, 4, glm::dvec3(0));
+    EXPECT_EQ(packed.nearT, 0.5f);
+    EXPECT_EQ(packed.farT, shared::kInfinity);
+    camera.farT = 100;
+    packed = packCamera(camera, 4, 4, glm::dvec3(0));
+    EXPECT_EQ(packed.farT, 100.0f);
+    camera.farT = 1e300;
+    EXPECT_EQ(packCamera(camera, 4, 4, glm::dvec3(0)).farT, shared::kInfinity);
+}
+
+// T97: with 1e-4 degrees over 100 pixels each step is 1.7e-8, below fp32's spacing near 1 but exact as a step
+// of its own.
+TEST(PackCamera, TelephotoKeepsItsSteps) {
+    const shared::Camera packed = packCamera(lookingDownZ(1e-4), 100, 100, glm::dvec3(0));
+    const double step = 2 * std::tan(0.5e-4 * std::numbers::pi / 180) / 100;
+    EXPECT_NEAR(packed.stepX.x, step, step * 1e-7);
+    EXPECT_NEAR(packed.stepY.y, -step, step * 1e-7);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,137 @@
+// What a packed scene can hold, and the features that are derived from it.
+#include <gtest/gtest.h>
+
+#include "bvh/packed_scene.h"
+#include "core/error.h"
+#include "scene_maker.h"
+
+namespace glint {
+namespace {
+
+using namespace test;
+
+void expectSceneError(const Scene& scene, const std::string& array, uint64_t count, uint64_t limit) {
+    try {
+        packScene(scene);
+        ADD_FAILURE() << "no error for " << count << " " << array;
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ExitCode::Scene);
+        const std::string what = e.what();
+        EXPECT_NE(what.find(array), std::string::npos) << what;
+        EXPECT_NE(what.find(std::to_string(count)), std::string::npos) << what;
+        EXPECT_NE(what.find(std::to_string(limit)), std::string::npos) << what;
+        EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+}
+
+TEST(PackLimits, Planes) {
+    Scene scene;
+    for (uint32_t i = 0; i < shared::kMaxPlanes; ++i)
+        addObject(scene, PlaneShape{{0, static_cast<double>(i), 0}, {0, 1, 0}});
+    EXPECT_EQ(packScene(scene).planes.size(), shared::kMaxPlanes);
+    addObject(scene, PlaneShape{});
+    expectSceneError(scene, "planes", 1025, 1024);
+}
+
+// One mesh of 2^20 triangles used 32 times is just at the limit of 2^25; one more triangle passes it.
+TEST(PackLimits, Triangles) {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh->corners.assign(1u << 20, {0, 1, 2});
+    Scene scene;
+    for (int i = 0; i < 32; ++i) addObject(scene, MeshShape{mesh});
+    addObject(scene, TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+    expectSceneError(scene, "triangles", 33554433, 33554432);
+}
+
+SceneFeatures featuresOf(const Scene& scene) {
+    return packScene(scene).features;
+}
+
+TEST(PackFeatures, EmptySceneUsesNothing) {
+    EXPECT_EQ(featuresOf(Scene{}), SceneFeatures{});
+}
+
+TEST(PackFeatures, AllAreOn) {
+    const SceneFeatures f = allFeatures();
+    EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
+                f.pointLights && f.directionalLights && f.specular && f.mirrors);
+}
+
+TEST(PackFeatures, Primitives) {
+    Scene scene;
+    addObject(scene, MeshShape{gridMesh(1)});
+    SceneFeatures expected;
+    expected.triangles = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    auto smooth = gridMesh(1);
+    smooth->normals = {{0, 0, 1}};
+    smooth->normalCorners.assign(2, {0, 0, 0});
+    addObject(scene, MeshShape{smooth});
+    expected.vertexNormals = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, SphereShape{{0, 0, 0}, 1});
+    expected.spheres = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, PlaneShape{});
+    expected.planes = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, SphereShape{{0, -1000, 0}, 1000});  // eye at (0, 0, 5): 0.0125 above it
+    expected.anchoredSpheres = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+}
+
+// A triangle that is dropped is not there, and neither is its material.
+TEST(PackFeatures, DroppedTrianglesDoNotCount) {
+    Scene scene;
+    scene.materials.resize(1);
+    scene.materials[0].mirror = {1, 1, 1};
+    addObject(scene, TriangleShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}});
+    EXPECT_EQ(featuresOf(scene), SceneFeatures{});
+}
+
+TEST(PackFeatures, Lights) {
+    Scene scene;
+    scene.lights.push_back(PointLight{{0, 1, 0}, {1, 1, 1}, true});
+    SceneFeatures expected;
+    expected.pointLights = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+    scene.lights[0] = DirectionalLight{};
+    expected = {};
+    expected.directionalLights = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+}
+
+// Only materials that something wears count, however it wears them, and mirrors only if a reflection may be
+// followed.
+TEST(PackFeatures, MaterialsInUse) {
+    Scene plain;
+    plain.materials.resize(3);
+    plain.materials[1].specular = {0, 0, 0.5};
+    plain.materials[2].mirror = {0, 0.25, 0};
+    EXPECT_FALSE(featuresOf(plain).specular);
+    EXPECT_FALSE(featuresOf(plain).mirrors);
+    auto mesh = gridMesh(1);
+    mesh->materials = {1, 2};
+    const std::vector<std::vector<std::pair<Shape, uint32_t>>> wearers{
+        {{SphereShape{}, 1}, {SphereShape{}, 2}},
+        {{PlaneShape{}, 1}, {PlaneShape{}, 2}},
+        {{TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 1}, {SphereShape{}, 2}},
+        {{MeshShape{mesh}, 0}}};
+    for (const auto& objects : wearers) {
+        Scene scene = plain;
+        for (const auto& [shape, material] : objects) addObject(scene, shape, material);
+        EXPECT_TRUE(featuresOf(scene).specular);
+        EXPECT_TRUE(featuresOf(scene).mirrors);
+        scene.maxDepth = 0;
+        EXPECT_TRUE(featuresOf(scene).specular);
+        EXPECT_FALSE(featuresOf(scene).mirrors);
+    }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,306 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+
+#include "bvh/packed_scene.h"
+#include "scene_maker.h"
+
+namespace glint {
+namespace {
+
+using namespace test;
+using shared::kNone;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+const shared::Triangle* triangleWithId(const PackedScene& packed, uint32_t id, size_t* slot = nullptr) {
+    for (size_t i = 0; i < packed.triangles.size(); ++i) {
+        if (packed.triangles[i].id != id) continue;
+        if (slot != nullptr) *slot = i;
+        return &packed.triangles[i];
+    }
+    return nullptr;
+}
+
+// Sphere, grid of 8, plane, empty mesh, triangle, grid of 2: ids 0, 1..8, 9, -, 10, 11..12.
+Scene mixedScene() {
+    Scene scene;
+    scene.materials.resize(4);
+    addObject(scene, SphereShape{{0, 0, 3}, 1}, 1);
+    addObject(scene, MeshShape{gridMesh(2)}, 2);
+    addObject(scene, PlaneShape{{0, -1, 0}, {0, 2, 0}}, 3);
+    addObject(scene, MeshShape{std::make_shared<Mesh>()}, 0);
+    addObject(scene, TriangleShape{{{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}}, 0);
+    auto faces = gridMesh(1, {0, 0, -4});
+    faces->faces = {7, 7};      // one polygon of the file
+    faces->materials = {3, 1};  // over the object's own
+    addObject(scene, MeshShape{faces}, 0);
+    return scene;
+}
+
+TEST(PackScene, IdsFollowObjectsAndFaces) {
+    const PackedScene packed = packScene(mixedScene());
+    ASSERT_EQ(packed.spheres.size(), 1u);
+    EXPECT_EQ(packed.spheres[0].id, 0u);
+    EXPECT_EQ(packed.spheres[0].object, 0u);
+    EXPECT_EQ(packed.spheres[0].material, 1u);
+    ASSERT_EQ(packed.planes.size(), 1u);
+    EXPECT_EQ(packed.planes[0].id, 9u);
+    EXPECT_EQ(packed.planes[0].object, 2u);
+    EXPECT_EQ(packed.planes[0].material, 3u);
+    ASSERT_EQ(packed.triangles.size(), 11u);
+    ASSERT_EQ(packed.triangleSurfaces.size(), 11u);
+
+    std::map<uint32_t, shared::TriangleSurface> surfaces;
+    for (size_t i = 0; i < packed.triangles.size(); ++i)
+        surfaces[packed.triangles[i].id] = packed.triangleSurfaces[i];
+    for (uint32_t face = 0; face < 8; ++face) {
+        ASSERT_TRUE(surfaces.contains(1 + face));
+        EXPECT_EQ(surfaces[1 + face].object, 1u);
+        EXPECT_EQ(surfaces[1 + face].primitive, face);
+        EXPECT_EQ(surfaces[1 + face].material, 2u);
+    }
+    ASSERT_TRUE(surfaces.contains(10));
+    EXPECT_EQ(surfaces[10].object, 4u);
+    EXPECT_EQ(surfaces[10].primitive, 0u);
+    ASSERT_TRUE(surfaces.contains(11) && surfaces.contains(12));
+    for (const uint32_t id : {11u, 12u}) {
+        EXPECT_EQ(surfaces[id].object, 5u);
+        EXPECT_EQ(surfaces[id].primitive, 7u);
+        EXPECT_EQ(surfaces[id].material, id == 11 ? 3u : 1u);
+        EXPECT_EQ(surfaces[id].normal, glm::vec3(0, 0, 1));
+        EXPECT_EQ(surfaces[id].vertexNormals, kNone);
+    }
+}
+
+TEST(PackScene, TrianglesKeepTheirVerticesInOrder) {
+    const Scene scene = mixedScene();
+    const PackedScene packed = packScene(scene);
+    const shared::Triangle* t = triangleWithId(packed, 10);
+    ASSERT_NE(t, nullptr);
+    EXPECT_EQ(t->v0, glm::vec3(5, 0, 0));
+    EXPECT_EQ(t->v1, glm::vec3(6, 0, 0));
+    EXPECT_EQ(t->v2, glm::vec3(5, 1, 0));
+    t = triangleWithId(packed, 2);  // a, d, c of the first square
+    ASSERT_NE(t, nullptr);
+    EXPECT_EQ(t->v0, glm::vec3(0, 0, 0));
+    EXPECT_EQ(t->v1, glm::vec3(1, 1, 0));
+    EXPECT_EQ(t->v2, glm::vec3(0, 1, 0));
+}
+
+// Every leaf's run of primitives lies inside the leaf's box, and the leaves together name each primitive
+// once.
+TEST(PackScene, LeavesNameTheirPrimitives) {
+    Scene scene = mixedScene();
+    for (int i = 0; i < 300; ++i) addObject(scene, SphereShape{{i % 7, i % 11, i % 13}, 0.1 + 0.001 * i}, 1);
+    addObject(scene, MeshShape{gridMesh(20)}, 2);
+    const PackedScene packed = packScene(scene);
+    std::vector<int> triangles(packed.triangles.size()), spheres(packed.spheres.size());
+    uint32_t leaves = 0;
+    const auto visit = [&](uint32_t child, const glm::vec3& lo, const glm::vec3& hi) {
+        if (child == kNone || (child & shared::kLeafFlag) == 0) return;
+        ++leaves;
+        const uint32_t kind = child >> shared::kLeafKindShift & shared::kLeafKindMask;
+        const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+        const uint32_t first = child & shared::kLeafFirstMask;
+        for (uint32_t i = first; i < first + count; ++i) {
+            if (kind == shared::kKindSphere) {
+                ++spheres.at(i);
+                EXPECT_TRUE(
+                    glm::all(glm::lessThanEqual(lo, packed.spheres[i].point - packed.spheres[i].radius)));
+                EXPECT_TRUE(
+                    glm::all(glm::lessThanEqual(packed.spheres[i].point + packed.spheres[i].radius, hi)));
+                continue;
+            }
+            ++triangles.at(i);
+            for (const glm::vec3& v :
+                 {packed.triangles[i].v0, packed.triangles[i].v1, packed.triangles[i].v2})
+                EXPECT_TRUE(glm::all(glm::lessThanEqual(lo, v)) && glm::all(glm::lessThanEqual(v, hi)));
+            if (i > first) {
+                EXPECT_LT(packed.triangles[i - 1].id, packed.triangles[i].id);
+            }
+        }
+    };
+    for (const shared::Node& node : packed.nodes) {
+        visit(node.child0, node.lo0, node.hi0);
+        visit(node.child1, node.lo1, node.hi1);
+    }
+    EXPECT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](int n) { return n == 1; }));
+    EXPECT_TRUE(std::all_of(spheres.begin(), spheres.end(), [](int n) { return n == 1; }));
+    EXPECT_EQ(packed.statistics.leaves, leaves);
+    EXPECT_LE(packed.statistics.depth, shared::kMaxBvhDepth);
+}
+
+// T26 to T29: no area, or not finite. The rest keep their numbers.
+TEST(PackScene, DropsWhatCannotBeHit) {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions = {{0, 0, 0},    {1, 0, 0},        {2, 0, 0},   {0, 1, 0},
+                       {kNaN, 0, 0}, {0, 0, HUGE_VAL}, {1e39, 0, 0}};
+    mesh->corners = {{0, 1, 2},   // collinear
+                     {0, 1, 3},   // good: id 1
+                     {3, 3, 3},   // a point
+                     {0, 1, 4},   // NaN
+                     {0, 3, 5},   // infinite
+                     {0, 3, 6},   // beyond fp32
+                     {1, 2, 3}};  // good: id 6
+    Scene scene;
+    addObject(scene, MeshShape{mesh});
+    addObject(scene, TriangleShape{{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}});
+    addObject(scene, SphereShape{{0, 0, 0}, 1});
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.triangles.size(), 2u);
+    EXPECT_NE(triangleWithId(packed, 1), nullptr);
+    EXPECT_NE(triangleWithId(packed, 6), nullptr);
+    ASSERT_EQ(packed.spheres.size(), 1u);
+    EXPECT_EQ(packed.spheres[0].id, 8u);
+    EXPECT_EQ(packed.statistics.droppedZeroArea, 3u);
+    EXPECT_EQ(packed.statistics.droppedNotFinite, 3u);
+    ASSERT_EQ(packed.warnings.size(), 3u);
+    EXPECT_EQ(packed.warnings[0].find("/objects/0: 2 of 7 triangles dropped: no area"), 0u)
+        << packed.warnings[0];
+    EXPECT_EQ(packed.warnings[1].find("/objects/0: 3 of 7 triangles dropped: a vertex is not finite"), 0u);
+    EXPECT_EQ(packed.warnings[2].find("/objects/1: 1 of 1 triangles dropped: no area"), 0u);
+    EXPECT_EQ(packed.boundsLo, packed.boundsLo);  // no NaN got in
+    EXPECT_TRUE(glm::all(glm::lessThan(glm::abs(packed.boundsHi), glm::vec3(3))));
+}
+
+// Area in double, none in fp32: at 2^24 its spacing is 2, so a height of 0.5 rounds away; the eye's distance
+// keeps the origin at 0.
+TEST(PackScene, AreaIsJudgedAfterRounding) {
+    const double far = 16777216;
+    Scene scene;
+    scene.camera.eye = {0, 0, 0};
+    addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 0.5, 0}}});
+    addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 4, 0}}});
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(packed.origin, glm::dvec3(0));
+    EXPECT_EQ(packed.statistics.droppedZeroArea, 1u);
+    ASSERT_EQ(packed.triangles.size(), 1u);
+    EXPECT_EQ(packed.triangles[0].id, 1u);
+}
+
+// T30: thin, but with area.
+TEST(PackScene, KeepsNeedles) {
+    for (const double h : {1e-4, 1e-6, 1e-8}) {
+        Scene scene;
+        addObject(scene, TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0.5, h, 0}}});
+        const PackedScene packed = packScene(scene);
+        ASSERT_EQ(packed.triangles.size(), 1u);
+        EXPECT_EQ(packed.triangleSurfaces[0].normal, glm::vec3(0, 0, 1));
+    }
+}
+
+TEST(PackScene, VertexNormals) {
+    auto mesh = gridMesh(2);
+    mesh->normals = {{0, 0, 5}, {3, 0, 4}, {0, 0, 0}, {0, kNaN, 0}, {0, 1e300, 0}, {1e-300, 0, 0}};
+    const uint32_t none = Mesh::kNoIndex;
+    mesh->normalCorners.assign(8, {0, 1, 0});
+    mesh->normalCorners[1] = {none, none, none};
+    mesh->normalCorners[2] = {0, 2, 0};
+    mesh->normalCorners[3] = {0, 0, 3};
+    mesh->normalCorners[4] = {4, 5, 0};
+    mesh->normalCorners[5] = {0, none, 0};
+    Scene scene;
+    addObject(scene, MeshShape{mesh});
+    addObject(scene, MeshShape{gridMesh(1, {0, 0, 1})});  // no normals at all
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.triangles.size(), 10u);
+    EXPECT_EQ(packed.vertexNormals.size(), 4u);  // ids 0, 4, 6, 7
+    std::vector<int> used(packed.vertexNormals.size());
+    for (uint32_t id = 0; id < 10; ++id) {
+        size_t slot = 0;
+        ASSERT_NE(triangleWithId(packed, id, &slot), nullptr);
+        const uint32_t index = packed.triangleSurfaces[slot].vertexNormals;
+        const bool smooth = id == 0 || id == 4 || id == 6 || id == 7;
+        ASSERT_EQ(index != kNone, smooth) << id;
+        if (!smooth) continue;
+        ++used.at(index);
+        const shared::VertexNormals& n = packed.vertexNormals[index];
+        EXPECT_EQ(n.n0, id == 4 ? glm::vec3(0, 1, 0) : glm::vec3(0, 0, 1));
+        EXPECT_EQ(n.n1, id == 4 ? glm::vec3(1, 0, 0) : glm::vec3(0.6, 0, 0.8));
+        EXPECT_EQ(n.n2, glm::vec3(0, 0, 1));
+    }
+    EXPECT_TRUE(std::all_of(used.begin(), used.end(), [](int n) { return n == 1; }));
+}
+
+TEST(PackScene, LightsAndEnvironment) {
+    Scene scene = mixedScene();
+    scene.background = {0.25, 0.5, 1};
+    scene.ambient = {0.125, 0, 2};
+    scene.maxDepth = 7;
+    scene.lights.push_back(PointLight{{1, 2, 3}, {4, 5, 6}, false});
+    scene.lights.push_back(PointLight{{-1, 2, 3}, {1, 1, 1}, true});
+    scene.lights.push_back(DirectionalLight{{0, -3, -4}, {7, 8, 9}});
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.lights.size(), 3u);
+    EXPECT_EQ(packed.lights[0].kind, shared::kLightPoint);
+    EXPECT_EQ(packed.lights[0].position, glm::vec3(1, 2, 3));
+    EXPECT_EQ(packed.lights[0].intensity, glm::vec3(4, 5, 6));
+    EXPECT_EQ(packed.lights[1].kind, shared::kLightPointInverseSquare);
+    EXPECT_EQ(packed.lights[2].kind, shared::kLightDirectional);
+    EXPECT_EQ(packed.lights[2].position, glm::vec3(0, 0.6, 0.8));  // towards the light
+    EXPECT_EQ(packed.lights[2].intensity, glm::vec3(7, 8, 9));
+    EXPECT_EQ(packed.environment.background, glm::vec3(0.25, 0.5, 1));
+    EXPECT_EQ(packed.environment.ambient, glm::vec3(0.125, 0, 2));
+    EXPECT_EQ(packed.environment.root, 0u);
+    EXPECT_EQ(packed.environment.planeCount, 1u);
+    EXPECT_EQ(packed.environment.lightCount, 3u);
+    EXPECT_EQ(packed.environment.maxDepth, 7u);
+    EXPECT_EQ(packed.planes[0].normal, glm::vec3(0, 1, 0));
+}
+
+TEST(PackScene, MaterialsAsGiven) {
+    Scene scene;
+    scene.materials.push_back({"m", {0.5, 0.25, 0}, {1, 0, 0.5}, {0, 0.125, 1}, 60, {0.75, 0, 1}});
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.materials.size(), 1u);
+    EXPECT_EQ(packed.materials[0].ambient, glm::vec3(0.5, 0.25, 0));
+    EXPECT_EQ(packed.materials[0].diffuse, glm::vec3(1, 0, 0.5));
+    EXPECT_EQ(packed.materials[0].specular, glm::vec3(0, 0.125, 1));
+    EXPECT_EQ(packed.materials[0].shininess, 60.0f);
+    EXPECT_EQ(packed.materials[0].mirror, glm::vec3(0.75, 0, 1));
+}
+
+TEST(PackScene, NothingInTheBvh) {
+    Scene scene;
+    addObject(scene, PlaneShape{});
+    for (const PackedScene& packed : {packScene(Scene{}), packScene(scene)}) {
+        EXPECT_TRUE(packed.nodes.empty());
+        EXPECT_EQ(packed.environment.root, kNone);
+        EXPECT_EQ(packed.boundsLo, packed.boundsHi);
+        EXPECT_EQ(packed.origin, glm::dvec3(0));
+    }
+}
+
+// Two unit cubes' worth of boxes 9 apart: root 10 x 1 x 1 has half area 21, children 3 each: 1 + 2 * 3 / 21.
+TEST(PackScene, SahCost) {
+    Scene scene;
+    addObject(scene, TriangleShape{{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}}});
+    addObject(scene, TriangleShape{{{9, 0, 0}, {10, 1, 0}, {10, 1, 1}}});
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(packed.statistics.leaves, 2u);
+    EXPECT_EQ(packed.statistics.depth, 1u);
+    EXPECT_DOUBLE_EQ(packed.statistics.sahCost, 1 + 2 * 3.0 / 21);
+}
+
+TEST(PackScene, ThreadsDoNotChangeThePacking) {
+    Scene scene = mixedScene();
+    addObject(scene, MeshShape{gridMesh(200)});
+    for (int i = 0; i < 1000; ++i) addObject(scene, SphereShape{{i % 10, i / 10 % 10, i / 100}, 0.3});
+    const PackedScene one = packScene(scene, 1), four = packScene(scene, 4);
+    const auto same = [](const auto& a, const auto& b) {
+        // Rows have no padding (shared/layout.h), so bytes are values.
+        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+    };
+    EXPECT_TRUE(same(one.nodes, four.nodes));
+    EXPECT_TRUE(same(one.triangles, four.triangles));
+    EXPECT_TRUE(same(one.triangleSurfaces, four.triangleSurfaces));
+    EXPECT_TRUE(same(one.spheres, four.spheres));
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,183 @@
+// Files from elsewhere: all the kinds a reader meets, and damaged ones.
+#include <algorithm>
+#include <cmath>
+
+#include "core/codecs.h"
+#include "core/image_io.h"
+#include "core/quantize.h"
+#include "png_file.h"
+#include "test_support.h"
+
+namespace glint {
+namespace {
+
+using test::errorOf;
+using test::pngBytes;
+using test::readBytes;
+using test::writeBytes;
+
+class Decode : public test::FolderTest {};
+
+std::vector<uint8_t> textBytes(const std::string& text) {
+    return {text.begin(), text.end()};
+}
+
+// An 8 x 8 grey JPEG (ITU-T T.81) by hand: one block, all quantisers 1, one Huffman code of one bit in each
+// table. DC = 8 (188 - 128) = 480 has category 9, so the data are: code 0, 480 in 9 bits, end of block 0,
+// ones to pad: 0 111100000 0 11111 = 78 1f. The inverse DCT of a DC alone is DC / 8 in every pixel: 188.
+std::vector<uint8_t> greyJpeg() {
+    std::vector<uint8_t> file(7 + 64, 1);  // 64 quantisers
+    const uint8_t start[7] = {0xff, 0xd8, 0xff, 0xdb, 0, 67, 0};
+    std::copy(std::begin(start), std::end(start), file.begin());
+    const std::vector<uint8_t> rest = {
+        0xff, 0xc0, 0, 11, 8,    0, 8, 0, 8,  1, 1,    0x11, 0,  // 8 bits, 8 x 8, 1 component
+        0xff, 0xc4, 0, 20, 0x00, 1, 0, 0, 0,  0, 0,    0,    0,    0,
+        0,    0,    0, 0,  0,    0, 0, 9,  // DC: 0 -> category 9
+        0xff, 0xc4, 0, 20, 0x10, 1, 0, 0, 0,  0, 0,    0,    0,    0,
+        0,    0,    0, 0,  0,    0, 0, 0,  // AC: 0 -> end of block
+        0xff, 0xda, 0, 8,  1,    1, 0, 0, 63, 0, 0x78, 0x1f, 0xff, 0xd9};
+    file.insert(file.end(), rest.begin(), rest.end());
+    return file;
+}
+
+TEST_F(Decode, Jpeg) {
+    writeBytes(file("a.jpg"), greyJpeg());
+    const Image image = readImage(file("a.jpg"));
+    EXPECT_EQ(image.width, 8);
+    EXPECT_EQ(image.height, 8);
+    EXPECT_EQ(image.channels, 1);
+    const float expected = std::pow((188.0f / 255.0f + 0.055f) / 1.055f, 2.4f);
+    for (float sample : image.pixels) {
+        EXPECT_NEAR(sample, expected, 1e-6);
+    }
+}
+
+TEST_F(Decode, Png16Bits) {
+    test::PngFile png{2, 1, 16, 0, {}, {0x80, 0x01, 0xff, 0xff}};
+    writeBytes(file("a.png"), pngBytes(png));
+    const Image image = readImage(file("a.png"));
+    ASSERT_EQ(image.channels, 1);
+    // All 16 bits count: 0x8001 / 0xffff.
+    EXPECT_FLOAT_EQ(image.pixels[0], static_cast<float>(linearFromSrgb(32769.0 / 65535.0)));
+    EXPECT_NE(image.pixels[0], static_cast<float>(linearFromSrgb(32768.0 / 65535.0)));
+    EXPECT_EQ(image.pixels[1], 1.0f);
+}
+
+TEST_F(Decode, PngGreyWithAlphaBecomesRgba) {
+    test::PngFile png{1, 1, 8, 4, {}, {255, 51}};
+    writeBytes(file("a.png"), pngBytes(png));
+    const Image image = readImage(file("a.png"));
+    EXPECT_EQ(image.channels, 4);
+    EXPECT_EQ(image.pixels, (std::vector<float>{1, 1, 1, 0.2f}));  // 51 / 255, without curve
+}
+
+TEST_F(Decode, PngPalette) {
+    test::PngFile png{3, 1, 8, 3, {255, 0, 0, 0, 255, 255}, {1, 0, 1}};
+    writeBytes(file("a.png"), pngBytes(png));
+    const Image image = readImage(file("a.png"));
+    EXPECT_EQ(image.channels, 3);
+    EXPECT_EQ(image.pixels, (std::vector<float>{0, 1, 1, 1, 0, 0, 0, 1, 1}));
+}
+
+TEST_F(Decode, TheContentsCountAndNotTheName) {
+    writeImage(file("a.pfm"), Image(2, 2, 1, 0.5f));
+    std::filesystem::rename(file("a.pfm"), file("a.png"));
+    EXPECT_EQ(readImage(file("a.png")).pixels, std::vector<float>(4, 0.5f));
+}
+
+TEST_F(Decode, PfmByteOrderAndScale) {
+    std::vector<uint8_t> bytes = textBytes("Pf\n1 2\n2.0\n");
+    // 1.0f is 3f800000, 0.5f is 3f000000; a positive scale means big endian, its size is the unit.
+    bytes.insert(bytes.end(), {0x3f, 0x80, 0, 0, 0x3f, 0, 0, 0});
+    writeBytes(file("a.pfm"), bytes);
+    EXPECT_EQ(readImage(file("a.pfm")).pixels,
+              (std::vector<float>{1.0f, 2.0f}));  // the bottom row comes first
+}
+
+TEST_F(Decode, PfmHeadersThatMakeNoSense) {
+    const std::string path = file("a.pfm").string();
+    writeBytes(path, textBytes("PF\nx 2\n-1.0\n"));
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+              path + ": the PFM header has no valid width");
+    for (const char* header : {"PF\n0 2\n-1.0\n", "PF\n2 -2\n-1.0\n", "PF\n2 2\n0\n", "PF\n2 2\nnan\n"}) {
+        writeBytes(path, textBytes(header));
+        EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+                  path + ": the PFM header has a size or a scale that makes no sense");
+    }
+    // Sizes that would not fit any memory must not be asked for.
+    writeBytes(path, textBytes("PF\n2147483647 2147483647\n-1.0\nabcdefghijkl"));
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+}
+
+TEST_F(Decode, FilesThatAreNoPictures) {
+    const std::string path = file("a.png").string();
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+              path + ": cannot read: No such file or directory");
+    writeBytes(path, {});
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is empty");
+    writeBytes(path, textBytes("solid cube"));
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+              path + ": not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)");
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(folder_); }),
+              folder_.string() + ": cannot read: Is a directory");
+}
+
+// Every shortened version of a file must be refused, and none may hang or crash the decoder.
+template <typename Decoder>
+void expectEveryPrefixRefused(const std::vector<uint8_t>& whole, Decoder decoder) {
+    ASSERT_NO_THROW(decoder(ByteView(whole)));
+    for (size_t length = 0; length < whole.size(); ++length) {
+        // A copy of its own, so that a sanitizer sees a byte read too many.
+        const std::vector<uint8_t> part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+        ASSERT_THROW(decoder(ByteView(part)), CodecError) << "cut to " << length << " of " << whole.size();
+    }
+}
+
+Image varied(int width, int height) {
+    Image image(width, height, 3);
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        image.pixels[i] = static_cast<float>(i * 7919 % 256) / 255.0f;
+    }
+    return image;
+}
+
+TEST(Truncated, Png) {
+    const Image image = varied(20, 10);
+    expectEveryPrefixRefused(encodePng(20, 10, 3, quantizeColor(image)), decodePng);
+}
+
+TEST(Truncated, Jpeg) {
+    expectEveryPrefixRefused(greyJpeg(), decodeJpeg);
+}
+
+TEST(Truncated, Pfm) {
+    expectEveryPrefixRefused(encodePfm(varied(5, 4)), decodePfm);
+}
+
+TEST(Truncated, Hdr) {
+    expectEveryPrefixRefused(encodeHdr(varied(5, 4)), decodeHdr);  // narrow pictures are stored without runs
+    Image image = varied(40, 6);
+    for (int x = 10; x < 30; ++x) {
+        image.at(x, 3, 0) = 0.5f;
+    }
+    expectEveryPrefixRefused(encodeHdr(image), decodeHdr);
+}
+
+TEST(Truncated, Exr) {
+    const std::vector<float> noise = varied(6, 20).pixels;
+    expectEveryPrefixRefused(encodeExr(6, 60, {{"Y", noise}}), decodeExr);
+    const std::vector<float> flat(40 * 20, 0.5f);
+    expectEveryPrefixRefused(encodeExr(40, 20, {{"R", flat}, {"G", flat}, {"B", flat}}), decodeExr);
+}
+
+TEST_F(Decode, MessagesForTruncatedFiles) {
+    const std::string path = file("a.hdr").string();
+    writeImage(path, varied(40, 6));
+    std::vector<uint8_t> bytes = readBytes(path);
+    bytes.resize(bytes.size() / 2);
+    writeBytes(path, bytes);
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+}
+
+}  // namespace
+}  // namespace glint

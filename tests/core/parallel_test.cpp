@@ -1,0 +1,120 @@
+#include "core/parallel.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace glint {
+namespace {
+
+TEST(ParallelFor, EveryIndexOnce) {
+    for (unsigned threads : {0u, 1u, 2u, 7u}) {
+        std::vector<std::atomic<int>> visits(10'000);
+        parallelFor(
+            visits.size(), [&](size_t i) { ++visits[i]; }, threads);
+        for (size_t i = 0; i < visits.size(); ++i) {
+            ASSERT_EQ(visits[i], 1) << i << " with " << threads << " threads";
+        }
+    }
+}
+
+TEST(ParallelFor, NothingToDo) {
+    parallelFor(0, [](size_t) { FAIL() << "called for no item"; });
+}
+
+TEST(ParallelFor, OneThreadGoesInOrder) {
+    std::vector<size_t> order;
+    parallelFor(
+        100, [&](size_t i) { order.push_back(i); }, 1);
+    for (size_t i = 0; i < order.size(); ++i) {
+        ASSERT_EQ(order[i], i);
+    }
+    EXPECT_EQ(order.size(), 100u);
+}
+
+TEST(ParallelFor, UsesAsManyThreadsAsAsked) {
+    // Each of the four waits for the other three: with fewer threads this would not end.
+    std::atomic<int> arrived{0};
+    std::mutex mutex;
+    std::set<std::thread::id> ids;
+    parallelFor(
+        4,
+        [&](size_t) {
+            ++arrived;
+            while (arrived < 4) {
+                std::this_thread::yield();
+            }
+            const std::lock_guard lock(mutex);
+            ids.insert(std::this_thread::get_id());
+        },
+        4);
+    EXPECT_EQ(ids.size(), 4u);
+}
+
+TEST(ParallelFor, ExceptionsReachTheCallerAndStopTheRest) {
+    for (unsigned threads : {1u, 4u}) {
+        std::atomic<size_t> calls{0};
+        const size_t count = 1'000'000;
+        try {
+            parallelFor(
+                count,
+                [&](size_t i) {
+                    ++calls;
+                    if (i == 10) {
+                        throw std::runtime_error("item 10");
+                    }
+                },
+                threads);
+            FAIL() << "the exception was lost";
+        } catch (const std::runtime_error& error) {
+            EXPECT_STREQ(error.what(), "item 10");
+        }
+        EXPECT_GE(calls, 11u);
+        if (threads == 1) {
+            EXPECT_EQ(calls, 11u);
+        }
+    }
+}
+
+TEST(ParallelFor, OneOfManyExceptionsIsReported) {
+    EXPECT_THROW(parallelFor(
+                     1000, [](size_t) { throw std::runtime_error("each"); }, 4),
+                 std::runtime_error);
+}
+
+TEST(ParallelFor, MayBeNested) {
+    std::atomic<int> calls{0};
+    parallelFor(
+        8,
+        [&](size_t) {
+            parallelFor(
+                8, [&](size_t) { ++calls; }, 2);
+        },
+        2);
+    EXPECT_EQ(calls, 64);
+}
+
+TEST(DefaultThreadCount, FollowsTheAffinityMask) {
+    cpu_set_t all;
+    ASSERT_EQ(sched_getaffinity(0, sizeof(all), &all), 0);
+    EXPECT_EQ(defaultThreadCount(), static_cast<unsigned>(CPU_COUNT(&all)));
+    int first = 0;
+    while (!CPU_ISSET(first, &all)) {
+        ++first;
+    }
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
+    EXPECT_EQ(defaultThreadCount(), 1u);
+    sched_setaffinity(0, sizeof(all), &all);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,27 @@
+// A PNG reader and writer written from the specification (W3C, PNG Second Edition, 2003) with zlib alone, so
+// that the tests do not check the library under test against itself.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace glint::test {
+
+struct PngFile {
+    int width = 0;
+    int height = 0;
+    int bitDepth = 8;
+    int colorType = 2;             // 0 grey, 2 RGB, 3 palette, 4 grey and alpha, 6 RGBA
+    std::vector<uint8_t> palette;  // RGB triples
+    std::vector<uint8_t> samples;  // rows from the top, 16-bit samples big endian
+
+    int bytesPerPixel() const;
+};
+
+// Adds a failure to the running test if the file is malformed. Knows the row filters None, Sub and Up.
+PngFile readPng(const std::filesystem::path& path);
+
+std::vector<uint8_t> pngBytes(const PngFile& png);
+
+}  // namespace glint::test

@@ -1,0 +1,202 @@
+// What a waiting person sees, at which time; the clock is the test's own.
+#include "core/progress.h"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <thread>
+
+#include "test_support.h"
+
+namespace glint {
+namespace {
+
+class ProgressTest : public ::testing::Test {
+  protected:
+    Progress::Clock clock() {
+        return [this] { return now_.load(); };
+    }
+
+    // What has been written since the last call.
+    std::string output() {
+        const std::string text = sink_.str();
+        sink_.str("");
+        return text;
+    }
+
+    std::atomic<double> now_{100.0};
+    std::ostringstream sink_;
+};
+
+TEST_F(ProgressTest, BarShowsPartAndTimes) {
+    Progress progress("render", ProgressMode::Bar, sink_, false, clock());
+    now_ = 112.0;
+    progress.update(0.47);
+    // 9.4 of 20 marks; 12 s * 0.53 / 0.47 = 13.5 s left
+    EXPECT_EQ(output(), "\rrender  [#########-----------]  47 %  0:12 elapsed, 0:14 left");
+}
+
+TEST_F(ProgressTest, NothingInTheFirstSecond) {
+    for (ProgressMode mode : {ProgressMode::Bar, ProgressMode::Plain}) {
+        now_ = 100.0;
+        Progress progress("render", mode, sink_, true, clock());
+        output();  // where the bar before has been cleared
+        now_ = 100.99;
+        progress.update(0.9);
+        EXPECT_EQ(output(), "");
+        now_ = 101.01;
+        progress.update(0.9);
+        EXPECT_NE(output(), "");
+    }
+}
+
+TEST_F(ProgressTest, ShortComputationsLeaveNoTrace) {
+    {
+        Progress progress("render", ProgressMode::Bar, sink_, true, clock());
+        now_ = 100.5;
+        progress.update(1.0);
+    }
+    EXPECT_EQ(output(), "");
+}
+
+TEST_F(ProgressTest, BarIsRedrawnTenTimesASecondAtMost) {
+    Progress progress("render", ProgressMode::Bar, sink_, true, clock());
+    int draws = 0;
+    for (int i = 0; i < 1000; ++i) {  // from 102 s to 103 s
+        now_ = 102.0 + i / 1000.0;
+        progress.update(i / 1000.0);
+        draws += output().empty() ? 0 : 1;
+    }
+    EXPECT_GE(draws, 9);
+    EXPECT_LE(draws, 10);
+}
+
+TEST_F(ProgressTest, FinishClearsTheBar) {
+    Progress progress("render", ProgressMode::Bar, sink_, true, clock());
+    now_ = 110.0;
+    progress.update(0.5);
+    const size_t length = output().size() - 1;  // without \r
+    progress.finish();
+    EXPECT_EQ(output(), std::string("\r").append(length, ' ') + "\r");
+    now_ = 120.0;
+    progress.update(0.6);
+    progress.finish();
+    EXPECT_EQ(output(), "");
+}
+
+TEST_F(ProgressTest, ShorterLinesCoverLongerOnes) {
+    Progress progress("render", ProgressMode::Bar, sink_, true, clock());
+    now_ = 110.0;
+    progress.update(0.002);  // 10 s * 0.998 / 0.002 = 4990 s = 1:23:10
+    const std::string longLine = output();
+    EXPECT_NE(longLine.find("0:10 elapsed, 1:23:10 left"), std::string::npos) << longLine;
+    now_ = 111.0;
+    progress.update(0.5);
+    const std::string shortLine = output();
+    EXPECT_EQ(shortLine.size(), longLine.size());
+    EXPECT_TRUE(shortLine.ends_with("0:11 left   ")) << shortLine;
+}
+
+TEST_F(ProgressTest, NoEstimateWithoutProgress) {
+    Progress progress("build", ProgressMode::Bar, sink_, true, clock());
+    now_ = 161.0;
+    progress.update(0.0);
+    EXPECT_EQ(output(), "\rbuild  [--------------------]   0 %  1:01 elapsed");
+}
+
+TEST_F(ProgressTest, NeverGoesBackAndStaysInItsRange) {
+    Progress progress("render", ProgressMode::Bar, sink_, true, clock());
+    now_ = 110.0;
+    progress.update(0.5);
+    EXPECT_NE(output().find(" 50 %"), std::string::npos);
+    now_ = 111.0;
+    progress.update(0.25);
+    EXPECT_NE(output().find(" 50 %"), std::string::npos);
+    now_ = 112.0;
+    progress.update(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_NE(output().find(" 50 %"), std::string::npos);
+    now_ = 113.0;
+    progress.update(7.0);
+    EXPECT_EQ(output(), "\rrender  [####################]  100 %  0:13 elapsed, 0:00 left");
+}
+
+TEST_F(ProgressTest, PlainLinesEveryTwoSecondsOrTenPercent) {
+    Progress progress("render", ProgressMode::Plain, sink_, false, clock());
+    now_ = 102.0;
+    progress.update(0.02);
+    EXPECT_EQ(output(), "render   2 %  0:02 elapsed, 1:38 left\n");  // 2 s * 0.98 / 0.02 = 98 s
+    now_ = 103.0;
+    progress.update(0.05);
+    EXPECT_EQ(output(), "");
+    now_ = 104.0;
+    progress.update(0.08);
+    EXPECT_EQ(output(), "render   8 %  0:04 elapsed, 0:46 left\n");  // 4 s * 0.92 / 0.08
+    now_ = 104.5;
+    progress.update(0.125);
+    EXPECT_EQ(output(), "render  12 %  0:04 elapsed, 0:32 left\n");  // 4.5 s * 0.875 / 0.125 = 31.5 s
+    now_ = 105.0;
+    progress.update(0.15);
+    EXPECT_EQ(output(), "");
+    progress.finish();
+    EXPECT_EQ(output(), "");
+}
+
+TEST_F(ProgressTest, AutoIsABarOnATerminalOnly) {
+    for (bool terminal : {true, false}) {
+        now_ = 100.0;
+        Progress progress("render", ProgressMode::Auto, sink_, terminal, clock());
+        now_ = 110.0;
+        progress.update(0.5);
+        EXPECT_EQ(output().starts_with("\rrender  [###"), terminal);
+    }
+}
+
+TEST_F(ProgressTest, NoneIsSilent) {
+    Progress progress("render", ProgressMode::None, sink_, true, clock());
+    now_ = 110.0;
+    progress.update(0.5);
+    progress.finish();
+    EXPECT_EQ(output(), "");
+}
+
+TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {
+    Progress progress("render", ProgressMode::Plain, sink_, false, clock());
+    const auto work = [&] {
+        for (int i = 0; i < 1000; ++i) {
+            now_ = now_ + 0.05;
+            progress.update(i / 1000.0);
+        }
+    };
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < 4; ++i) {
+            threads.emplace_back(work);
+        }
+    }
+    std::istringstream lines(output());
+    std::string line;
+    int count = 0;
+    int last = 0;
+    while (std::getline(lines, line)) {
+        int percentage = -1;
+        ASSERT_EQ(std::sscanf(line.c_str(), "render %d %%", &percentage), 1) << line;
+        ASSERT_TRUE(line.ends_with(" left") || line.ends_with(" elapsed")) << line;
+        ASSERT_GE(percentage, last);
+        last = percentage;
+        ++count;
+    }
+    EXPECT_GT(count, 5);
+}
+
+TEST(ProgressModeNames, AreParsed) {
+    EXPECT_EQ(parseProgressMode("auto"), ProgressMode::Auto);
+    EXPECT_EQ(parseProgressMode("bar"), ProgressMode::Bar);
+    EXPECT_EQ(parseProgressMode("plain"), ProgressMode::Plain);
+    EXPECT_EQ(parseProgressMode("none"), ProgressMode::None);
+    EXPECT_EQ(test::errorOf(ExitCode::Usage, [] { parseProgressMode("Bar"); }),
+              "unknown progress mode 'Bar' (use auto, bar, plain or none)");
+}
+
+}  // namespace
+}  // namespace glint

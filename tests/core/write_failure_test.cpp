@@ -1,0 +1,212 @@
+// Writing that fails must say why, leave nothing behind and keep what was there before.
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "core/file_io.h"
+#include "core/image_io.h"
+#include "test_support.h"
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+using test::errorOf;
+using test::readBytes;
+using test::writeBytes;
+
+const std::vector<uint8_t> kOld = {'o', 'l', 'd'};
+
+class WriteFailure : public test::FolderTest {};
+
+// No file may grow beyond `bytes` while this exists: the stand-in for a full disk.
+class FileSizeLimit {
+  public:
+    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        getrlimit(RLIMIT_FSIZE, &old_);
+        const rlimit limit{bytes, old_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit() {
+        setrlimit(RLIMIT_FSIZE, &old_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FileSizeLimit(const FileSizeLimit&) = delete;
+    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+  private:
+    rlimit old_{};
+    void (*handler_)(int);
+};
+
+TEST_F(WriteFailure, MissingFolder) {
+    for (const char* name : {"out/x.png", "out/x.exr", "out/x.pfm", "out/x.hdr"}) {
+        const std::string path = file(name).string();
+        EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+                  path + ": cannot write: No such file or directory");
+    }
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(WriteFailure, DestinationIsAFolder) {
+    fs::create_directory(file("x.png"));
+    const std::string path = file("x.png").string();
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+              path + ": cannot write: Is a directory");
+    EXPECT_EQ(names(), std::set<std::string>{"x.png"});
+}
+
+TEST_F(WriteFailure, ParentIsAFile) {
+    writeBytes(file("out"), kOld);
+    const std::string path = file("out/x.png").string();
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+              path + ": cannot write: Not a directory");
+    EXPECT_EQ(names(), std::set<std::string>{"out"});
+}
+
+TEST_F(WriteFailure, NoPermission) {
+    if (::geteuid() == 0) {
+        GTEST_SKIP() << "root may write everywhere";
+    }
+    fs::create_directory(file("locked"));
+    fs::permissions(file("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+    const std::string inside = file("locked/x.png").string();
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
+              inside + ": cannot write: Permission denied");
+    fs::permissions(file("locked"), fs::perms::owner_all);
+
+    // Renaming would replace a write-protected file; its owner did not want that.
+    const std::string path = file("protected.png").string();
+    writeBytes(path, kOld);
+    fs::permissions(path, fs::perms::owner_read);
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+              path + ": cannot write: Permission denied");
+    EXPECT_EQ(readBytes(path), kOld);
+}
+
+TEST_F(WriteFailure, FullDiskKeepsTheOldFile) {
+    const std::string path = file("x.pfm").string();
+    writeBytes(path, kOld);
+    std::string message;
+    {
+        const FileSizeLimit limit(1000);
+        message = errorOf(ExitCode::Failed, [&] { writeImage(path, Image(64, 64, 3)); });
+    }
+    EXPECT_EQ(message, path + ": cannot write: File too large");
+    EXPECT_EQ(readBytes(path), kOld);
+    EXPECT_EQ(names(), std::set<std::string>{"x.pfm"});
+}
+
+TEST_F(WriteFailure, FullDiskForTheSecondLayerLeavesNone) {
+    const std::string path = file("x.pfm").string();
+    const std::vector<Layer> layers = {{"color", Image(8, 8, 1)}, {"normal", Image(8, 8, 3)}};
+    std::string message;
+    {
+        // Grey needs 8 * 8 * 4 = 256 bytes and a header, normals three times as much.
+        const FileSizeLimit limit(500);
+        message = errorOf(ExitCode::Failed, [&] { writeLayers(path, layers); });
+    }
+    EXPECT_EQ(message, file("x.normal.pfm").string() + ": cannot write: File too large");
+    EXPECT_TRUE(names().empty());
+}
+
+TEST_F(WriteFailure, FullDevice) {
+    if (!fs::is_character_file("/dev/full")) {
+        GTEST_SKIP() << "this system has no /dev/full";
+    }
+    fs::create_symlink("/dev/full", file("full.png"));
+    const std::string path = file("full.png").string();
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+              path + ": cannot write: No space left on device");
+    EXPECT_TRUE(fs::is_symlink(path));
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+    EXPECT_EQ(names(), std::set<std::string>{"full.png"});
+}
+
+TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
+    if (!fs::is_character_file("/dev/full")) {
+        GTEST_SKIP() << "this system has no /dev/full";
+    }
+    fs::create_symlink("/dev/full", file("x.normal.pfm"));
+    const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
+              file("x.normal.pfm").string() + ": cannot write: No space left on device");
+    EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
+}
+
+TEST_F(WriteFailure, LayerThatIsAFolderStopsAllOfThem) {
+    fs::create_directory(file("x.normal.pfm"));
+    const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
+    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
+              file("x.normal.pfm").string() + ": cannot write: Is a directory");
+    EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
+}
+
+class WriteFiles : public test::FolderTest {};
+
+TEST_F(WriteFiles, DevicesStayDevices) {
+    fs::create_symlink("/dev/null", file("null.png"));
+    writeImage(file("null.png"), Image(1, 1, 3));
+    EXPECT_TRUE(fs::is_symlink(file("null.png")));
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+    EXPECT_EQ(names(), std::set<std::string>{"null.png"});
+}
+
+TEST_F(WriteFiles, LinksAreFollowed) {
+    writeBytes(file("real.txt"), kOld);
+    fs::create_symlink("real.txt", file("link.txt"));
+    writeTextFile(file("link.txt"), "new");
+    EXPECT_TRUE(fs::is_symlink(file("link.txt")));
+    EXPECT_EQ(readBytes(file("real.txt")), (std::vector<uint8_t>{'n', 'e', 'w'}));
+    EXPECT_EQ(names(), (std::set<std::string>{"link.txt", "real.txt"}));
+}
+
+TEST_F(WriteFiles, ModesAreKept) {
+    writeBytes(file("a.txt"), kOld);
+    const fs::perms mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
+    fs::permissions(file("a.txt"), mode);
+    writeTextFile(file("a.txt"), "new");
+    EXPECT_EQ(fs::status(file("a.txt")).permissions(), mode);
+}
+
+TEST_F(WriteFiles, NewFilesObeyTheUmask) {
+    const mode_t old = ::umask(027);
+    writeTextFile(file("a.txt"), "new");
+    ::umask(old);
+    struct stat status {};
+    ASSERT_EQ(::stat(file("a.txt").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0640u);
+}
+
+TEST_F(WriteFiles, LongNames) {
+    // 255 bytes, the most that Linux file systems take: the temporary name must not be longer.
+    const std::string name = std::string(251, 'n') + ".txt";
+    writeTextFile(file(name), "text");
+    EXPECT_EQ(names(), std::set<std::string>{name});
+}
+
+TEST_F(WriteFiles, RelativeNames) {
+    const fs::path before = fs::current_path();
+    fs::current_path(folder_);
+    writeTextFile("a.txt", "text");
+    fs::current_path(before);
+    EXPECT_EQ(names(), std::set<std::string>{"a.txt"});
+}
+
+TEST_F(WriteFiles, EmptyAndLargeTextsComeBackWhole) {
+    for (size_t size : {size_t{0}, size_t{1}, size_t{65536}, size_t{3'000'000}}) {
+        std::string text(size, 'a');
+        for (size_t i = 0; i < size; ++i) {
+            text[i] = static_cast<char>(i * 31 % 251);
+        }
+        writeTextFile(file("a.bin"), text);
+        const std::vector<uint8_t> back = readFile(file("a.bin"));
+        EXPECT_TRUE(std::equal(back.begin(), back.end(), text.begin(), text.end(),
+                               [](uint8_t a, char b) { return a == static_cast<uint8_t>(b); }));
+    }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <tuple>
+
+#include "gpu_fixture.h"
+
+namespace glint::gpu {
+namespace {
+
+enum class Path { Mapped, Staged };
+
+// Every access, each memory kind, mapped directly and through staging.
+class RoundTrip : public GpuTest, public testing::WithParamInterface<std::tuple<Access, MemoryKind, Path>> {
+  protected:
+    RoundTrip() {
+        if (std::get<Path>(GetParam()) == Path::Staged) {
+            device_.state().physical.unified = false;
+            device_.state().stagingBytes = 1008;  // many pieces, the last one short
+        }
+    }
+    Buffer make(const std::string& name, uint64_t bytes) const {
+        return Buffer(device_, name, bytes, std::get<Access>(GetParam()), std::get<MemoryKind>(GetParam()));
+    }
+};
+
+std::string caseName(const testing::TestParamInfo<RoundTrip::ParamType>& info) {
+    const auto [access, kind, path] = info.param;
+    return std::string(access == Access::StorageBuffer ? "Storage" : "Texel") +
+           (kind == MemoryKind::Device ? "Device" : "Host") + (path == Path::Mapped ? "Mapped" : "Staged");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RoundTrip,
+                         testing::Combine(testing::Values(Access::StorageBuffer, Access::TexelBuffer),
+                                          testing::Values(MemoryKind::Device, MemoryKind::Host),
+                                          testing::Values(Path::Mapped, Path::Staged)),
+                         caseName);
+
+TEST_P(RoundTrip, kernelDoublesWhatWasUploaded) {
+    const uint32_t texels = 1000;
+    const Buffer buffer = make("values", texels * 16);
+    write(device_, buffer, counting(texels * 4, 7));
+    Kernel kernel = scaleKernel(device_, buffer.access(), {2, 0});
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    Submission submission(device_);
+    submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
+    submission.submit();
+    const std::vector<uint32_t> values = read(device_, buffer, texels * 4);
+    for (uint32_t i = 0; i < texels * 4; ++i) ASSERT_EQ(values[i], 2 * (7 + i)) << i;
+}
+
+TEST_P(RoundTrip, offsetsAddressBytes) {
+    const Buffer buffer = make("values", 4096);
+    write(device_, buffer, std::vector<uint32_t>(1024, 0));
+    write(device_, buffer, counting(700, 1), 404);
+    EXPECT_EQ(read(device_, buffer, 700, 404), counting(700, 1));
+    EXPECT_EQ(read(device_, buffer, 2, 400), (std::vector<uint32_t>{0, 1}));
+    EXPECT_EQ(read(device_, buffer, 2, 404 + 699 * 4), (std::vector<uint32_t>{700, 0}));
+}
+
+TEST_P(RoundTrip, anOddNumberOfBytes) {
+    const Buffer buffer = make("bytes", 3001);
+    std::vector<std::byte> bytes(3001);
+    for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 37 % 251);
+    upload(device_, buffer, bytes);
+    std::vector<std::byte> back(bytes.size());
+    download(device_, buffer, back);
+    EXPECT_EQ(back, bytes);
+}
+
+TEST_P(RoundTrip, hostBuffersAreMapped) {
+    const Buffer buffer = make("values", 64);
+    if (std::get<MemoryKind>(GetParam()) == MemoryKind::Device) {
+        EXPECT_EQ(buffer.mapped(), nullptr);
+        return;
+    }
+    write(device_, buffer, counting(16, 3));
+    ASSERT_NE(buffer.mapped(), nullptr);
+    EXPECT_EQ(std::memcmp(buffer.mapped(), counting(16, 3).data(), 64), 0);
+    const uint32_t changed = 99;
+    std::memcpy(buffer.mapped(), &changed, 4);
+    EXPECT_EQ(read(device_, buffer, 1), std::vector<uint32_t>{99});
+}
+
+TEST_P(RoundTrip, theHostSeesKernelWritesInHostMemory) {
+    const Buffer buffer(device_, "values", 64 * 16, std::get<Access>(GetParam()), MemoryKind::Host);
+    write(device_, buffer, counting(256));
+    Kernel kernel = scaleKernel(device_, buffer.access(), {3, 0});
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    Submission submission(device_);
+    submission.dispatch(kernel, 1, bytesOf(ScalePush{64, 0}));
+    submission.submit();
+    const auto* values = static_cast<const uint32_t*>(buffer.mapped());
+    for (uint32_t i = 0; i < 256; ++i) ASSERT_EQ(values[i], 3 * i);
+}
+
+TEST_P(RoundTrip, accessesPastTheEndAreErrors) {
+    const Buffer buffer = make("nodes", 64);
+    std::vector<std::byte> bytes(65);
+    EXPECT_EQ(errorOf([&] { upload(device_, buffer, bytes); }),
+              "an upload of 65 bytes at offset 0 passes the end of array \"nodes\" (64 bytes)");
+    EXPECT_EQ(errorOf([&] { download(device_, buffer, std::span(bytes).first(1), 64); }),
+              "a download of 1 bytes at offset 64 passes the end of array \"nodes\" (64 bytes)");
+    EXPECT_EQ(
+        errorOf([&] { download(device_, buffer, std::span(bytes).first(2), ~uint64_t{0}); }),
+        "a download of 2 bytes at offset 18446744073709551615 passes the end of array \"nodes\" (64 bytes)");
+    EXPECT_EQ(errorOf([&] { upload(device_, buffer, std::span(bytes).first(0), 64); }), "no error");
+}
+
+class BufferTest : public GpuTest {};
+
+TEST_F(BufferTest, sizesAreWholeTexelsAndNeverZero) {
+    const auto size = [&](uint64_t bytes) {
+        return Buffer(device_, "b", bytes, Access::StorageBuffer, MemoryKind::Device).size();
+    };
+    EXPECT_EQ(size(0), 16u);
+    EXPECT_EQ(size(1), 16u);
+    EXPECT_EQ(size(16), 16u);
+    EXPECT_EQ(size(17), 32u);
+}
+
+TEST_F(BufferTest, moves) {
+    Buffer first(device_, "first", 64, Access::TexelBuffer, MemoryKind::Host);
+    write(device_, first, counting(16));
+    Buffer second = std::move(first);
+    EXPECT_FALSE(first);
+    EXPECT_TRUE(second);
+    EXPECT_EQ(read(device_, second, 16), counting(16));
+    second = Buffer(device_, "third", 32, Access::StorageBuffer, MemoryKind::Device);
+    EXPECT_EQ(second.size(), 32u);
+    EXPECT_EQ(second.access(), Access::StorageBuffer);
+    EXPECT_FALSE(Buffer());
+}
+
+TEST_F(BufferTest, tooLargeForAStorageBuffer) {
+    device_.state().physical.info.limits.maxStorageBufferRange = 134217728;
+    EXPECT_EQ(
+        errorOf([&] { Buffer(device_, "triangles", 201326592, Access::StorageBuffer, MemoryKind::Device); }),
+        "array \"triangles\" needs 201326592 bytes, but this device binds at most 134217728 bytes as a "
+        "storage "
+        "buffer");
+}
+
+TEST_F(BufferTest, tooLargeForATexelBuffer) {
+    device_.state().physical.info.limits.maxTexelBufferElements = 65536;
+    EXPECT_EQ(
+        errorOf([&] { Buffer(device_, "nodes", 1048577, Access::TexelBuffer, MemoryKind::Device); }),
+        "array \"nodes\" needs 1048577 bytes, but this device binds at most 1048576 bytes as a texel buffer");
+}
+
+TEST_F(BufferTest, tooLargeForOneAllocation) {
+    device_.state().physical.info.limits.maxAllocationSize = 1000000;
+    EXPECT_EQ(errorOf([&] { Buffer(device_, "nodes", 1048576, Access::TexelBuffer, MemoryKind::Device); }),
+              "array \"nodes\" needs 1048576 bytes, but this device allocates at most 1000000 bytes at once");
+}
+
+TEST_F(BufferTest, theLargestOneOfTheDeviceIsMade) {
+    const DeviceLimits& limits = device_.info().limits;
+    const uint64_t largest = limits.maxStorageBufferRange / 16 * 16;
+    ASSERT_TRUE(fits(largest, Access::StorageBuffer, limits));
+    const Buffer buffer(device_, "largest", largest, Access::StorageBuffer, MemoryKind::Device);
+    write(device_, buffer, {42}, largest - 4);
+    EXPECT_EQ(read(device_, buffer, 1, largest - 4), std::vector<uint32_t>{42});
+}
+
+TEST_F(BufferTest, aDeviceWithoutTheMemoryType) {
+    device_.state().physical.memory.memoryTypeCount = 0;
+    EXPECT_EQ(errorOf([&] { Buffer(device_, "image", 64, Access::StorageBuffer, MemoryKind::Host); }),
+              "array \"image\" needs 64 bytes, but this device has no host-visible memory for it");
+    EXPECT_EQ(errorOf([&] { Buffer(device_, "image", 64, Access::StorageBuffer, MemoryKind::Device); }),
+              "array \"image\" needs 64 bytes, but this device has no device-local memory for it");
+}
+
+}  // namespace
+}  // namespace glint::gpu

@@ -1,0 +1,178 @@
+// Which device a selector means, and what is said of the others; on lists made up here.
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+namespace {
+
+DeviceInfo made(uint32_t index, const std::string& name, const std::string& type,
+                const std::string& refused = "") {
+    DeviceInfo device;
+    device.index = index;
+    device.name = name;
+    device.type = type;
+    device.usable = refused.empty();
+    device.reason = refused.empty() ? "has all that glint needs" : refused;
+    return device;
+}
+
+std::string errorOf(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+    try {
+        return "chose " + chooseDevice(devices, selector).name;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::Device);
+        return error.what();
+    }
+}
+
+const std::vector<DeviceInfo> kDesktop = {
+    made(0, "llvmpipe (LLVM 15.0.6, 256 bits)", "CPU"),
+    made(1, "Intel(R) UHD Graphics 630", "integrated GPU"),
+    made(2, "NVIDIA GeForce RTX 3060", "discrete GPU"),
+    made(3, "NVIDIA GeForce GT 1030", "discrete GPU"),
+    made(4, "Old Card", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1"),
+};
+
+TEST(ChooseDevice, prefersDiscreteThenTheLowestIndex) {
+    EXPECT_EQ(chooseDevice(kDesktop, "").index, 2u);
+}
+
+TEST(ChooseDevice, followsTheWholeOrderOfTypes) {
+    const std::vector<std::string> order = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
+    for (size_t i = 0; i < order.size(); ++i) {
+        for (size_t j = i + 1; j < order.size(); ++j) {
+            EXPECT_EQ(chooseDevice({made(0, "a", order[j]), made(1, "b", order[i])}, "").index, 1u)
+                << order[i] << " before " << order[j];
+        }
+    }
+}
+
+TEST(ChooseDevice, neverChoosesARefusedOne) {
+    EXPECT_EQ(
+        chooseDevice({made(0, "a", "discrete GPU", "has no compute queue"), made(1, "b", "CPU")}, "").index,
+        1u);
+}
+
+TEST(ChooseDevice, takesANumberAsTheIndex) {
+    EXPECT_EQ(chooseDevice(kDesktop, "0").index, 0u);
+    EXPECT_EQ(chooseDevice(kDesktop, "3").index, 3u);
+}
+
+TEST(ChooseDevice, takesPartOfTheNameInAnyCase) {
+    EXPECT_EQ(chooseDevice(kDesktop, "LLVMPIPE").index, 0u);
+    EXPECT_EQ(chooseDevice(kDesktop, "gt 1030").index, 3u);
+    EXPECT_EQ(chooseDevice(kDesktop, "uhd").index, 1u);
+}
+
+TEST(ChooseDevice, ofSeveralMatchesTheBest) {
+    EXPECT_EQ(chooseDevice(kDesktop, "nvidia").index, 2u);
+}
+
+TEST(ChooseDevice, ofAMatchingRefusedAndAMatchingUsableOneTheUsable) {
+    EXPECT_EQ(
+        chooseDevice({made(0, "card A", "discrete GPU", "has no compute queue"), made(1, "card B", "CPU")},
+                     "card")
+            .index,
+        1u);
+}
+
+TEST(ChooseDevice, anEmptyListNamesThePackage) {
+    EXPECT_EQ(errorOf({}, ""),
+              "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
+    EXPECT_EQ(errorOf({}, "nvidia"), errorOf({}, ""));
+}
+
+TEST(ChooseDevice, withoutAUsableOneSaysWhyForEach) {
+    EXPECT_EQ(errorOf({made(0, "A", "CPU", "has no compute queue"),
+                       made(1, "B", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1")},
+                      ""),
+              "no usable Vulkan device: 0 \"A\" has no compute queue; 1 \"B\" knows Vulkan 1.0 only, glint "
+              "needs 1.1");
+}
+
+TEST(ChooseDevice, anUnknownNameListsWhatThereIs) {
+    EXPECT_EQ(errorOf({made(0, "A", "CPU"), made(1, "B", "discrete GPU")}, "radeon"),
+              "no Vulkan device has \"radeon\" in its name; there is 0 \"A\", 1 \"B\"");
+}
+
+TEST(ChooseDevice, anUnknownIndexListsWhatThereIs) {
+    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "1"), "no Vulkan device has index 1; there is 0 \"A\"");
+    // More digits than any integer holds, and whose low 64 bits are 0.
+    EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "18446744073709551616"),
+              "no Vulkan device has index 18446744073709551616; there is 0 \"A\"");
+}
+
+TEST(ChooseDevice, aRefusedSelectionSaysWhy) {
+    EXPECT_EQ(errorOf(kDesktop, "4"),
+              "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1");
+    EXPECT_EQ(errorOf(kDesktop, "old"),
+              "device old cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1");
+}
+
+// What Vulkan 1.1 guarantees of every device (table "Required Limits"), except for the bindings, where it
+// guarantees 4.
+DeviceLimits sufficientLimits() {
+    DeviceLimits limits;
+    limits.maxTexelBufferElements = 65536;
+    limits.maxWorkgroupInvocations = 128;
+    limits.maxWorkgroupSizeX = 128;
+    limits.maxPushConstantBytes = 128;
+    limits.maxStorageBuffersPerStage = 8;
+    limits.maxStorageImagesPerStage = 8;
+    return limits;
+}
+
+TEST(Refusal, acceptsSufficientLimits) {
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, sufficientLimits()), "");
+}
+
+TEST(Refusal, namesTheVersion) {
+    EXPECT_EQ(refusal(VK_MAKE_API_VERSION(0, 1, 0, 255), true, sufficientLimits()),
+              "knows Vulkan 1.0 only, glint needs 1.1");
+}
+
+TEST(Refusal, namesTheMissingQueue) {
+    EXPECT_EQ(refusal(VK_API_VERSION_1_3, false, sufficientLimits()), "has no compute queue");
+}
+
+TEST(Refusal, namesTheWorkgroupSize) {
+    DeviceLimits limits = sufficientLimits();
+    limits.maxWorkgroupInvocations = 63;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
+              "runs workgroups of at most 63 invocations, glint needs 64");
+    limits = sufficientLimits();
+    limits.maxWorkgroupSizeX = 32;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
+              "runs workgroups of at most 32 invocations, glint needs 64");
+}
+
+TEST(Refusal, namesThePushConstants) {
+    DeviceLimits limits = sufficientLimits();
+    limits.maxPushConstantBytes = 127;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "has 127 bytes of push constants, glint needs 128");
+}
+
+TEST(Refusal, needsEnoughBindingsOfEitherKind) {
+    DeviceLimits limits = sufficientLimits();
+    limits.maxStorageBuffersPerStage = 4;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
+    limits = sufficientLimits();
+    limits.maxStorageImagesPerStage = 4;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
+    limits.maxStorageBuffersPerStage = 7;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
+              "binds 7 storage buffers and 4 storage texel buffers to a kernel, glint needs 8 of one kind");
+}
+
+TEST(Refusal, countsNoTexelBuffersWithoutTheFormat) {
+    DeviceLimits limits = sufficientLimits();
+    limits.maxStorageBuffersPerStage = 4;
+    limits.maxTexelBufferElements = 0;
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
+              "binds 4 storage buffers and 0 storage texel buffers to a kernel, glint needs 8 of one kind");
+}
+
+}  // namespace
+}  // namespace glint::gpu

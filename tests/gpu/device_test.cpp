@@ -1,0 +1,197 @@
+#include "gpu/device.h"
+
+#include <cstdlib>
+#include <optional>
+#include <thread>
+
+#include "gpu_fixture.h"
+
+namespace glint::gpu {
+namespace {
+
+class ScopedEnvironment {
+  public:
+    ScopedEnvironment(const char* name, const char* value) : name_(name) {
+        if (const char* old = std::getenv(name)) old_ = old;
+        setenv(name, value, 1);
+    }
+    ~ScopedEnvironment() {
+        if (old_) {
+            setenv(name_, old_->c_str(), 1);
+        } else {
+            unsetenv(name_);
+        }
+    }
+
+  private:
+    const char* name_;
+    std::optional<std::string> old_;
+};
+
+TEST(ListDevices, findsLavapipe) {
+    const std::vector<DeviceInfo> devices = listDevices();
+    ASSERT_EQ(devices.size(), 1u)
+        << "the tests set VK_DRIVER_FILES to lavapipe alone; run them through ctest";
+    const DeviceInfo& lavapipe = devices[0];
+    EXPECT_EQ(lavapipe.index, 0u);
+    EXPECT_NE(lavapipe.name.find("llvmpipe"), std::string::npos) << lavapipe.name;
+    EXPECT_NE(lavapipe.driver.find("Mesa"), std::string::npos) << lavapipe.driver;
+    EXPECT_EQ(lavapipe.type, "CPU");
+    EXPECT_TRUE(lavapipe.software);
+    EXPECT_TRUE(lavapipe.llvmpipe);
+    EXPECT_TRUE(lavapipe.usable) << lavapipe.reason;
+    EXPECT_EQ(lavapipe.reason, "has all that glint needs");
+    EXPECT_EQ(lavapipe.api.substr(0, 2), "1.");
+}
+
+// The minima are those that Vulkan 1.1 requires (tables "Required Limits" and "Required Limit Types").
+TEST(ListDevices, tellsTheLimits) {
+    const std::vector<DeviceInfo> devices = listDevices();
+    ASSERT_FALSE(devices.empty());
+    const DeviceLimits& limits = devices[0].limits;
+    EXPECT_GE(limits.maxStorageBufferRange, uint64_t{1} << 27);
+    EXPECT_GE(limits.maxTexelBufferElements, 65536u);
+    EXPECT_GE(limits.maxAllocationSize, uint64_t{1} << 30);
+    EXPECT_GT(limits.memory, 0u);
+    EXPECT_GE(limits.maxWorkgroupInvocations, 128u);
+    EXPECT_GE(limits.maxWorkgroupSizeX, 128u);
+    EXPECT_GE(limits.maxWorkgroupCountX, 65535u);
+    EXPECT_GE(limits.maxPushConstantBytes, 128u);
+    EXPECT_GE(limits.maxStorageBuffersPerStage, 8u);
+    EXPECT_GE(limits.maxStorageImagesPerStage, 8u);
+    EXPECT_GE(limits.subgroupSize, 1u);
+    EXPECT_GT(limits.timestampPeriod, 0.0);
+}
+
+TEST(ListDevices, isEmptyWithoutADriver) {
+    const ScopedEnvironment files("VK_DRIVER_FILES", "/nonexistent.json");
+    const ScopedEnvironment names("VK_ICD_FILENAMES", "/nonexistent.json");
+    EXPECT_TRUE(listDevices().empty());
+    EXPECT_EQ(errorOf([] { Device device; }),
+              "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
+}
+
+TEST_F(GpuTest, opensTheSelectedDevice) {
+    EXPECT_TRUE(device_.info().llvmpipe);
+    EXPECT_EQ(Device(selecting("0")).info().name, device_.info().name);
+    EXPECT_EQ(Device(selecting("LLVMpipe")).info().name, device_.info().name);
+    const std::string message = errorOf([] { Device device(selecting("17")); });
+    EXPECT_EQ(message, "no Vulkan device has index 17; there is 0 \"" + device_.info().name + "\"");
+}
+
+TEST(Validation, isOffUnlessAskedFor) {
+    const Device device;
+    EXPECT_FALSE(device.validationActive());
+    EXPECT_TRUE(device.validationMessages().empty());
+}
+
+// The other tests rely on silence, so the layer must be known to speak.
+TEST(Validation, collectsWhatTheLayerSays) {
+    const Device device(withValidation());
+    ASSERT_TRUE(device.validationActive());
+    VkBufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    info.size = 0;
+    info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    const DeviceState& state = device.state();
+    VkBuffer buffer = VK_NULL_HANDLE;
+    if (state.vk.vkCreateBuffer(state.device, &info, nullptr, &buffer) == VK_SUCCESS) {
+        state.vk.vkDestroyBuffer(state.device, buffer, nullptr);
+    }
+    ASSERT_FALSE(device.validationMessages().empty());
+    EXPECT_NE(device.validationMessages()[0].find("VUID-VkBufferCreateInfo-size-00912"), std::string::npos)
+        << device.validationMessages()[0];
+}
+
+TEST(Validation, synchronisationIsChecked) {
+    Device device(withValidation());
+    ASSERT_TRUE(device.validationActive());
+    const Buffer a(device, "a", 1024, Access::StorageBuffer, MemoryKind::Device);
+    const Buffer b(device, "b", 1024, Access::StorageBuffer, MemoryKind::Device);
+    Submission submission(device);
+    DeviceState& state = device.state();
+    // Without barriers the second copy overwrites what the first one may still be writing.
+    const auto noBarrier = [](VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags,
+                              uint32_t, const VkMemoryBarrier*, uint32_t, const VkBufferMemoryBarrier*,
+                              uint32_t, const VkImageMemoryBarrier*) {};
+    state.vk.vkCmdPipelineBarrier = noBarrier;
+    submission.copy(a, 0, b, 0, 512);
+    submission.copy(a, 512, b, 0, 512);
+    ASSERT_FALSE(device.validationMessages().empty());
+    EXPECT_NE(device.validationMessages()[0].find("SYNC-HAZARD-WRITE"), std::string::npos)
+        << device.validationMessages()[0];
+}
+
+TEST(Validation, silentWhenEverythingIsDestroyed) {
+    std::shared_ptr<ValidationLog> log;
+    {
+        const Device device(withValidation());
+        ASSERT_TRUE(device.validationActive());
+        log = device.state().log;
+        device.state().physical.unified = false;  // so that there is a staging buffer
+        const Buffer buffer(device, "buffer", 64, Access::TexelBuffer, MemoryKind::Device);
+        write(device, buffer, counting(16));
+        Kernel kernel = scaleKernel(device, Access::TexelBuffer, {2, 0});
+        const Buffer* const buffers[] = {&buffer};
+        kernel.bind(buffers);
+        Submission submission(device);
+        submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 0}));
+        submission.submit();
+        submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 0}));  // recorded, never submitted
+    }
+    for (const std::string& message : log->messages()) ADD_FAILURE() << message;
+}
+
+void doubleOn(const Device& device, std::vector<uint32_t>& values) {
+    const Buffer buffer(device, "values", values.size() * 4, Access::TexelBuffer, MemoryKind::Device);
+    write(device, buffer, values);
+    Kernel kernel = scaleKernel(device, Access::TexelBuffer, {2, 0});
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    const uint32_t texels = static_cast<uint32_t>(values.size() / 4);
+    Submission submission(device);
+    submission.dispatch(kernel, groupsFor(texels), bytesOf(ScalePush{texels, 0}));
+    submission.submit();
+    values = read(device, buffer, values.size());
+}
+
+TEST_F(GpuTest, devicesWorkSideBySide) {
+    std::vector<uint32_t> here = counting(400);
+    std::vector<uint32_t> there = counting(400, 1000);
+    {
+        const Device other;
+        doubleOn(other, there);
+        doubleOn(device_, here);
+    }
+    doubleOn(device_, here);  // the other one's end, and its instance's, does not touch this one
+    for (uint32_t i = 0; i < 400; ++i) {
+        ASSERT_EQ(here[i], 4 * i);
+        ASSERT_EQ(there[i], 2 * (1000 + i));
+    }
+}
+
+TEST(Device, opensAndWorksInSeveralThreads) {
+    constexpr uint32_t kThreads = 4;
+    std::vector<std::vector<uint32_t>> values(kThreads);
+    std::vector<std::thread> threads;
+    for (uint32_t t = 0; t < kThreads; ++t) {
+        values[t] = counting(400, 1000 * t);
+        threads.emplace_back([&values, t] { doubleOn(Device(), values[t]); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (uint32_t t = 0; t < kThreads; ++t) {
+        for (uint32_t i = 0; i < 400; ++i) ASSERT_EQ(values[t][i], 2 * (1000 * t + i));
+    }
+}
+
+TEST_F(GpuTest, movesWithoutDisturbingItsBuffers) {
+    const Buffer buffer(device_, "buffer", 64, Access::StorageBuffer, MemoryKind::Device);
+    Device moved = std::move(device_);
+    write(moved, buffer, counting(16, 5));
+    EXPECT_EQ(read(moved, buffer, 16), counting(16, 5));
+    device_ = std::move(moved);
+    EXPECT_EQ(read(device_, buffer, 16), counting(16, 5));
+}
+
+}  // namespace
+}  // namespace glint::gpu

@@ -1,0 +1,102 @@
+// Failures of Vulkan calls, made by putting others in their place in the device's function table.
+#include "gpu_fixture.h"
+
+namespace glint::gpu {
+namespace {
+
+class FailureTest : public GpuTest {
+  protected:
+    DeviceState& state() { return device_.state(); }
+};
+
+TEST_F(FailureTest, outOfDeviceMemoryNamesTheArray) {
+    state().vk.vkAllocateMemory = [](VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*,
+                                     VkDeviceMemory*) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; };
+    EXPECT_EQ(errorOf([&] { Buffer(device_, "nodes", 4096, Access::TexelBuffer, MemoryKind::Device); }),
+              "array \"nodes\" needs 4096 bytes, but vkAllocateMemory failed: VK_ERROR_OUT_OF_DEVICE_MEMORY "
+              "(out of "
+              "device memory)");
+}
+
+TEST_F(FailureTest, aKernelThatDoesNotCompileIsNamed) {
+    state().vk.vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                             const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                             VkPipeline*) { return VK_ERROR_INVALID_SHADER_NV; };
+    EXPECT_EQ(
+        errorOf([&] { emptyKernel(device_); }),
+        "kernel \"empty\": vkCreateComputePipelines failed: VK_ERROR_INVALID_SHADER_NV (the shader does not "
+        "compile)");
+}
+
+TEST_F(FailureTest, aLostDeviceIsNamed) {
+    const Kernel kernel = emptyKernel(device_);
+    Submission submission(device_);
+    submission.dispatch(kernel, 1, {});
+    state().vk.vkQueueSubmit = [](VkQueue, uint32_t, const VkSubmitInfo*, VkFence) {
+        return VK_ERROR_DEVICE_LOST;
+    };
+    EXPECT_EQ(errorOf([&] { submission.submit(); }),
+              "vkQueueSubmit failed: VK_ERROR_DEVICE_LOST (the device was reset, or its driver crashed)");
+}
+
+TEST_F(FailureTest, aSubmissionWorksAgainAfterAFailure) {
+    const Kernel kernel = emptyKernel(device_);
+    Submission submission(device_);
+    const PFN_vkQueueSubmit real = state().vk.vkQueueSubmit;
+    state().vk.vkQueueSubmit = [](VkQueue, uint32_t, const VkSubmitInfo*, VkFence) {
+        return VK_ERROR_OUT_OF_HOST_MEMORY;
+    };
+    submission.dispatch(kernel, 1, {});
+    EXPECT_EQ(errorOf([&] { submission.submit(); }),
+              "vkQueueSubmit failed: VK_ERROR_OUT_OF_HOST_MEMORY (out of host memory)");
+    state().vk.vkQueueSubmit = real;
+    submission.dispatch(kernel, 1, {});
+    EXPECT_GT(submission.submit().wall, 0.0);
+}
+
+TEST_F(FailureTest, anUnknownResultIsANumber) {
+    state().vk.vkCreateFence = [](VkDevice, const VkFenceCreateInfo*, const VkAllocationCallbacks*,
+                                  VkFence*) { return static_cast<VkResult>(-12345); };
+    EXPECT_EQ(errorOf([&] { Submission submission(device_); }), "vkCreateFence failed: VkResult -12345");
+}
+
+TEST_F(FailureTest, aHangIsReportedAndNothingInUseIsDestroyed) {
+    const Kernel kernel = emptyKernel(device_);
+    {
+        Submission submission(device_);
+        submission.dispatch(kernel, 1, {});
+        state().vk.vkWaitForFences = [](VkDevice, uint32_t, const VkFence*, VkBool32, uint64_t nanoseconds) {
+            EXPECT_EQ(nanoseconds, 60'000'000'000u);
+            return VK_TIMEOUT;
+        };
+        EXPECT_EQ(
+            errorOf([&] { submission.submit(); }),
+            "the device \"" + device_.info().name + "\" hangs: a batch of work has not finished after 60 s");
+        EXPECT_TRUE(state().abandoned);
+        // It did finish, so that this test can clean up.
+        state().vk.vkDeviceWaitIdle(state().device);
+        state().abandoned = false;
+    }
+}
+
+// A 36-bit counter (Intel) of 83.333 ns a tick that wraps: from 2^36 - 10 to 5 are 15 ticks.
+TEST_F(FailureTest, timestampsMayWrap) {
+    state().physical.timestampBits = 36;
+    state().physical.info.limits.timestampPeriod = 83.333;
+    state().vk.vkGetQueryPoolResults = [](VkDevice, VkQueryPool, uint32_t, uint32_t count, size_t bytes,
+                                          void* data, VkDeviceSize stride, VkQueryResultFlags) {
+        EXPECT_EQ(count, 2u);
+        EXPECT_EQ(bytes, 16u);
+        EXPECT_EQ(stride, 8u);
+        const uint64_t ticks[2] = {(uint64_t{1} << 36) - 10, 5};
+        std::memcpy(data, ticks, sizeof(ticks));
+        return VK_SUCCESS;
+    };
+    const Kernel kernel = emptyKernel(device_);
+    Submission submission(device_);
+    submission.dispatch(kernel, 1, {});
+    EXPECT_NEAR(submission.submit().device, 15 * 83.333e-9, 1e-15);
+}
+
+}  // namespace
+}  // namespace glint::gpu

@@ -1,0 +1,99 @@
+// A device with the validation layer for each test; the test fails if the layer has anything to say.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "gpu/compute.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+
+inline DeviceOptions withValidation() {
+    DeviceOptions options;
+    options.validation = true;
+    return options;
+}
+
+inline DeviceOptions selecting(const std::string& selector) {
+    DeviceOptions options;
+    options.selector = selector;
+    return options;
+}
+
+class GpuTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(device_.validationActive())
+            << "VK_LAYER_KHRONOS_validation is missing: install the Debian package vulkan-validationlayers";
+    }
+    void TearDown() override {
+        for (const std::string& message : device_.validationMessages()) ADD_FAILURE() << message;
+    }
+
+    Device device_{withValidation()};
+};
+
+inline std::vector<uint32_t> counting(size_t values, uint32_t first = 0) {
+    std::vector<uint32_t> result(values);
+    for (size_t i = 0; i < values; ++i) result[i] = first + static_cast<uint32_t>(i);
+    return result;
+}
+
+inline std::vector<uint32_t> read(const Device& device, const Buffer& buffer, size_t values,
+                                  uint64_t offset = 0) {
+    std::vector<uint32_t> result(values);
+    download(device, buffer, std::as_writable_bytes(std::span(result)), offset);
+    return result;
+}
+
+inline void write(const Device& device, const Buffer& buffer, const std::vector<uint32_t>& values,
+                  uint64_t offset = 0) {
+    upload(device, buffer, std::as_bytes(std::span(values)), offset);
+}
+
+// The message of the Error(Device) that `call` throws.
+template <typename Call>
+std::string errorOf(Call call) {
+    try {
+        call();
+        return "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::Device);
+        return error.what();
+    }
+}
+
+// ---- the kernels of this folder ----
+
+struct ScalePush {
+    uint32_t count = 0;  // texels
+    uint32_t addend = 0;
+};
+
+struct ReversePush {
+    uint32_t count = 0;  // texels
+};
+
+template <typename Push>
+std::span<const std::byte> bytesOf(const Push& push) {
+    return std::as_bytes(std::span(&push, 1));
+}
+
+inline uint32_t groupsFor(uint32_t texels) {
+    return (texels + 63) / 64;
+}
+
+// constants: FACTOR, then ADDS.
+Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants);
+Kernel reverseKernel(const Device& device);
+Kernel emptyKernel(const Device& device);
+
+}  // namespace glint::gpu

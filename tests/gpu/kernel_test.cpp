@@ -1,0 +1,135 @@
+#include "gpu_fixture.h"
+
+namespace glint::gpu {
+namespace {
+
+class KernelTest : public GpuTest, public testing::WithParamInterface<Access> {
+  protected:
+    // What `kernel` makes of 0, 1, 2, ... with this push constant.
+    std::vector<uint32_t> run(Kernel& kernel, ScalePush push, size_t values) {
+        const Buffer buffer(device_, "values", values * 4, GetParam(), MemoryKind::Device);
+        write(device_, buffer, counting(values));
+        const Buffer* const buffers[] = {&buffer};
+        kernel.bind(buffers);
+        Submission submission(device_);
+        submission.dispatch(kernel, groupsFor(push.count), bytesOf(push));
+        submission.submit();
+        return read(device_, buffer, values);
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, KernelTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
+                         [](const auto& access) {
+                             return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
+                         });
+
+TEST_P(KernelTest, specializationConstantsFollowTheirIds) {
+    // FACTOR and ADDS; left out, the shader's own 1 and false stand.
+    Kernel triple = scaleKernel(device_, GetParam(), {3});
+    Kernel both = scaleKernel(device_, GetParam(), {5, 1});
+    Kernel defaults = scaleKernel(device_, GetParam(), {});
+    const std::vector<uint32_t> tripled = run(triple, {16, 1000}, 64);
+    const std::vector<uint32_t> sums = run(both, {16, 1000}, 64);
+    const std::vector<uint32_t> same = run(defaults, {16, 1000}, 64);
+    for (uint32_t i = 0; i < 64; ++i) {
+        ASSERT_EQ(tripled[i], 3 * i);
+        ASSERT_EQ(sums[i], 5 * i + 1000);
+        ASSERT_EQ(same[i], i);
+    }
+}
+
+TEST_P(KernelTest, pushConstantsChangeFromDispatchToDispatch) {
+    Kernel kernel = scaleKernel(device_, GetParam(), {1, 1});
+    const Buffer buffer(device_, "values", 256, GetParam(), MemoryKind::Device);
+    write(device_, buffer, counting(64));
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    Submission submission(device_);
+    submission.dispatch(kernel, 1, bytesOf(ScalePush{16, 100}));  // all
+    submission.dispatch(kernel, 1, bytesOf(ScalePush{4, 1000}));  // the first 4 texels
+    submission.submit();
+    const std::vector<uint32_t> values = read(device_, buffer, 64);
+    for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], i + (i < 16 ? 1100 : 100));
+}
+
+TEST_P(KernelTest, rebindingMovesItToAnotherBuffer) {
+    Kernel kernel = scaleKernel(device_, GetParam(), {2});
+    const std::vector<uint32_t> first = run(kernel, {4, 0}, 16);
+    const std::vector<uint32_t> second = run(kernel, {2, 0}, 16);  // another buffer; the first one is gone
+    for (uint32_t i = 0; i < 16; ++i) {
+        ASSERT_EQ(first[i], 2 * i);
+        ASSERT_EQ(second[i], i < 8 ? 2 * i : i);
+    }
+}
+
+TEST_P(KernelTest, theWrongAccessIsAnError) {
+    Kernel kernel = scaleKernel(device_, GetParam(), {2});
+    const bool storage = GetParam() == Access::StorageBuffer;
+    const Buffer other(device_, "nodes", 64, storage ? Access::TexelBuffer : Access::StorageBuffer,
+                       MemoryKind::Device);
+    const Buffer* const buffers[] = {&other};
+    EXPECT_EQ(errorOf([&] { kernel.bind(buffers); }),
+              storage ? "kernel \"scale\": binding 0 is a storage buffer, but array \"nodes\" was made as a "
+                        "texel buffer"
+                      : "kernel \"scale\": binding 0 is a texel buffer, but array \"nodes\" was made as a "
+                        "storage buffer");
+}
+
+class OneKernelTest : public GpuTest {};
+
+TEST_F(OneKernelTest, theWrongNumberOfBuffersIsAnError) {
+    Kernel kernel = reverseKernel(device_);
+    const Buffer buffer(device_, "source", 64, Access::TexelBuffer, MemoryKind::Device);
+    const Buffer* const one[] = {&buffer};
+    EXPECT_EQ(errorOf([&] { kernel.bind(one); }),
+              "kernel \"reverse\": has 2 bindings, but was given 1 buffers");
+    const Buffer* const missing[] = {&buffer, nullptr};
+    EXPECT_EQ(errorOf([&] { kernel.bind(missing); }), "kernel \"reverse\": binding 1 was given no buffer");
+    const Buffer none;
+    const Buffer* const empty[] = {&buffer, &none};
+    EXPECT_EQ(errorOf([&] { kernel.bind(empty); }), "kernel \"reverse\": binding 1 was given no buffer");
+}
+
+TEST_F(OneKernelTest, needsNoBindings) {
+    const Kernel kernel = emptyKernel(device_);
+    Submission submission(device_);
+    submission.dispatch(kernel, 3, {});
+    EXPECT_GT(submission.submit().wall, 0.0);
+}
+
+TEST_F(OneKernelTest, moves) {
+    Kernel first = emptyKernel(device_);
+    Kernel second = std::move(first);
+    EXPECT_FALSE(first);
+    EXPECT_TRUE(second);
+    second = reverseKernel(device_);
+    EXPECT_EQ(second.state().bindings.size(), 2u);
+    EXPECT_FALSE(Kernel());
+}
+
+TEST_F(OneKernelTest, limitsAreChecked) {
+    DeviceLimits& limits = device_.state().physical.info.limits;
+    const DeviceLimits real = limits;
+    KernelOptions options;
+    options.name = "big";
+    options.bindings = {Access::TexelBuffer, Access::TexelBuffer, Access::StorageBuffer,
+                        Access::StorageBuffer};
+    options.pushConstantBytes = 64;
+
+    const auto message = [&] { return errorOf([&] { Kernel(device_, options); }); };
+    limits.maxWorkgroupInvocations = 32;
+    EXPECT_EQ(message(),
+              "kernel \"big\": needs 64 invocations in a workgroup, but this device has at most 32");
+    limits = real;
+    limits.maxPushConstantBytes = 60;
+    EXPECT_EQ(message(), "kernel \"big\": needs 64 bytes of push constants, but this device has at most 60");
+    limits = real;
+    limits.maxStorageBuffersPerStage = 1;
+    EXPECT_EQ(message(), "kernel \"big\": needs 2 storage buffers, but this device has at most 1");
+    limits = real;
+    limits.maxStorageImagesPerStage = 1;
+    EXPECT_EQ(message(), "kernel \"big\": needs 2 texel buffers, but this device has at most 1");
+}
+
+}  // namespace
+}  // namespace glint::gpu

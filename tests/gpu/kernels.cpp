@@ -1,0 +1,39 @@
+#include "empty.spv.h"
+#include "gpu_fixture.h"
+#include "reverse.spv.h"
+#include "scale.spv.h"
+#include "scale_texel.spv.h"
+
+namespace glint::gpu {
+
+Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants) {
+    KernelOptions options;
+    options.name = "scale";
+    if (access == Access::StorageBuffer) {
+        options.spirv = scale_spv;
+    } else {
+        options.spirv = scale_texel_spv;
+    }
+    options.bindings = {access};
+    options.constants = std::move(constants);
+    options.pushConstantBytes = sizeof(ScalePush);
+    return Kernel(device, options);
+}
+
+Kernel reverseKernel(const Device& device) {
+    KernelOptions options;
+    options.name = "reverse";
+    options.spirv = reverse_spv;
+    options.bindings = {Access::TexelBuffer, Access::StorageBuffer};
+    options.pushConstantBytes = sizeof(ReversePush);
+    return Kernel(device, options);
+}
+
+Kernel emptyKernel(const Device& device) {
+    KernelOptions options;
+    options.name = "empty";
+    options.spirv = empty_spv;
+    return Kernel(device, options);
+}
+
+}  // namespace glint::gpu

@@ -1,0 +1,39 @@
+// Runs under CTest with a library search path on which libvulkan.so.1 is an empty file (CMakeLists.txt).
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "gpu/device.h"
+
+namespace glint::gpu {
+namespace {
+
+const std::string kMessage =
+    "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as mesa-vulkan-drivers, "
+    "or use --backend cpu";
+
+template <typename Call>
+void expectNoLoader(Call call) {
+    try {
+        call();
+        FAIL() << "a loader was found; run this through ctest, which hides it";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.what(), kMessage);
+        EXPECT_EQ(error.code(), ExitCode::Device);
+    }
+}
+
+TEST(NoLoader, listDevicesNamesThePackages) {
+    expectNoLoader([] { listDevices(); });
+}
+
+TEST(NoLoader, openingADeviceNamesThePackages) {
+    expectNoLoader([] { Device device; });
+}
+
+TEST(NoLoader, isReportedEveryTime) {
+    expectNoLoader([] { listDevices(); });
+    expectNoLoader([] { listDevices(); });
+}
+
+}  // namespace
+}  // namespace glint::gpu

@@ -1,0 +1,69 @@
+// Builds small PackedScenes without the packing code of src/bvh, so that these tests stand on the layouts
+// alone.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <random>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+#include "reference/tracer.h"
+
+namespace glint::reference::test {
+
+// Every primitive is an object of its own; its id, and its object's index, is the number of primitives added
+// before it. Material 0 is matte white: ambient 0, diffuse 1.
+class SceneMaker {
+  public:
+    SceneMaker();
+
+    uint32_t material(const glm::vec3& diffuse, const glm::vec3& specular = glm::vec3(0), float shininess = 1,
+                      const glm::vec3& mirror = glm::vec3(0), const glm::vec3& ambient = glm::vec3(0));
+    uint32_t triangle(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2, uint32_t material = 0);
+    uint32_t triangle(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2,
+                      const shared::VertexNormals& normals, uint32_t material = 0);
+    uint32_t sphere(const glm::vec3& center, float radius, uint32_t material = 0);
+    uint32_t anchoredSphere(const glm::vec3& point, const glm::vec3& normal, float radius,
+                            uint32_t material = 0);
+    uint32_t plane(const glm::vec3& point, const glm::vec3& normal, uint32_t material = 0);
+    void cube(const glm::vec3& center, float halfEdge);  // 12 triangles, outward
+    void light(uint32_t kind, const glm::vec3& position, const glm::vec3& intensity = glm::vec3(1));
+
+    // The next primitive takes this id.
+    void setNextId(uint32_t id) { nextId_ = id; }
+
+    shared::Environment environment;
+
+    PackedScene finish(uint32_t maxLeafSize = 2) const;
+
+  private:
+    uint32_t nextId_ = 0;
+    PackedScene scene_;  // primitives in the order added
+};
+
+// A closed mesh: the sphere of 16 x 16 quads (theta, phi), two triangles each, whose radii are 1 + 5 xi for
+// uniform xi, of pbrt's test Triangle.Watertight (Pharr, Jakob, Humphreys, pbrt-v4,
+// src/pbrt/shapes_test.cpp).
+struct BumpyMesh {
+    std::vector<glm::vec3> vertices;
+    std::vector<glm::uvec3> triangles;
+};
+BumpyMesh makeBumpyMesh(uint32_t seed);
+
+Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction);
+Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
+
+class Random {
+  public:
+    explicit Random(uint32_t seed) : engine_(seed) {}
+    double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
+    uint32_t below(uint32_t n) { return static_cast<uint32_t>(engine_() % n); }
+    glm::dvec3 box(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
+    glm::dvec3 direction();  // uniform on the unit sphere
+
+  private:
+    std::mt19937 engine_;
+};
+
+}  // namespace glint::reference::test

@@ -1,0 +1,291 @@
+// Planes, boxes, ties, and the BVH against testing every primitive.
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "scene_maker.h"
+
+namespace glint::reference::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+std::optional<Hit> hitPlane(const vec3& point, const vec3& normal, const Ray& ray) {
+    SceneMaker maker;
+    maker.plane(point, normal);
+    const PackedScene scene = maker.finish();
+    return Tracer(scene).closest(ray);
+}
+
+// t = 1 / 1e-7, for the float that 1e-7 rounds to.
+TEST(ReferencePlane, Horizon) {
+    const auto hit = hitPlane(vec3(0), {0, 1, 0}, makeRay({0, 1, 0}, vec3(1, -1e-7f, 0)));
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->t, 9999999.883139, 1e-6);
+}
+
+TEST(ReferencePlane, ParallelAndInPlaneMiss) {
+    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({0, 1, 0}, {1, 0, 0})));
+    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({0, 0, 0}, {1, 0, 0})));
+    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({5, 0, 0}, {1, -1, 0}))) << "t = 0 is excluded";
+    EXPECT_FALSE(hitPlane(vec3(0), {0, 1, 0}, makeRay({5, 1, 0}, {1, 1, 0}))) << "behind the origin";
+}
+
+TEST(ReferencePlane, BothSidesAndFarAnchors) {
+    EXPECT_EQ(hitPlane({0, 1e7f, 0}, {0, 1, 0}, makeRay({0, 1e7 + 3, 0}, {0, -1, 0}))->t, 3);
+    EXPECT_EQ(hitPlane({0, 1e7f, 0}, {0, 1, 0}, makeRay({0, 1e7 - 3, 0}, {0, 0.5, 0}))->t, 6);
+    EXPECT_EQ(hitPlane({1e7f, 2, 1e7f}, {0, 1, 0}, makeRay({0, 5, 0}, {1, -1, 0}))->t, 3);
+}
+
+// One triangle whose vertices and edges lie on the faces of its box [0, 1]^2 x {0.5}, along rays with zeros
+// of either sign.
+TEST(ReferenceBoxes, AreClosedForParallelRays) {
+    SceneMaker maker;
+    maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    for (const double zero : {0.0, -0.0}) {
+        const dvec3 d(zero, zero, 1);
+        for (const dvec3 o : {dvec3(0, .5, -1), dvec3(.5, 0, -1), dvec3(0, 0, -1), dvec3(1, 0, -1),
+                              dvec3(0, 1, -1), dvec3(.5, .5, -1)}) {
+            const auto hit = tracer.closest(makeRay(o, d));
+            ASSERT_TRUE(hit) << o.x << " " << o.y;
+            EXPECT_EQ(hit->t, 1.5);
+            EXPECT_TRUE(tracer.occluded(makeRay(dvec3(o.x, o.y, 2), dvec3(zero, zero, -1))));
+        }
+        EXPECT_FALSE(tracer.closest(makeRay({1.0000001, 0, -1}, d)));
+        EXPECT_FALSE(tracer.closest(makeRay({-1e-7, .5, -1}, d)));
+    }
+}
+
+TEST(ReferenceBoxes, TinyDirections) {
+    SceneMaker maker;
+    maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    EXPECT_DOUBLE_EQ(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 1e-40}))->t, .5e40);
+    EXPECT_DOUBLE_EQ(tracer.closest(makeRay({.25, .25, 0}, {1e-50, 0, 1e-40}))->t, .5e40);
+    EXPECT_FALSE(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 0})));
+    EXPECT_FALSE(tracer.occluded(makeRay({.25, .25, 0}, {0, -0.0, 0})));
+}
+
+TEST(ReferenceBoxes, EmptyBoxIsNeverEntered) {
+    SceneMaker maker;
+    maker.triangle({0, 0, .5f}, {1, 0, .5f}, {0, 1, .5f});
+    PackedScene scene = maker.finish();
+    for (const float huge : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::max()}) {
+        scene.nodes[0].lo0 = vec3(huge);
+        scene.nodes[0].hi0 = vec3(-huge);
+        const Tracer tracer(scene);
+        Random random(43);
+        for (int i = 0; i < 1000; ++i) {
+            EXPECT_FALSE(tracer.closest(rayTowards(random.box(2), {.25, .25, .5})));
+        }
+        EXPECT_FALSE(tracer.closest(makeRay({.25, .25, 0}, {0, 0, 1})));
+    }
+}
+
+TEST(ReferenceTraversal, EmptySceneAndPlanesAlone) {
+    SceneMaker maker;
+    const PackedScene empty = maker.finish();
+    EXPECT_FALSE(Tracer(empty).closest(makeRay({0, 1, 0}, {0, -1, 0})));
+    maker.plane(vec3(0), {0, 1, 0});
+    const PackedScene plane = maker.finish();
+    uint64_t cost = 0;
+    EXPECT_TRUE(Tracer(plane).closest(makeRay({0, 1, 0}, {0, -1, 0}), shared::kNone, &cost));
+    EXPECT_EQ(cost, 1u);
+}
+
+TEST(ReferenceTraversal, NotFiniteRaysMissAtOnce) {
+    SceneMaker maker;
+    Random random(45);
+    for (int i = 0; i < 1000; ++i) {
+        const vec3 c(random.box(10));
+        maker.triangle(c, c + vec3(random.box(1)), c + vec3(random.box(1)));
+    }
+    maker.sphere(vec3(0), 1);
+    maker.plane(vec3(0), {0, 1, 0});
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    for (const double bad : {kNan, kInf, -kInf}) {
+        for (int component = 0; component < 6; ++component) {
+            Ray ray = makeRay({0, 5, 0}, {0, -1, 0});
+            (component < 3 ? ray.origin : ray.direction)[component % 3] = bad;
+            uint64_t cost = 0;
+            EXPECT_FALSE(tracer.closest(ray, shared::kNone, &cost));
+            EXPECT_FALSE(tracer.occluded(ray, shared::kNone, &cost));
+            EXPECT_FALSE(tracer.closestBruteForce(ray));
+            EXPECT_EQ(cost, 0u);
+        }
+    }
+    Ray ray = makeRay({0, 5, 0}, {0, -1, 0});
+    ray.tMax = kNan;
+    EXPECT_FALSE(tracer.closest(ray));
+    ray.tMax = kInf;
+    ray.tMin = kNan;
+    EXPECT_FALSE(tracer.closest(ray));
+}
+
+// One box with one triangle (the second child is absent) and a plane: three tests; missing the box: two.
+TEST(ReferenceTraversal, CostCountsBoxesAndPrimitives) {
+    SceneMaker maker;
+    maker.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    maker.plane({0, 0, -1}, {0, 0, 1});
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    uint64_t cost = 0;
+    tracer.closest(makeRay({.25, .25, 1}, {0, 0, -1}), shared::kNone, &cost);
+    EXPECT_EQ(cost, 3u);
+    tracer.closest(makeRay({5, 5, 1}, {0, 0, -1}), shared::kNone, &cost);
+    EXPECT_EQ(cost, 5u) << "adds to what is there";
+    cost = 0;
+    tracer.occluded(makeRay({5, 5, 1}, {0, 0, -1}), shared::kNone, &cost);
+    EXPECT_EQ(cost, 1u) << "the first hit ends it";
+}
+
+// Equal t: the lowest id, whatever the order in memory and whatever the kind.
+TEST(ReferenceTies, LowestIdWins) {
+    for (const bool reversed : {false, true}) {
+        SceneMaker maker;
+        const auto id = [&](uint32_t i) { maker.setNextId(reversed ? 9 - i : i); };
+        id(0), maker.triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+        id(1), maker.triangle({-2, -2, 0}, {2, -2, 0}, {0, 3, 0});
+        id(2), maker.triangle({-1, -1, 0}, {0, 1, 0}, {1, -1, 0});
+        id(3), maker.sphere({0, 0, -1}, 1);
+        id(4), maker.sphere({0, 0, -2}, 2);
+        id(5), maker.anchoredSphere(vec3(0), {0, 0, 1}, 1e5f);
+        id(6), maker.plane(vec3(0), {0, 0, 1});
+        for (uint32_t i = 7; i < 10; ++i)
+            id(i), maker.triangle({-1, -1, 0}, {1, -1, 0}, {0, static_cast<float>(i), 0});
+        for (const uint32_t leafSize : {1u, 2u, 8u}) {
+            const PackedScene scene = maker.finish(leafSize);
+            const auto hit = Tracer(scene).closest(makeRay({0, 0, 5}, {0, 0, -1}));
+            ASSERT_TRUE(hit);
+            EXPECT_EQ(hit->t, 5);
+            EXPECT_EQ(hit->id, 0u);
+        }
+    }
+}
+
+// Embree's OverlappingGeometry: ten thousand copies of a triangle.
+TEST(ReferenceTies, IdenticalTriangles) {
+    SceneMaker maker;
+    for (uint32_t i = 0; i < 10000; ++i) {
+        maker.setNextId(10000 - i);
+        maker.triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+    }
+    const PackedScene scene = maker.finish();
+    const auto hit = Tracer(scene).closest(makeRay({.1, .2, 5}, {0, 0, -1}));
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit->id, 1u);
+    EXPECT_EQ(hit->t, 5);
+}
+
+// Many primitives that share vertices and touch: mixed kinds, any scale, near the origin or away from it.
+struct MixedScene {
+    PackedScene scene;
+    std::vector<dvec3> targets;  // vertices, tangent points, box corners
+
+    MixedScene(Random& random, double scale, const dvec3& offset) {
+        SceneMaker maker;
+        const auto point = [&] { return vec3(offset + random.box(scale)); };
+        vec3 last = point();
+        for (int i = 0; i < 60; ++i) {
+            const vec3 a = point();
+            const vec3 b = a + vec3(random.box(.3 * scale)),
+                       c = random.below(3) ? a + vec3(random.box(.3 * scale)) : last;
+            maker.triangle(a, b, c);
+            if (i % 7 == 0) maker.triangle(a, c, b);  // the same again, from behind
+            targets.insert(targets.end(), {dvec3(a), dvec3(b), .5 * dvec3(a) + .5 * dvec3(b)});
+            last = a;
+        }
+        for (int i = 0; i < 30; ++i) {
+            const vec3 c = point();
+            const auto r = static_cast<float>(random.uniform(.02, .3) * scale);
+            maker.sphere(c, r);
+            if (i % 7 == 0) maker.sphere(c, r);
+            targets.push_back(dvec3(c) + static_cast<double>(r) * random.direction());
+        }
+        maker.anchoredSphere(vec3(offset - dvec3(0, scale, 0)), {0, 1, 0}, static_cast<float>(1e4 * scale));
+        maker.plane(vec3(offset - dvec3(0, scale, 0)), {0, 1, 0});
+        maker.plane(point(), vec3(random.direction()));
+        scene = maker.finish(1 + random.below(8));
+        for (const shared::Node& n : scene.nodes) targets.insert(targets.end(), {dvec3(n.lo0), dvec3(n.hi0)});
+    }
+
+    Ray ray(Random& random, double scale, const dvec3& offset) const {
+        const dvec3 from = random.below(4) ? offset + random.box(2 * scale)
+                                           : targets[random.below(static_cast<uint32_t>(targets.size()))];
+        Ray r = makeRay(from, random.direction());
+        const uint32_t kind = random.below(4);
+        if (kind == 0) r = rayTowards(from, targets[random.below(static_cast<uint32_t>(targets.size()))]);
+        if (kind == 1) {  // along an axis, through a target
+            const dvec3 at = targets[random.below(static_cast<uint32_t>(targets.size()))];
+            const int axis = static_cast<int>(random.below(3));
+            r = makeRay(at, dvec3(0));
+            r.origin[axis] = offset[axis] + 3 * scale;
+            r.direction[axis] = -1;
+        }
+        if (random.below(4) == 0) r.tMin = random.uniform(0, scale) / glm::length(r.direction);
+        if (random.below(4) == 0) r.tMax = random.uniform(0, 3 * scale) / glm::length(r.direction);
+        return r;
+    }
+};
+
+TEST(ReferenceTraversal, EqualsBruteForce) {
+    Random random(49);
+    for (const double scale : {1e-3, 1.0, 1e3}) {
+        for (const double away : {0.0, 10.0, 1e5}) {
+            int hits = 0, occluded = 0;
+            for (int s = 0; s < 8; ++s) {
+                const dvec3 offset = away * scale * dvec3(1, -1, .5);
+                const MixedScene mixed(random, scale, offset);
+                const Tracer tracer(mixed.scene);
+                for (int i = 0; i < 1500; ++i) {
+                    const Ray ray = mixed.ray(random, scale, offset);
+                    auto hit = tracer.closest(ray);
+                    ASSERT_EQ(hit, tracer.closestBruteForce(ray))
+                        << "scale " << scale << " away " << away << " ray " << i;
+                    ASSERT_EQ(tracer.occluded(ray), hit.has_value());
+                    hits += hit.has_value();
+                    if (!hit) continue;
+                    // Onwards from the hit, with it as the source.
+                    const Ray next = makeRay(tracer.surface(ray, *hit).position, random.direction());
+                    const auto second = tracer.closest(next, hit->primitive);
+                    ASSERT_EQ(second, tracer.closestBruteForce(next, hit->primitive));
+                    ASSERT_EQ(tracer.occluded(next, hit->primitive), second.has_value());
+                    occluded += second.has_value();
+                }
+            }
+            EXPECT_GT(hits, 6000);
+            EXPECT_GT(occluded, 2000);
+        }
+    }
+}
+
+// A row of nested, concentric boxes, and one of primitives at powers of two: deep and lopsided.
+TEST(ReferenceTraversal, NestedAndExponentialScenes) {
+    SceneMaker nested, row;
+    for (int i = 1; i <= 200; ++i) nested.cube(vec3(0), static_cast<float>(i));
+    for (int i = -60; i <= 60; ++i) {
+        const float x = std::ldexp(1.0f, i);
+        row.triangle({x, -x, -x}, {x, x, -x}, {x, 0, x});
+    }
+    Random random(48);
+    for (const SceneMaker* maker : {&nested, &row}) {
+        const PackedScene scene = maker->finish();
+        const Tracer tracer(scene);
+        for (int i = 0; i < 500; ++i) {
+            const Ray ray =
+                makeRay(random.box(i % 2 ? 250 : 1e-3), i % 3 ? random.direction() : dvec3(1, 0, 0));
+            ASSERT_EQ(tracer.closest(ray), tracer.closestBruteForce(ray));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace glint::reference::test

@@ -1,0 +1,94 @@
+// Syntax of scene files: what is accepted and where errors are said to be.
+#include "scene/json_document.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+std::string syntaxErrorOf(const std::string& text) {
+    return errorOf([&] { parseJson(text, "a.json"); });
+}
+
+}  // namespace
+
+TEST(Json, keepsOrderTypesAndComments) {
+    const JsonValue root = parseJson(
+        "\xef\xbb\xbf{ // a comment\n \"z\": [1, -2.5, 1e3], /* another\n one */ \"a\": {\"t\": true, \"n\": null, \"s\": \"\\u00e4\"}}",
+        "a.json");
+    const JsonObject& object = *root.object();
+    ASSERT_EQ(object.keys, (std::vector<std::string>{"z", "a"}));
+    const JsonArray& numbers = *object.values[0].array();
+    ASSERT_EQ(numbers.size(), 3u);
+    EXPECT_EQ(*numbers[0].number(), 1.0);
+    EXPECT_EQ(*numbers[1].number(), -2.5);
+    EXPECT_EQ(*numbers[2].number(), 1000.0);
+    const JsonObject& inner = *object.values[1].object();
+    EXPECT_TRUE(std::get<bool>(inner.values[0].data));
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(inner.values[1].data));
+    EXPECT_EQ(*inner.values[2].string(), "\xc3\xa4");
+}
+
+TEST(Json, numbersAreCorrectlyRounded) {
+    // 2^53 + 1 and the decimal expansion of the double nearest 0.1
+    const JsonValue root =
+        parseJson("[0.1000000000000000055511151231257827, 9007199254740993, 123456.123456789]", "a.json");
+    EXPECT_EQ(*(*root.array())[0].number(), 0.1);
+    EXPECT_EQ(*(*root.array())[1].number(), 9007199254740992.0);
+    EXPECT_EQ(*(*root.array())[2].number(), 123456.123456789);
+}
+
+TEST(Json, syntaxErrorsSayLineAndColumn) {
+    EXPECT_EQ(syntaxErrorOf("{\"a\": 1\n  \"b\": 2}"), "a.json:2:3: expected ',' or '}' (got a string)");
+    EXPECT_EQ(syntaxErrorOf("[1 22]"), "a.json:1:4: expected ',' or ']' (got a number)");
+    EXPECT_EQ(syntaxErrorOf("{\"a\" 1}"), "a.json:1:6: expected ':' (got a number)");
+    EXPECT_EQ(syntaxErrorOf("{a: 1}"), "a.json:1:2: not a JSON value (text needs double quotes)");
+    EXPECT_EQ(syntaxErrorOf("{\"a\": 1,}"), "a.json:1:9: expected a key in double quotes (got '}')");
+    EXPECT_EQ(syntaxErrorOf("[1,\n2,\n]"), "a.json:3:1: expected a value (got ']')");
+    EXPECT_EQ(syntaxErrorOf("{\"a\": [1, 2"), "a.json:1:12: expected ',' or ']' (got the end of the file)");
+    EXPECT_EQ(syntaxErrorOf("{} {}"), "a.json:1:4: expected the end of the file (got '{')");
+    EXPECT_EQ(syntaxErrorOf("[1e999]"), "a.json:1:2: number out of range: 1e999");
+}
+
+TEST(Json, columnsCountCharactersNotBytes) {
+    // The string holds two characters of two bytes each; the stray number is the tenth character.
+    EXPECT_EQ(syntaxErrorOf("[\"\xc3\xa4\xc3\xb6\" \t  7]"), "a.json:1:10: expected ',' or ']' (got a number)");
+}
+
+TEST(Json, lexicalErrorsSayWhatIsWrong) {
+    EXPECT_EQ(syntaxErrorOf("[\"abc"), "a.json:1:6: invalid string: missing closing quote");
+    EXPECT_EQ(syntaxErrorOf("[nan]"), "a.json:1:3: not a JSON value (text needs double quotes)");
+    EXPECT_EQ(syntaxErrorOf("{ /* open").substr(0, 9), "a.json:1:");
+    EXPECT_NE(syntaxErrorOf("[\"\xff\"]").find("invalid string: ill-formed UTF-8 byte"), std::string::npos);
+}
+
+TEST(Json, duplicateKeys) {
+    EXPECT_EQ(syntaxErrorOf("{\"a\": 1,\n \"b\": {\"a\": 2},\n \"a\": 3}"),
+              "a.json:3:5: the key \"a\" stands here twice");
+}
+
+TEST(Json, emptyFiles) {
+    EXPECT_EQ(syntaxErrorOf(""), "a.json: the file is empty");
+    EXPECT_EQ(syntaxErrorOf(" \n\t\r\n"), "a.json: the file is empty");
+    EXPECT_EQ(syntaxErrorOf("// nothing but a comment"), "a.json:1:25: expected a value (got the end of the file)");
+}
+
+TEST(Json, deepNestingIsRefusedAndDoesNotCrash) {
+    EXPECT_EQ(syntaxErrorOf(std::string(64, '[') + std::string(64, ']')), "no error");
+    EXPECT_EQ(syntaxErrorOf(std::string(65, '[') + std::string(65, ']')),
+              "a.json:1:65: nested deeper than 64 levels");
+    EXPECT_EQ(syntaxErrorOf(std::string(10'000'000, '[')), "a.json:1:65: nested deeper than 64 levels");
+}
+
+TEST(Json, describesValuesShortly) {
+    const auto described = [](const std::string& text) { return describe(parseJson(text, "a.json")); };
+    EXPECT_EQ(described("-1"), "-1");
+    EXPECT_EQ(described("0.1"), "0.1");
+    EXPECT_EQ(described("[1, \"a\", null, true, {}]"), "[1, \"a\", null, true, an object]");
+    std::string numbers = "0";
+    for (int i = 0; i < 99; i++) numbers += ",0";
+    EXPECT_EQ(described("[" + numbers + "]"), "an array of 100");
+    EXPECT_EQ(described("\"" + std::string(1000, 'x') + "\""), "a string of 1000 bytes");
+}
+
+}  // namespace glint::test

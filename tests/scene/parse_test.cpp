@@ -1,0 +1,198 @@
+// Every key of a scene file, in and out.
+#include "scene/load.h"
+#include "scene/transform.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec3;
+
+template <typename T>
+const T& shape(const Scene& scene, size_t index) {
+    return std::get<T>(scene.objects.at(index).shape);
+}
+
+}  // namespace
+
+TEST(Parse, emptySceneHasTheDocumentedDefaults) {
+    const Scene scene = parse("{}");
+    EXPECT_EQ(scene.image.width, 800);
+    EXPECT_EQ(scene.image.height, 600);
+    EXPECT_EQ(scene.image.samplesPerPixel, 1);
+    EXPECT_EQ(scene.camera.eye, dvec3(0, 0, 5));
+    EXPECT_EQ(scene.camera.target, dvec3(0));
+    EXPECT_EQ(scene.camera.up, dvec3(0, 1, 0));
+    EXPECT_EQ(scene.camera.fovY, 40);
+    EXPECT_FALSE(scene.camera.window);
+    EXPECT_EQ(scene.camera.nearT, 0);
+    EXPECT_EQ(scene.camera.farT, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(scene.background, Color(0));
+    EXPECT_EQ(scene.ambient, Color(0));
+    EXPECT_EQ(scene.maxDepth, 5);
+    EXPECT_TRUE(scene.lights.empty());
+    EXPECT_TRUE(scene.materials.empty());
+    EXPECT_TRUE(scene.objects.empty());
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Parse, imageCameraAndSurroundings) {
+    const Scene scene = parse(R"({
+        "$schema": "scene.schema.json",
+        "image": {"width": 65536, "height": 1, "samplesPerPixel": 16},
+        "camera": {"type": "perspective", "eye": [1, 2, 3], "target": [4, 5, 6], "up": [0, 0, 2], "fovY": 33.5,
+                   "window": [-1, 2, -3, 4], "near": 0.5, "far": 100},
+        "background": [0.2, 0.3, 0.5], "ambient": 0.25, "maxDepth": 0})");
+    EXPECT_EQ(scene.image.width, 65536);
+    EXPECT_EQ(scene.image.height, 1);
+    EXPECT_EQ(scene.image.samplesPerPixel, 16);
+    EXPECT_EQ(scene.camera.eye, dvec3(1, 2, 3));
+    EXPECT_EQ(scene.camera.target, dvec3(4, 5, 6));
+    EXPECT_EQ(scene.camera.up, dvec3(0, 0, 2));
+    EXPECT_EQ(scene.camera.fovY, 33.5);
+    ASSERT_TRUE(scene.camera.window);
+    EXPECT_EQ(scene.camera.window->left, -1);
+    EXPECT_EQ(scene.camera.window->right, 2);
+    EXPECT_EQ(scene.camera.window->bottom, -3);
+    EXPECT_EQ(scene.camera.window->top, 4);
+    EXPECT_EQ(scene.camera.nearT, 0.5);
+    EXPECT_EQ(scene.camera.farT, 100);
+    EXPECT_EQ(scene.background, Color(0.2, 0.3, 0.5));
+    EXPECT_EQ(scene.ambient, Color(0.25));
+    EXPECT_EQ(scene.maxDepth, 0);
+}
+
+TEST(Parse, wholeNumbersMayBeWrittenAsFloats) {
+    EXPECT_EQ(parse(R"({"image": {"width": 8e2, "height": 600.0}})").image.width, 800);
+}
+
+TEST(Parse, lights) {
+    const Scene scene = parse(R"({"lights": [
+        {"type": "point", "position": [2, 5, 3]},
+        {"type": "point", "position": [0, 0, 0], "intensity": [1, 2, 3], "falloff": "inverseSquare"},
+        {"type": "point", "position": [0, 0, 0], "falloff": "none"},
+        {"type": "directional", "direction": [0, -2, 0], "intensity": 0.5}]})");
+    ASSERT_EQ(scene.lights.size(), 4u);
+    const auto& first = std::get<PointLight>(scene.lights[0]);
+    EXPECT_EQ(first.position, dvec3(2, 5, 3));
+    EXPECT_EQ(first.intensity, Color(1));
+    EXPECT_FALSE(first.inverseSquare);
+    EXPECT_EQ(std::get<PointLight>(scene.lights[1]).intensity, Color(1, 2, 3));
+    EXPECT_TRUE(std::get<PointLight>(scene.lights[1]).inverseSquare);
+    EXPECT_FALSE(std::get<PointLight>(scene.lights[2]).inverseSquare);
+    const auto& sun = std::get<DirectionalLight>(scene.lights[3]);
+    EXPECT_EQ(sun.direction, dvec3(0, -2, 0));
+    EXPECT_EQ(sun.intensity, Color(0.5));
+}
+
+TEST(Parse, materialsKeepFileOrderAndAmbientFollowsDiffuse) {
+    const Scene scene = parse(R"({"materials": {
+        "z": {"diffuse": [0.8, 0, 0]},
+        "a": {"ambient": [1, 0, 0], "diffuse": 0.5, "specular": 0.25, "shininess": 60, "mirror": [0.9, 0.8, 0.7]},
+        "m": {}}})");
+    ASSERT_EQ(scene.materials.size(), 3u);
+    EXPECT_EQ(scene.materials[0].name, "z");
+    EXPECT_EQ(scene.materials[0].ambient, Color(0.8, 0, 0));
+    const Material& a = scene.materials[1];
+    EXPECT_EQ(a.name, "a");
+    EXPECT_EQ(a.ambient, Color(1, 0, 0));
+    EXPECT_EQ(a.diffuse, Color(0.5));
+    EXPECT_EQ(a.specular, Color(0.25));
+    EXPECT_EQ(a.shininess, 60);
+    EXPECT_EQ(a.mirror, Color(0.9, 0.8, 0.7));
+    const Material& m = scene.materials[2];
+    EXPECT_EQ(m.ambient, Color(0.8));
+    EXPECT_EQ(m.diffuse, Color(0.8));
+    EXPECT_EQ(m.specular, Color(0));
+    EXPECT_EQ(m.shininess, 32);
+    EXPECT_EQ(m.mirror, Color(0));
+}
+
+TEST(Parse, objects) {
+    const Scene scene = parse(R"({"materials": {"red": {}, "blue": {}}, "objects": [
+        {"type": "sphere", "center": [1, 2, 3], "radius": 4, "material": "blue"},
+        {"type": "plane", "point": [0, -1, 0], "normal": [0, 3, 0], "material": "red"},
+        {"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]},
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
+    ASSERT_EQ(scene.objects.size(), 4u);
+    EXPECT_EQ(shape<SphereShape>(scene, 0).center, dvec3(1, 2, 3));
+    EXPECT_EQ(shape<SphereShape>(scene, 0).radius, 4);
+    EXPECT_EQ(scene.objects[0].name, "/objects/0");
+    EXPECT_EQ(scene.objects[0].material, 1u);
+    EXPECT_EQ(shape<PlaneShape>(scene, 1).point, dvec3(0, -1, 0));
+    EXPECT_EQ(shape<PlaneShape>(scene, 1).normal, dvec3(0, 3, 0));
+    EXPECT_EQ(scene.objects[1].material, 0u);
+    EXPECT_EQ(shape<TriangleShape>(scene, 2).vertices[1], dvec3(1, 0, 0));
+    EXPECT_EQ(scene.objects[3].name, "/objects/3");
+    // Both objects without a material share one grey material behind the scene's own.
+    ASSERT_EQ(scene.materials.size(), 3u);
+    EXPECT_EQ(scene.materials[2].name, "default");
+    EXPECT_EQ(scene.materials[2].diffuse, Color(0.8));
+    EXPECT_EQ(scene.objects[2].material, 2u);
+    EXPECT_EQ(scene.objects[3].material, 2u);
+}
+
+TEST(Parse, transformsReachTheShapes) {
+    const Scene scene = parse(R"({"objects": [
+        {"type": "sphere", "center": [1, 0, 0], "radius": 1,
+         "transform": [{"scale": 2}, {"rotate": [0, 0, 1, 90]}, {"translate": [0, 0, -3]}]},
+        {"type": "plane", "point": [0, 1, 0], "normal": [0, 1, 0], "transform": [{"rotate": [0, 0, 5, 90]}]},
+        {"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+         "transform": [1, 0.5, 0, 3,  0, 1, 0, 0,  0, 0, 2, 4,  0, 0, 0, 1]},
+        {"type": "sphere", "center": [1, 0, 0], "radius": 1, "transform": []}]})");
+    // By hand: (1,0,0) * 2 = (2,0,0), a quarter turn about z gives (0,2,0), then z - 3.
+    EXPECT_EQ(shape<SphereShape>(scene, 0).center, dvec3(0, 2, -3));
+    EXPECT_EQ(shape<SphereShape>(scene, 0).radius, 2);
+    EXPECT_EQ(shape<PlaneShape>(scene, 1).point, dvec3(-1, 0, 0));
+    EXPECT_EQ(shape<PlaneShape>(scene, 1).normal, dvec3(-1, 0, 0));
+    EXPECT_EQ(shape<TriangleShape>(scene, 2).vertices[0], dvec3(3, 0, 4));
+    EXPECT_EQ(shape<TriangleShape>(scene, 2).vertices[1], dvec3(4, 0, 4));
+    EXPECT_EQ(shape<TriangleShape>(scene, 2).vertices[2], dvec3(3.5, 1, 4));
+    EXPECT_EQ(shape<SphereShape>(scene, 3).center, dvec3(1, 0, 0));
+}
+
+TEST(Parse, aMeshIsSharedUntilItIsTransformed) {
+    const TemporaryFolder folder;
+    folder.write("cube.obj", kCubeObj);
+    const Scene scene = parseScene(R"({"materials": {"red": {}}, "meshes": {"cube": {"file": "cube.obj"}}, "objects": [
+        {"type": "mesh", "mesh": "cube"},
+        {"type": "mesh", "mesh": "cube", "material": "red"},
+        {"type": "mesh", "mesh": "cube", "transform": []},
+        {"type": "mesh", "mesh": "cube", "transform": [{"scale": 2}]}]})",
+                                   "s.json", folder.path());
+    ASSERT_EQ(scene.objects.size(), 4u);
+    const Mesh* mesh = shape<MeshShape>(scene, 0).mesh.get();
+    EXPECT_EQ(mesh->corners.size(), 12u);
+    EXPECT_EQ(shape<MeshShape>(scene, 1).mesh.get(), mesh);
+    EXPECT_EQ(shape<MeshShape>(scene, 2).mesh.get(), mesh);
+    const Mesh* scaled = shape<MeshShape>(scene, 3).mesh.get();
+    EXPECT_NE(scaled, mesh);
+    EXPECT_EQ(mesh->positions[6], dvec3(1, 1, 1));
+    EXPECT_EQ(scaled->positions[6], dvec3(2, 2, 2));
+    EXPECT_EQ(scene.materials[scene.objects[0].material].name, "default");
+    EXPECT_EQ(scene.materials[scene.objects[1].material].name, "red");
+}
+
+TEST(Parse, meshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
+    const TemporaryFolder folder;
+    folder.write("two.mtl", "newmtl one\nKd 1 0 0\nnewmtl two\nKd 0 1 0\n");
+    folder.write("two.obj", "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl two\nf 1 2 3\nusemtl one\nf 3 2 1\n");
+    const Scene scene = parseScene(R"({"materials": {"grey": {}}, "meshes": {"m": {"file": "two.obj"}}, "objects": [
+        {"type": "mesh", "mesh": "m"}, {"type": "mesh", "mesh": "m", "material": "grey"}, {"type": "mesh", "mesh": "m"}]})",
+                                   "s.json", folder.path());
+    ASSERT_EQ(scene.materials.size(), 3u);  // the file's are added once
+    EXPECT_EQ(scene.materials[1].name, "one");
+    EXPECT_EQ(scene.materials[2].name, "two");
+    EXPECT_EQ(shape<MeshShape>(scene, 0).mesh->materials, (std::vector<uint32_t>{2, 1}));
+    EXPECT_TRUE(shape<MeshShape>(scene, 1).mesh->materials.empty());
+    EXPECT_EQ(scene.objects[1].material, 0u);
+    EXPECT_EQ(shape<MeshShape>(scene, 2).mesh, shape<MeshShape>(scene, 0).mesh);
+}
+
+TEST(Parse, unusedMeshesAreNotLoadedButSaid) {
+    const Scene scene = parse(R"({"meshes": {"a/b": {"file": "there-is-no-such-file.obj"}}})");
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{"s.json: /meshes/a~1b: no object uses this mesh"});
+}
+
+}  // namespace glint::test
