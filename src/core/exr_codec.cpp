@@ -136,6 +136,52 @@ std::vector<int> choosePlanes(const EXRHeader& header) {
                      ")");
 }
 
+// The text at `position` up to its zero byte, which `position` then stands behind; nothing if there is no
+// zero byte.
+std::optional<std::string> readString(ByteView file, size_t& position) {
+    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(std::min(position, file.size()));
+    const auto end = std::find(begin, file.end(), uint8_t{0});
+    if (end == file.end()) {
+        return std::nullopt;
+    }
+    position = static_cast<size_t>(end - file.begin()) + 1;
+    return std::string(begin, end);
+}
+
+// tinyexr 1.0.1 ends the process (assert) for a "type" or "tiles" attribute that does not fit the version's
+// flags. The header is a list of name, type, size and value that an empty name ends (OpenEXR, "File Layout",
+// "Header").
+void checkPartType(ByteView file, bool tiled) {
+    constexpr size_t kTilesSize = 9;  // two 32-bit sizes and a mode
+    const std::string expected = tiled ? "tiledimage" : "scanlineimage";
+    bool hasTiles = false;
+    size_t position = 8;  // behind magic number and version
+    for (;;) {
+        const auto name = readString(file, position);
+        const auto valueType = name && !name->empty() ? readString(file, position) : std::nullopt;
+        uint32_t size = 0;
+        if (!valueType || file.size() - position < sizeof(size)) {
+            break;  // the end, or damage that tinyexr finds
+        }
+        std::memcpy(&size, file.data() + position, sizeof(size));
+        position += sizeof(size);
+        if (size > file.size() - position) {
+            break;
+        }
+        const ByteView value = file.subspan(position, size);
+        const std::string text(value.begin(), std::find(value.begin(), value.end(), uint8_t{0}));
+        if ((*name == "type" && !text.empty() && text != expected) ||
+            (*name == "tiles" && tiled && size != kTilesSize)) {
+            throw CodecError("the EXR file is damaged, or something other than a " + expected);
+        }
+        hasTiles = hasTiles || *name == "tiles";
+        position += size;
+    }
+    if (tiled && !hasTiles) {
+        throw CodecError("the EXR file is truncated or damaged (tiles of no size)");
+    }
+}
+
 void parseHeader(ByteView file, EXRHeader& header) {
     EXRVersion version{};
     if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS) {
@@ -144,6 +190,7 @@ void parseHeader(ByteView file, EXRHeader& header) {
     if (version.multipart != 0 || version.non_image != 0) {
         throw CodecError("EXR files with several parts or deep pixels are not supported");
     }
+    checkPartType(file, version.tiled != 0);
     const char* message = nullptr;
     if (ParseEXRHeaderFromMemory(&header, &version, file.data(), file.size(), &message) != TINYEXR_SUCCESS) {
         throw CodecError("the EXR file is truncated or damaged (" + takeMessage(message) + ")");

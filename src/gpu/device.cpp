@@ -1,5 +1,7 @@
 #include "gpu/device.h"
 
+#include <utility>
+
 #include "gpu/device_state.h"
 
 namespace glint::gpu {
@@ -52,11 +54,15 @@ std::vector<DeviceInfo> listDevices() {
 }
 
 DeviceState::~DeviceState() {
-    if (device == VK_NULL_HANDLE || abandoned) {
-        if (abandoned) {  // the device lives on, and with it what it refers to
-            static_cast<void>(instance.release());
-            static_cast<void>(new std::shared_ptr<ValidationLog>(log));
-        }
+    if (device == VK_NULL_HANDLE) return;
+    if (abandoned) {
+        // The device lives on, so what it refers to must; reachable, so that a leak checker understands.
+        struct Kept {
+            std::unique_ptr<Instance> instance;
+            std::shared_ptr<ValidationLog> log;
+        };
+        static auto& kept = *new std::vector<Kept>;
+        kept.push_back({std::move(instance), log});
         return;
     }
     staging.reset();

@@ -52,7 +52,7 @@ const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std
 
 struct DeviceState;  // Vulkan handles, see device_state.h
 
-// An open device with one compute queue. Move-only.
+// An open device with one compute queue. Move-only. Everything made from it must be destroyed before it; moving it is fine.
 class Device {
   public:
     explicit Device(const DeviceOptions& options = {});

@@ -56,6 +56,10 @@ class RayMover {
         for (int i = 0; i < 3; ++i) ray.direction[i] += step_ * length * next();
     }
 
+    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in verify/explain.cpp).
+    double tieWidth() const { return 16 * step_; }
+    bool coin() { return next() < 0; }
+
   private:
     // Uniform in [-1, 1).
     double next() {
@@ -144,6 +148,7 @@ class PathTracer {
         double offset;       // bound on the error of `position` along n
     };
 
+    std::optional<Hit> closest(const Ray& ray, uint32_t source);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
     dvec3 shadeLights(const Site& site, const shared::Material& material, bool first);
@@ -155,6 +160,18 @@ class PathTracer {
     bool keepPath_;
     PixelRecord record_;
 };
+
+// Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every moved ray,
+// and double always breaks the tie in the same way.
+std::optional<Hit> PathTracer::closest(const Ray& ray, uint32_t source) {
+    const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
+    if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
+    Ray narrow = ray;
+    narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
+    narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
+    const std::optional<Hit> other = tracer_.closest(narrow, hit->primitive);
+    return other ? other : hit;
+}
 
 PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const {
     Site site;
@@ -229,7 +246,7 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
     record_.pathHash = kHashStart;
     for (;; ++record_.bounces) {
         const bool first = record_.bounces == 0;
-        const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
+        const std::optional<Hit> hit = closest(ray, source);
         record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
         if (keepPath_)
             record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});

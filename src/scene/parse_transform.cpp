@@ -1,6 +1,7 @@
 #include "scene/parse_transform.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "scene/limits.h"
 #include "scene/scene_keys.h"
@@ -59,9 +60,12 @@ Affine parseTransform(const JsonCursor& transform) {
     if (std::isnan(condition) || !std::isfinite(result.offset.x + result.offset.y + result.offset.z))
         transform.fail("is not finite");
     if (std::isinf(condition)) transform.fail("is singular, it flattens the object");
-    if (condition > kMaxCondition)
-        transform.fail("is nearly singular (condition number " + describe(condition) + ", the limit is " +
+    if (condition > kMaxCondition) {
+        char rounded[32];
+        std::snprintf(rounded, sizeof rounded, "%.6g", condition);
+        transform.fail(std::string("is nearly singular (condition number ") + rounded + ", the limit is " +
                        describe(kMaxCondition) + ")");
+    }
     return result;
 }
 

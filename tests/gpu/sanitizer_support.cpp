@@ -1,9 +1,9 @@
 // Linked into the gpu tests of sanitizer builds (cmake/GlintModule.cmake).
 //
-// Mesa 22.3.6 leaves some 128 bytes behind for each instance. LeakSanitizer can leave out leaks by the
-// library they come from, but the Vulkan loader unloads the driver with the instance, so at exit nobody knows
-// which library that was: keep it.
-#include <cstddef>
+// The Vulkan loader unloads the driver and the validation layer with the instance; what their globals still
+// point to then looks leaked (Mesa 22.3.6: 128 bytes), and nobody can tell any more which library it belongs
+// to. So they stay loaded. The layer, 1.3.239, does leak its records of submitted work. Vulkan objects that
+// glint itself leaks are still found, by the layer when the device is destroyed.
 
 extern "C" {
 
@@ -12,7 +12,7 @@ int dlclose(void* /*handle*/) noexcept {
 }
 
 const char* __lsan_default_suppressions() {
-    return "leak:libvulkan_lvp.so\nleak:libLLVM\n";
+    return "leak:libVkLayer_khronos_validation.so\n";
 }
 
 }  // extern "C"

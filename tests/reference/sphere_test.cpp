@@ -74,6 +74,18 @@ TEST(ReferenceSphere, ExactTangentsAtAnyDistance) {
     }
 }
 
+// The same lines with directions 7 times as long: the touching t = k / 7 is no binary fraction, so that no
+// partial result is exact. Only b^2 - a c of the integers, below 2^113, is.
+TEST(ReferenceSphere, TangentsWithoutExactRoots) {
+    for (int k = 1; k < 1 << 21; k += 1021) {
+        const Ray ray = makeRay({-4.0 - 3.0 * k, 3.0 - 4.0 * k, 0}, {21, 28, 0});
+        const auto hit = hitSphere(vec3(0), 5, ray);
+        ASSERT_TRUE(hit) << k;
+        EXPECT_DOUBLE_EQ(hit->t, k / 7.0);
+        EXPECT_FALSE(hitSphere(vec3(0), std::nextafter(5.0f, 0.0f), ray)) << k;
+    }
+}
+
 // Hearn and Baker's and pbrt's forms give up in fp32 beyond 8000 radii; the reference has to be right far
 // beyond. Bound: the result's rounding; the shift to the nearest point and |shifted|^2 err by 32 x 2^-64 x D,
 // over the half chord.

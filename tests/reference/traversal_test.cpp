@@ -185,6 +185,26 @@ TEST(ReferenceTies, IdenticalTriangles) {
     EXPECT_EQ(hit->t, 5);
 }
 
+// Overlapping triangles in the plane z = 1, each in a leaf of its own: the flat boxes' near t rounds
+// otherwise than the hit's t, and must not hide an equal t with a lower id.
+TEST(ReferenceTies, CoplanarTrianglesInDifferentBoxes) {
+    SceneMaker maker;
+    for (uint32_t i = 0; i < 16; ++i) {
+        maker.setNextId((i * 7) % 16);
+        const float size = 4.0f + static_cast<float>(i);
+        maker.triangle({-size, -size, 1}, {size, -size, 1}, {0, size, 1});
+    }
+    const PackedScene scene = maker.finish(1);
+    const Tracer tracer(scene);
+    Random random(95);
+    for (int i = 0; i < 5000; ++i) {
+        const dvec3 from = random.box(3) + dvec3(0, 0, 5);
+        const auto hit = tracer.closest(rayTowards(from, {random.uniform(-1, 1), random.uniform(-1, 1), 1}));
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->id, 0u) << i;
+    }
+}
+
 // Many primitives that share vertices and touch: mixed kinds, any scale, near the origin or away from it.
 struct MixedScene {
     PackedScene scene;

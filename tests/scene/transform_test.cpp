@@ -1,0 +1,148 @@
+#include "scene/transform.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace glint {
+
+namespace {
+
+using glm::dvec3;
+
+dvec3 apply(const Affine& t, const dvec3& p) { return t.linear * p + t.offset; }
+
+void expectNear(const dvec3& a, const dvec3& b, double tolerance) {
+    for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], tolerance);
+}
+
+dvec3 windingNormal(const dvec3& a, const dvec3& b, const dvec3& c) { return glm::cross(b - a, c - a); }
+
+// A right-angled corner of a solid at the origin, seen from outside; its outward normal is +z.
+TriangleShape cornerTriangle() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}; }
+
+const Affine kShear = [] {
+    Affine t;
+    t.linear = glm::dmat3(1, 0, 0, 0.5, 2, 0, 0.25, 0, 3);  // columns
+    t.offset = {1, 2, 3};
+    return t;
+}();
+const Affine kMirror = scaling({-1, 1, 1});
+
+}  // namespace
+
+TEST(Transform, quarterTurnsAreExactAndCounterClockwise) {
+    const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    EXPECT_EQ(apply(rotation(z, 90), x), y);
+    EXPECT_EQ(apply(rotation(x, 90), y), z);
+    EXPECT_EQ(apply(rotation(y, 90), z), x);
+    EXPECT_EQ(apply(rotation(z, -90), x), -y);
+    EXPECT_EQ(apply(rotation(z, 180), x), -x);
+    EXPECT_EQ(apply(rotation(z, 270), x), -y);
+    EXPECT_EQ(apply(rotation(z, 360 * 1000 + 90), x), y);
+    EXPECT_EQ(apply(rotation(z * 1e200, 90), x), y);  // the axis' length does not count
+}
+
+TEST(Transform, generalRotation) {
+    // 120 degrees about (1,1,1) permutes the axes; 30 degrees: cosine sqrt(3)/2, sine 1/2.
+    expectNear(apply(rotation({1, 1, 1}, 120), {1, 2, 3}), {3, 1, 2}, 1e-15);
+    expectNear(apply(rotation({0, 1, 0}, 30), {0, 0, 1}), {0.5, 0, std::sqrt(3.0) / 2}, 1e-16);
+}
+
+TEST(Transform, firstThenSecond) {
+    const Affine both = then(scaling(dvec3(2)), translation({1, 0, 0}));
+    EXPECT_EQ(apply(both, {1, 1, 1}), dvec3(3, 2, 2));
+    EXPECT_EQ(apply(then(translation({1, 0, 0}), scaling(dvec3(2))), {1, 1, 1}), dvec3(4, 2, 2));
+}
+
+TEST(Transform, conditionNumberOfDiagonals) {
+    // Frobenius: sqrt(a^2+b^2+c^2) sqrt(1/a^2+1/b^2+1/c^2)
+    EXPECT_DOUBLE_EQ(conditionNumber(glm::dmat3(1)), 3);
+    EXPECT_DOUBLE_EQ(conditionNumber(scaling(dvec3(1e-200)).linear), 3);
+    EXPECT_DOUBLE_EQ(conditionNumber(scaling(dvec3(1e200)).linear), 3);
+    EXPECT_DOUBLE_EQ(conditionNumber(scaling({1, 2, 4}).linear), std::sqrt(21.0 * (1 + 0.25 + 0.0625)));
+    EXPECT_TRUE(std::isinf(conditionNumber(scaling({1, 0, 1}).linear)));
+    EXPECT_TRUE(std::isinf(conditionNumber(glm::dmat3(0))));
+    EXPECT_TRUE(std::isnan(conditionNumber(scaling({1, std::numeric_limits<double>::infinity(), 1}).linear)));
+    EXPECT_TRUE(std::isnan(conditionNumber(scaling({1, std::nan(""), 1}).linear)));
+}
+
+TEST(Transform, similarities) {
+    EXPECT_DOUBLE_EQ(similarityFactor(glm::dmat3(1)).value(), 1);
+    const Affine turned = then(then(rotation({1, 2, 3}, 77), scaling(dvec3(-1e-100))), rotation({3, 1, 0}, 11));
+    EXPECT_NEAR(similarityFactor(turned.linear).value() / 1e-100, 1, 1e-14);
+    // A turn by 45 degrees written with seven digits.
+    EXPECT_NEAR(similarityFactor(glm::dmat3(0.7071068, 0.7071068, 0, -0.7071068, 0.7071068, 0, 0, 0, 1)).value(), 1, 1e-6);
+    EXPECT_FALSE(similarityFactor(scaling({1, 1, 1.00001}).linear));
+    EXPECT_FALSE(similarityFactor(kShear.linear));
+}
+
+TEST(Transform, normalsStayPerpendicularAndOutward) {
+    for (const Affine& t : {kShear, kMirror, then(kMirror, kShear), rotation({1, 2, 3}, 50), scaling(dvec3(-2))}) {
+        Mesh mesh;
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        mesh.normals = {{0, 0, 5}};
+        mesh.corners = {{0, 1, 2}};
+        mesh.normalCorners = {{0, 0, 0}};
+        const Mesh out = transformed(mesh, t);
+        const glm::uvec3 c = out.corners[0];
+        const dvec3 winding = glm::normalize(windingNormal(out.positions[c.x], out.positions[c.y], out.positions[c.z]));
+        expectNear(out.normals[0], winding, 1e-15);  // the vertex normal agrees with the winding
+        // Outward: the solid's inside, below the triangle, is still on the other side.
+        const dvec3 inside = apply(t, {0.25, 0.25, -1}) - apply(t, {0.25, 0.25, 0});
+        EXPECT_LT(glm::dot(inside, winding), 0);
+
+        const TriangleShape triangle = transformed(cornerTriangle(), t);
+        expectNear(glm::normalize(windingNormal(triangle.vertices[0], triangle.vertices[1], triangle.vertices[2])), winding,
+                   1e-15);
+        const PlaneShape plane = transformed(PlaneShape{{0, 0, 0}, {0, 0, 0.1}}, t);
+        expectNear(plane.normal, winding, 1e-15);
+        EXPECT_EQ(plane.point, t.offset);
+    }
+}
+
+TEST(Transform, mirroringExchangesCornersOfNormalsToo) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+    mesh.normals = {{0, 0, 1}, {0, 0, 2}, {0, 0, 3}};
+    mesh.corners = {{0, 1, 2}, {1, 3, 2}};
+    mesh.normalCorners = {{0, 1, 2}, glm::uvec3(Mesh::kNoIndex)};
+    mesh.faces = {7, 8};
+    mesh.materials = {1, 0};
+    const Mesh out = transformed(mesh, kMirror);
+    EXPECT_EQ(out.corners[0], glm::uvec3(0, 2, 1));
+    EXPECT_EQ(out.corners[1], glm::uvec3(1, 2, 3));
+    EXPECT_EQ(out.normalCorners[0], glm::uvec3(0, 2, 1));
+    EXPECT_EQ(out.normalCorners[1], glm::uvec3(Mesh::kNoIndex));
+    EXPECT_EQ(out.faces, mesh.faces);
+    EXPECT_EQ(out.materials, mesh.materials);
+    EXPECT_EQ(out.positions[1], dvec3(-1, 0, 0));
+}
+
+TEST(Transform, extremeScalesKeepNormals) {
+    for (const double scale : {1e-150, 1e150}) {
+        const PlaneShape plane = transformed(PlaneShape{{0, 0, 0}, {0, 3e-10, 0}}, scaling({scale, scale, -scale}));
+        EXPECT_EQ(plane.normal, dvec3(0, 1, 0));
+    }
+}
+
+TEST(Transform, spheresTurnMoveAndGrow) {
+    const SphereShape sphere = transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
+    EXPECT_EQ(sphere.center, dvec3(0, -3, 0));
+    EXPECT_DOUBLE_EQ(sphere.radius, 6);
+}
+
+TEST(Transform, vertexThatIsNotFiniteStaysSo) {
+    Mesh mesh;
+    mesh.positions = {{std::nan(""), 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.normals = {{0, 0, 0}};
+    mesh.corners = {{0, 1, 2}};
+    const Mesh out = transformed(mesh, scaling(dvec3(2)));
+    EXPECT_TRUE(std::isnan(out.positions[0].x));
+    EXPECT_EQ(out.positions[1], dvec3(2, 0, 0));
+    EXPECT_EQ(out.normals[0], dvec3(0));
+}
+
+}  // namespace glint
