@@ -24,7 +24,9 @@ function(glint_test name)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
                        PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
 
-  if(ARG_LABEL STREQUAL "gpu")
+  if(ARG_LABEL STREQUAL "unit")
+    add_dependencies(unit_tests ${name})
+  elseif(ARG_LABEL STREQUAL "gpu")
     glint_lavapipe_environment(lavapipe)
     list(PREPEND ARG_ENVIRONMENT ${lavapipe})
     if(GLINT_SANITIZE)

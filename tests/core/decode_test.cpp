@@ -170,6 +170,34 @@ TEST(Truncated, Exr) {
     expectEveryPrefixRefused(encodeExr(40, 20, {{"R", flat}, {"G", flat}, {"B", flat}}), decodeExr);
 }
 
+std::string reasonOf(const std::vector<uint8_t>& file, Image (*decoder)(ByteView)) {
+    try {
+        decoder(ByteView(file));
+    } catch (const CodecError& error) {
+        return error.what();
+    }
+    return "nothing was thrown";
+}
+
+TEST(Damaged, ExrWhoseTypeDoesNotFit) {
+    // An attribute more, right behind magic number and version: name, type, size 3, value.
+    std::vector<uint8_t> file = encodeExr(2, 2, {{"Y", {1, 2, 3, 4}}});
+    const std::string attribute("type\0string\0\3\0\0\0foo", 19);
+    file.insert(file.begin() + 8, attribute.begin(), attribute.end());
+    EXPECT_EQ(reasonOf(file, decodeExr), "the EXR file is damaged, or something other than a scanlineimage");
+
+    file = encodeExr(2, 2, {{"Y", {1, 2, 3, 4}}});
+    file[5] |= 0x02;  // bit 9 of the version: tiled
+    EXPECT_EQ(reasonOf(file, decodeExr), "the EXR file is truncated or damaged (tiles of no size)");
+    file[5] = 0x10;  // bit 12: several parts
+    EXPECT_EQ(reasonOf(file, decodeExr), "EXR files with several parts or deep pixels are not supported");
+}
+
+TEST(Damaged, HdrWithoutPixels) {
+    EXPECT_EQ(reasonOf(textBytes("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 0\n"), decodeHdr),
+              "the file is damaged or of a kind that is not supported (no pixels)");
+}
+
 TEST_F(Decode, MessagesForTruncatedFiles) {
     const std::string path = file("a.hdr").string();
     writeImage(path, varied(40, 6));

@@ -14,7 +14,8 @@ std::string syntaxErrorOf(const std::string& text) {
 
 TEST(Json, keepsOrderTypesAndComments) {
     const JsonValue root = parseJson(
-        "\xef\xbb\xbf{ // a comment\n \"z\": [1, -2.5, 1e3], /* another\n one */ \"a\": {\"t\": true, \"n\": null, \"s\": \"\\u00e4\"}}",
+        "\xef\xbb\xbf{ // a comment\n \"z\": [1, -2.5, 1e3], /* another\n one */ \"a\": {\"t\": true, \"n\": "
+        "null, \"s\": \"\\u00e4\"}}",
         "a.json");
     const JsonObject& object = *root.object();
     ASSERT_EQ(object.keys, (std::vector<std::string>{"z", "a"}));
@@ -52,7 +53,8 @@ TEST(Json, syntaxErrorsSayLineAndColumn) {
 
 TEST(Json, columnsCountCharactersNotBytes) {
     // The string holds two characters of two bytes each; the stray number is the tenth character.
-    EXPECT_EQ(syntaxErrorOf("[\"\xc3\xa4\xc3\xb6\" \t  7]"), "a.json:1:10: expected ',' or ']' (got a number)");
+    EXPECT_EQ(syntaxErrorOf("[\"\xc3\xa4\xc3\xb6\" \t  7]"),
+              "a.json:1:10: expected ',' or ']' (got a number)");
 }
 
 TEST(Json, lexicalErrorsSayWhatIsWrong) {
@@ -70,7 +72,8 @@ TEST(Json, duplicateKeys) {
 TEST(Json, emptyFiles) {
     EXPECT_EQ(syntaxErrorOf(""), "a.json: the file is empty");
     EXPECT_EQ(syntaxErrorOf(" \n\t\r\n"), "a.json: the file is empty");
-    EXPECT_EQ(syntaxErrorOf("// nothing but a comment"), "a.json:1:25: expected a value (got the end of the file)");
+    EXPECT_EQ(syntaxErrorOf("// nothing but a comment"),
+              "a.json:1:25: expected a value (got the end of the file)");
 }
 
 TEST(Json, deepNestingIsRefusedAndDoesNotCrash) {

@@ -12,11 +12,15 @@ struct Case {
     const char* message;
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name;
+}
 
 class ParseError : public testing::TestWithParam<Case> {};
 
-TEST_P(ParseError, isOneExactLine) { EXPECT_EQ(parseErrorOf(GetParam().text), GetParam().message); }
+TEST_P(ParseError, isOneExactLine) {
+    EXPECT_EQ(parseErrorOf(GetParam().text), GetParam().message);
+}
 
 #define SPHERE(...) R"({"objects": [{"type": "sphere", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
 #define TRANSFORM(...) SPHERE(R"("radius": 1, "transform": )" __VA_ARGS__)
@@ -24,19 +28,23 @@ TEST_P(ParseError, isOneExactLine) { EXPECT_EQ(parseErrorOf(GetParam().text), Ge
 const Case kStructure[] = {
     {"rootIsNoObject", "[1]", "s.json: must be an object {...} (got [1])"},
     {"unknownTopKey", R"({"lihgts": []})", R"(s.json: /lihgts: unknown key (did you mean "lights"?))"},
-    {"unknownKeyNear", SPHERE(R"("raduis": 1)"), R"(s.json: /objects/0/raduis: unknown key (did you mean "radius"?))"},
+    {"unknownKeyNear", SPHERE(R"("raduis": 1)"),
+     R"(s.json: /objects/0/raduis: unknown key (did you mean "radius"?))"},
     {"unknownKeyFar", SPHERE(R"("colour": 1)"),
      "s.json: /objects/0/colour: unknown key (known: type, center, radius, material, transform)"},
-    {"keyOfAnotherType", R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "falloff": "none"}]})",
+    {"keyOfAnotherType",
+     R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "falloff": "none"}]})",
      "s.json: /lights/0/falloff: unknown key (known: type, direction, intensity)"},
-    {"missingKey", SPHERE(R"("material": "x")"), R"(s.json: /objects/0/material: no material "x" (the scene defines none))"},
+    {"missingKey", SPHERE(R"("material": "x")"),
+     R"(s.json: /objects/0/material: no material "x" (the scene defines none))"},
     {"missingRadius", R"({"objects": [{"type": "sphere", "center": [0, 0, 0]}]})",
      R"(s.json: /objects/0: missing key "radius")"},
     {"missingType", R"({"objects": [{}]})", R"(s.json: /objects/0: missing key "type")"},
     {"missingFile", R"({"meshes": {"a": {}}})", R"(s.json: /meshes/a: missing key "file")"},
     {"objectsNoArray", R"({"objects": {}})", "s.json: /objects: must be an array [...] (got an object)"},
     {"objectNoObject", R"({"objects": [3]})", "s.json: /objects/0: must be an object {...} (got 3)"},
-    {"duplicateKey", R"({"ambient": 1, "ambient": 2})", R"(s.json:1:25: the key "ambient" stands here twice)"},
+    {"duplicateKey", R"({"ambient": 1, "ambient": 2})",
+     R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
      "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror)"},
 };
@@ -69,28 +77,34 @@ const Case kValues[] = {
     {"radiusNegative", SPHERE(R"("radius": -1)"), "s.json: /objects/0/radius: must be > 0 (got -1)"},
     {"radiusZero", SPHERE(R"("radius": 0)"), "s.json: /objects/0/radius: must be > 0 (got 0)"},
     {"radiusText", SPHERE(R"("radius": "1")"), R"(s.json: /objects/0/radius: must be a number (got "1"))"},
-    {"radiusTiny", SPHERE(R"("radius": 1e-15)"), "s.json: /objects/0/radius: must be from 1e-14 to 1e+18 (got 1e-15)"},
+    {"radiusTiny", SPHERE(R"("radius": 1e-15)"),
+     "s.json: /objects/0/radius: must be from 1e-14 to 1e+18 (got 1e-15)"},
     {"radiusBeforeTransform", SPHERE(R"("radius": -1, "transform": [{"scale": 10}])"),
      "s.json: /objects/0/radius: must be > 0 (got -1)"},
     {"radiusAfterTransform", SPHERE(R"("radius": 1e10, "transform": [{"scale": 1e10}])"),
      "s.json: /objects/0/radius: must be from 1e-14 to 1e+18 (got 1e+20)"},
     {"twoCoordinates", R"({"camera": {"eye": [1, 2]}})",
      "s.json: /camera/eye: must be three numbers [x, y, z] (got [1, 2])"},
-    {"coordinateText", R"({"camera": {"eye": [1, 2, "3"]}})", R"(s.json: /camera/eye/2: must be a number (got "3"))"},
+    {"coordinateText", R"({"camera": {"eye": [1, 2, "3"]}})",
+     R"(s.json: /camera/eye/2: must be a number (got "3"))"},
     {"coordinateHuge", R"({"camera": {"eye": [1e18, 0, 0]}})",
      "s.json: /camera/eye: coordinates must be below 1e+18 (got [1e+18, 0, 0])"},
     {"numberOverflow", R"({"ambient": 1e999})", "s.json:1:13: number out of range: 1e999"},
-    {"widthZero", R"({"image": {"width": 0}})", "s.json: /image/width: must be a whole number from 1 to 65536 (got 0)"},
+    {"widthZero", R"({"image": {"width": 0}})",
+     "s.json: /image/width: must be a whole number from 1 to 65536 (got 0)"},
     {"widthFraction", R"({"image": {"width": 800.5}})",
      "s.json: /image/width: must be a whole number from 1 to 65536 (got 800.5)"},
     {"widthHuge", R"({"image": {"width": 1e300}})",
      "s.json: /image/width: must be a whole number from 1 to 65536 (got 1e+300)"},
     {"samples", R"({"image": {"samplesPerPixel": 0}})",
      "s.json: /image/samplesPerPixel: must be a whole number from 1 to 65536 (got 0)"},
-    {"maxDepth", R"({"maxDepth": 1001})", "s.json: /maxDepth: must be a whole number from 0 to 1000 (got 1001)"},
-    {"fovY", R"({"camera": {"fovY": 180}})", "s.json: /camera/fovY: must be between 0 and 180 degrees (got 180)"},
+    {"maxDepth", R"({"maxDepth": 1001})",
+     "s.json: /maxDepth: must be a whole number from 0 to 1000 (got 1001)"},
+    {"fovY", R"({"camera": {"fovY": 180}})",
+     "s.json: /camera/fovY: must be between 0 and 180 degrees (got 180)"},
     {"near", R"({"camera": {"near": -1}})", "s.json: /camera/near: must be >= 0 and finite (got -1)"},
-    {"far", R"({"camera": {"near": 2, "far": 1}})", "s.json: /camera/far: must be greater than near, 2 (got 1)"},
+    {"far", R"({"camera": {"near": 2, "far": 1}})",
+     "s.json: /camera/far: must be greater than near, 2 (got 1)"},
     {"windowSize", R"({"camera": {"window": [1, 2, 3]}})",
      "s.json: /camera/window: must be four numbers [left, right, bottom, top] (got [1, 2, 3])"},
     {"windowOrder", R"({"camera": {"window": [1, -1, -1, 1]}})",
@@ -103,7 +117,8 @@ const Case kValues[] = {
      "s.json: /materials/m/diffuse: must be >= 0 (got [0.5, -1, 0])"},
     {"colorFour", R"({"background": [1, 1, 1, 1]})",
      "s.json: /background: must be a number or [r, g, b] (got [1, 1, 1, 1])"},
-    {"mirrorAboveOne", R"({"materials": {"m": {"mirror": 1.5}}})", "s.json: /materials/m/mirror: must be from 0 to 1 (got 1.5)"},
+    {"mirrorAboveOne", R"({"materials": {"m": {"mirror": 1.5}}})",
+     "s.json: /materials/m/mirror: must be from 0 to 1 (got 1.5)"},
     {"shininess", R"({"materials": {"m": {"shininess": -2}}})",
      "s.json: /materials/m/shininess: must be from 0 to 1e+18 (got -2)"},
     {"zeroNormal", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 0]}]})",
@@ -114,17 +129,21 @@ const Case kValues[] = {
      "s.json: /lights/0/intensity: must be >= 0 (got -1)"},
     {"twoVertices", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}]})",
      "s.json: /objects/0/vertices: must be three points [[x, y, z], ...] (got [[0, 0, 0], [1, 0, 0]])"},
-    {"vertexHuge", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, -1e19, 0]]}]})",
+    {"vertexHuge",
+     R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, -1e19, 0]]}]})",
      "s.json: /objects/0/vertices/2: coordinates must be below 1e+18 (got [0, -1e+19, 0])"},
-    {"materialNear", R"({"materials": {"red": {}, "chrome": {}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "rde"}]})",
+    {"materialNear",
+     R"({"materials": {"red": {}, "chrome": {}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "rde"}]})",
      R"(s.json: /objects/0/material: no material "rde" (did you mean "red"?))"},
-    {"materialFar", R"({"materials": {"red": {}, "chrome": {}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "wood"}]})",
+    {"materialFar",
+     R"({"materials": {"red": {}, "chrome": {}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "wood"}]})",
      R"(s.json: /objects/0/material: no material "wood" (defined: chrome, red))"},
     {"meshNear", R"({"meshes": {"bunny": {"file": "b.obj"}}, "objects": [{"type": "mesh", "mesh": "buny"}]})",
      R"(s.json: /objects/0/mesh: no mesh "buny" (did you mean "bunny"?))"},
     {"meshNone", R"({"objects": [{"type": "mesh", "mesh": "bunny"}]})",
      R"(s.json: /objects/0/mesh: no mesh "bunny" (the scene defines none))"},
-    {"meshFile", R"({"meshes": {"bunny": {"file": "no-such-file.obj"}}, "objects": [{"type": "mesh", "mesh": "bunny"}]})",
+    {"meshFile",
+     R"({"meshes": {"bunny": {"file": "no-such-file.obj"}}, "objects": [{"type": "mesh", "mesh": "bunny"}]})",
      "s.json: /meshes/bunny/file: no such file: no-such-file.obj"},
 };
 
@@ -146,16 +165,22 @@ const Case kTransforms[] = {
      R"(s.json: /objects/0/transform/0/scale: must be a number or [x, y, z] (got "big"))"},
     {"singular", TRANSFORM(R"([{"scale": [1, 0, 1]}])"),
      "s.json: /objects/0/transform: is singular, it flattens the object"},
-    {"allZero", TRANSFORM(R"([{"scale": 0}])"), "s.json: /objects/0/transform: is singular, it flattens the object"},
-    // |diag(1,1,t)| |diag(1,1,1/t)| = sqrt(2 + t^2) sqrt(2 + 1/t^2), which rounds to sqrt(2) 1e13 for t = 1e-13
+    {"allZero", TRANSFORM(R"([{"scale": 0}])"),
+     "s.json: /objects/0/transform: is singular, it flattens the object"},
+    // |diag(1,1,t)| |diag(1,1,1/t)| = sqrt(2 + t^2) sqrt(2 + 1/t^2), which rounds to sqrt(2) 1e13 for t =
+    // 1e-13
     {"nearlySingular", TRANSFORM(R"([{"scale": [1, 1, 1e-13]}])"),
      "s.json: /objects/0/transform: is nearly singular (condition number 1.41421e+13, the limit is 1e+12)"},
-    {"notFinite", TRANSFORM(R"([{"scale": 1e200}, {"scale": 1e200}])"), "s.json: /objects/0/transform: is not finite"},
+    {"notFinite", TRANSFORM(R"([{"scale": 1e200}, {"scale": 1e200}])"),
+     "s.json: /objects/0/transform: is not finite"},
     {"ellipsoid", TRANSFORM(R"([{"scale": [1, 2, 1]}])"),
-     "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come with a later version"},
+     "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come "
+     "with a later version"},
 };
 
-std::string caseName(const testing::TestParamInfo<Case>& info) { return info.param.name; }
+std::string caseName(const testing::TestParamInfo<Case>& info) {
+    return info.param.name;
+}
 
 INSTANTIATE_TEST_SUITE_P(Structure, ParseError, testing::ValuesIn(kStructure), caseName);
 INSTANTIATE_TEST_SUITE_P(Types, ParseError, testing::ValuesIn(kTypes), caseName);
@@ -168,8 +193,8 @@ TEST(ParseErrorInFiles, aBadMeshNamesTheMeshFile) {
     const TemporaryFolder folder;
     const auto mesh = folder.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
     const std::string message = errorOf([&] {
-        parseScene(R"({"meshes": {"b": {"file": "bad.obj"}}, "objects": [{"type": "mesh", "mesh": "b"}]})", "s.json",
-                   folder.path());
+        parseScene(R"({"meshes": {"b": {"file": "bad.obj"}}, "objects": [{"type": "mesh", "mesh": "b"}]})",
+                   "s.json", folder.path());
     });
     EXPECT_EQ(message, mesh.string() + ":2: face uses vertex 2, the file has 1");
 }

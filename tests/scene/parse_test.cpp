@@ -155,12 +155,13 @@ TEST(Parse, transformsReachTheShapes) {
 TEST(Parse, aMeshIsSharedUntilItIsTransformed) {
     const TemporaryFolder folder;
     folder.write("cube.obj", kCubeObj);
-    const Scene scene = parseScene(R"({"materials": {"red": {}}, "meshes": {"cube": {"file": "cube.obj"}}, "objects": [
+    const Scene scene =
+        parseScene(R"({"materials": {"red": {}}, "meshes": {"cube": {"file": "cube.obj"}}, "objects": [
         {"type": "mesh", "mesh": "cube"},
         {"type": "mesh", "mesh": "cube", "material": "red"},
         {"type": "mesh", "mesh": "cube", "transform": []},
         {"type": "mesh", "mesh": "cube", "transform": [{"scale": 2}]}]})",
-                                   "s.json", folder.path());
+                   "s.json", folder.path());
     ASSERT_EQ(scene.objects.size(), 4u);
     const Mesh* mesh = shape<MeshShape>(scene, 0).mesh.get();
     EXPECT_EQ(mesh->corners.size(), 12u);
@@ -177,10 +178,12 @@ TEST(Parse, aMeshIsSharedUntilItIsTransformed) {
 TEST(Parse, meshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
     const TemporaryFolder folder;
     folder.write("two.mtl", "newmtl one\nKd 1 0 0\nnewmtl two\nKd 0 1 0\n");
-    folder.write("two.obj", "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl two\nf 1 2 3\nusemtl one\nf 3 2 1\n");
-    const Scene scene = parseScene(R"({"materials": {"grey": {}}, "meshes": {"m": {"file": "two.obj"}}, "objects": [
+    folder.write("two.obj",
+                 "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl two\nf 1 2 3\nusemtl one\nf 3 2 1\n");
+    const Scene scene =
+        parseScene(R"({"materials": {"grey": {}}, "meshes": {"m": {"file": "two.obj"}}, "objects": [
         {"type": "mesh", "mesh": "m"}, {"type": "mesh", "mesh": "m", "material": "grey"}, {"type": "mesh", "mesh": "m"}]})",
-                                   "s.json", folder.path());
+                   "s.json", folder.path());
     ASSERT_EQ(scene.materials.size(), 3u);  // the file's are added once
     EXPECT_EQ(scene.materials[1].name, "one");
     EXPECT_EQ(scene.materials[2].name, "two");

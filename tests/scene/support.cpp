@@ -42,7 +42,9 @@ std::string errorOf(const std::function<void()>& action) {
     return "no error";
 }
 
-Scene parse(const std::string& text) { return parseScene(text, "s.json", {}); }
+Scene parse(const std::string& text) {
+    return parseScene(text, "s.json", {});
+}
 
 std::string parseErrorOf(const std::string& text) {
     return errorOf([&] { parse(text); });

@@ -26,7 +26,8 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-// What `action` throws: it must be an Error with ExitCode::Scene, and one line. "no error" if it throws nothing.
+// What `action` throws: it must be an Error with ExitCode::Scene, and one line. "no error" if it throws
+// nothing.
 std::string errorOf(const std::function<void()>& action);
 
 // Parses with the file name "s.json" and an empty folder.

@@ -12,16 +12,22 @@ namespace {
 
 using glm::dvec3;
 
-dvec3 apply(const Affine& t, const dvec3& p) { return t.linear * p + t.offset; }
+dvec3 apply(const Affine& t, const dvec3& p) {
+    return t.linear * p + t.offset;
+}
 
 void expectNear(const dvec3& a, const dvec3& b, double tolerance) {
     for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], tolerance);
 }
 
-dvec3 windingNormal(const dvec3& a, const dvec3& b, const dvec3& c) { return glm::cross(b - a, c - a); }
+dvec3 windingNormal(const dvec3& a, const dvec3& b, const dvec3& c) {
+    return glm::cross(b - a, c - a);
+}
 
 // A right-angled corner of a solid at the origin, seen from outside; its outward normal is +z.
-TriangleShape cornerTriangle() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}; }
+TriangleShape cornerTriangle() {
+    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+}
 
 const Affine kShear = [] {
     Affine t;
@@ -71,16 +77,20 @@ TEST(Transform, conditionNumberOfDiagonals) {
 
 TEST(Transform, similarities) {
     EXPECT_DOUBLE_EQ(similarityFactor(glm::dmat3(1)).value(), 1);
-    const Affine turned = then(then(rotation({1, 2, 3}, 77), scaling(dvec3(-1e-100))), rotation({3, 1, 0}, 11));
+    const Affine turned =
+        then(then(rotation({1, 2, 3}, 77), scaling(dvec3(-1e-100))), rotation({3, 1, 0}, 11));
     EXPECT_NEAR(similarityFactor(turned.linear).value() / 1e-100, 1, 1e-14);
     // A turn by 45 degrees written with seven digits.
-    EXPECT_NEAR(similarityFactor(glm::dmat3(0.7071068, 0.7071068, 0, -0.7071068, 0.7071068, 0, 0, 0, 1)).value(), 1, 1e-6);
+    EXPECT_NEAR(
+        similarityFactor(glm::dmat3(0.7071068, 0.7071068, 0, -0.7071068, 0.7071068, 0, 0, 0, 1)).value(), 1,
+        1e-6);
     EXPECT_FALSE(similarityFactor(scaling({1, 1, 1.00001}).linear));
     EXPECT_FALSE(similarityFactor(kShear.linear));
 }
 
 TEST(Transform, normalsStayPerpendicularAndOutward) {
-    for (const Affine& t : {kShear, kMirror, then(kMirror, kShear), rotation({1, 2, 3}, 50), scaling(dvec3(-2))}) {
+    for (const Affine& t :
+         {kShear, kMirror, then(kMirror, kShear), rotation({1, 2, 3}, 50), scaling(dvec3(-2))}) {
         Mesh mesh;
         mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         mesh.normals = {{0, 0, 5}};
@@ -88,15 +98,17 @@ TEST(Transform, normalsStayPerpendicularAndOutward) {
         mesh.normalCorners = {{0, 0, 0}};
         const Mesh out = transformed(mesh, t);
         const glm::uvec3 c = out.corners[0];
-        const dvec3 winding = glm::normalize(windingNormal(out.positions[c.x], out.positions[c.y], out.positions[c.z]));
+        const dvec3 winding =
+            glm::normalize(windingNormal(out.positions[c.x], out.positions[c.y], out.positions[c.z]));
         expectNear(out.normals[0], winding, 1e-15);  // the vertex normal agrees with the winding
         // Outward: the solid's inside, below the triangle, is still on the other side.
         const dvec3 inside = apply(t, {0.25, 0.25, -1}) - apply(t, {0.25, 0.25, 0});
         EXPECT_LT(glm::dot(inside, winding), 0);
 
         const TriangleShape triangle = transformed(cornerTriangle(), t);
-        expectNear(glm::normalize(windingNormal(triangle.vertices[0], triangle.vertices[1], triangle.vertices[2])), winding,
-                   1e-15);
+        expectNear(
+            glm::normalize(windingNormal(triangle.vertices[0], triangle.vertices[1], triangle.vertices[2])),
+            winding, 1e-15);
         const PlaneShape plane = transformed(PlaneShape{{0, 0, 0}, {0, 0, 0.1}}, t);
         expectNear(plane.normal, winding, 1e-15);
         EXPECT_EQ(plane.point, t.offset);
@@ -123,13 +135,15 @@ TEST(Transform, mirroringExchangesCornersOfNormalsToo) {
 
 TEST(Transform, extremeScalesKeepNormals) {
     for (const double scale : {1e-150, 1e150}) {
-        const PlaneShape plane = transformed(PlaneShape{{0, 0, 0}, {0, 3e-10, 0}}, scaling({scale, scale, -scale}));
+        const PlaneShape plane =
+            transformed(PlaneShape{{0, 0, 0}, {0, 3e-10, 0}}, scaling({scale, scale, -scale}));
         EXPECT_EQ(plane.normal, dvec3(0, 1, 0));
     }
 }
 
 TEST(Transform, spheresTurnMoveAndGrow) {
-    const SphereShape sphere = transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
+    const SphereShape sphere =
+        transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
     EXPECT_EQ(sphere.center, dvec3(0, -3, 0));
     EXPECT_DOUBLE_EQ(sphere.radius, 6);
 }

@@ -1,0 +1,178 @@
+// The shared structs lie in memory alike for C++, for std430 and for the loaders of shaders/storage.glsl.
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+#include "gpu/compute.h"
+#include "layout_probe.spv.h"
+#include "loader_probe.spv.h"
+#include "loader_probe_texel.spv.h"
+#include "shared/dispatch.h"
+#include "spirv_reader.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+struct Expected {
+    std::vector<SpirvMember> members;
+    size_t size = 0;
+};
+
+#define GLINT_EXPECT_MEMBER(member, type, Type)                    \
+    static_assert(std::is_same_v<decltype(S::member), Type>);      \
+    expected.members.push_back({#member, type, offsetof(S, member)});
+#define GLINT_EXPECT_V3F(a, b)                \
+    GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
+    GLINT_EXPECT_MEMBER(b, "float", float)
+#define GLINT_EXPECT_V3U(a, b)                \
+    GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
+    GLINT_EXPECT_MEMBER(b, "uint", uint32_t)
+#define GLINT_EXPECT_U4(a, b, c, d)          \
+    GLINT_EXPECT_MEMBER(a, "uint", uint32_t) \
+    GLINT_EXPECT_MEMBER(b, "uint", uint32_t) \
+    GLINT_EXPECT_MEMBER(c, "uint", uint32_t) \
+    GLINT_EXPECT_MEMBER(d, "uint", uint32_t)
+#define GLINT_EXPECT_STRUCT(Name, ROWS)                              \
+    {                                                                \
+        using S = shared::Name;                                      \
+        Expected expected;                                           \
+        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4)    \
+        expected.size = sizeof(S);                                   \
+        all[#Name] = expected;                                       \
+    }
+
+std::map<std::string, Expected> cppLayouts() {
+    std::map<std::string, Expected> all;
+    GLINT_STRUCTS(GLINT_EXPECT_STRUCT)
+    GLINT_EXPECT_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
+    return all;
+}
+
+void expectSameMembers(const std::string& name, const std::vector<SpirvMember>& shader, const Expected& cpp) {
+    ASSERT_EQ(shader.size(), cpp.members.size()) << name;
+    for (size_t i = 0; i < shader.size(); ++i) {
+        EXPECT_EQ(shader[i].name, cpp.members[i].name) << name;
+        EXPECT_EQ(shader[i].type, cpp.members[i].type) << name << "." << shader[i].name;
+        EXPECT_EQ(shader[i].offset, cpp.members[i].offset) << name << "." << shader[i].name;
+    }
+}
+
+TEST(Layout, std430IsTheLayoutOfCpp) {
+    const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
+    for (const auto& [name, cpp] : cppLayouts()) {
+        if (name == "Dispatch") continue;
+        ASSERT_TRUE(structs.contains(name)) << name;
+        const SpirvStruct& shader = structs.at(name);
+        expectSameMembers(name, shader.members, cpp);
+        ASSERT_TRUE(shader.arrayStride) << name;
+        EXPECT_EQ(*shader.arrayStride, cpp.size) << name;
+    }
+}
+
+TEST(Layout, pushConstantsAreTheLayoutOfCpp) {
+    const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
+    ASSERT_TRUE(structs.contains("DispatchBlock"));
+    const Expected cpp = cppLayouts().at("Dispatch");
+    expectSameMembers("Dispatch", structs.at("DispatchBlock").members, cpp);
+    // The Vulkan specification's least maxPushConstantsSize (table "Required Limits").
+    EXPECT_LE(cpp.size, 128u);
+}
+
+// Every word that a test writes is another normal float, so that no move may change it.
+class WordSource {
+  public:
+    void fill(void* data, size_t bytes) {
+        for (size_t i = 0; i < bytes / 4; ++i, ++word_) std::memcpy(static_cast<char*>(data) + 4 * i, &word_, 4);
+    }
+
+  private:
+    uint32_t word_ = 0x3f800000u;  // 1.0f
+};
+
+#define GLINT_TAKE_VEC3(a) \
+    for (int i = 0; i < 3; ++i) words.push_back(std::bit_cast<uint32_t>(s.a[i]));
+#define GLINT_TAKE_V3F(a, b) \
+    GLINT_TAKE_VEC3(a)       \
+    words.push_back(std::bit_cast<uint32_t>(s.b));
+#define GLINT_TAKE_V3U(a, b) \
+    GLINT_TAKE_VEC3(a)       \
+    words.push_back(s.b);
+#define GLINT_TAKE_U4(a1, b1, c1, d1) words.insert(words.end(), {s.a1, s.b1, s.c1, s.d1});
+#define GLINT_TAKE_STRUCT(Name, ROWS)                          \
+    void take(const shared::Name& s, std::vector<uint32_t>& words) { \
+        ROWS(GLINT_TAKE_V3F, GLINT_TAKE_V3U, GLINT_TAKE_U4)    \
+    }
+GLINT_STRUCTS(GLINT_TAKE_STRUCT)
+GLINT_TAKE_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
+
+class LoaderTest : public RenderTest, public testing::WithParamInterface<gpu::Access> {
+  protected:
+    template <typename Struct>
+    void addArray(uint32_t binding, std::map<std::string, std::vector<uint32_t>>& words, const std::string& name) {
+        std::array<Struct, 2> items;
+        source_.fill(items.data(), sizeof(items));
+        buffers_.at(binding) = gpu::Buffer(device(), name, sizeof(items), GetParam(), gpu::MemoryKind::Device);
+        gpu::upload(device(), buffers_[binding], std::as_bytes(std::span(items)));
+        take(items[1], words[name]);
+    }
+    std::vector<uint32_t> run(const shared::Dispatch& dispatch, size_t count);
+
+    WordSource source_;
+    std::array<gpu::Buffer, GLINT_BINDING_COUNT + 1> buffers_;
+};
+
+std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t count) {
+    using gpu::Access;
+    gpu::KernelOptions options;
+    options.name = "loader probe";
+    options.spirv = loader_probe_spv;
+    if (GetParam() == Access::TexelBuffer) options.spirv = loader_probe_texel_spv;
+    options.bindings.assign(buffers_.size(), GetParam());
+    options.bindings.front() = options.bindings.back() = Access::StorageBuffer;
+    options.pushConstantBytes = sizeof(dispatch);
+    options.workgroupSizeX = 1;
+    std::vector<const gpu::Buffer*> bound;
+    for (size_t i = 0; i < buffers_.size(); ++i) {
+        const bool last = i + 1 == buffers_.size();
+        if (!buffers_[i])
+            buffers_[i] = gpu::Buffer(device(), "probe", last ? count * 4 : 16, options.bindings[i], gpu::MemoryKind::Device);
+        bound.push_back(&buffers_[i]);
+    }
+    gpu::Kernel kernel(device(), options);
+    kernel.bind(bound);
+    gpu::Submission submission(device());
+    submission.dispatch(kernel, 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+    submission.submit();
+    std::vector<uint32_t> words(count);
+    gpu::download(device(), buffers_.back(), std::as_writable_bytes(std::span(words)));
+    return words;
+}
+
+TEST_P(LoaderTest, loadersReadWhatCppWrote) {
+    std::map<std::string, std::vector<uint32_t>> byStruct;
+#define GLINT_ADD_ARRAY(binding, field, Struct) addArray<shared::Struct>(binding, byStruct, #Struct);
+    GLINT_SCENE_ARRAYS(GLINT_ADD_ARRAY)
+    std::vector<uint32_t> expected;
+    std::vector<std::string> owner;
+#define GLINT_APPEND(Name, ROWS)                                                                  \
+    ASSERT_TRUE(byStruct.contains(#Name)) << "GLINT_SCENE_ARRAYS has no " #Name;                  \
+    expected.insert(expected.end(), byStruct[#Name].begin(), byStruct[#Name].end());              \
+    owner.resize(expected.size(), #Name);
+    GLINT_STRUCTS(GLINT_APPEND)
+    shared::Dispatch dispatch;
+    source_.fill(&dispatch, sizeof(dispatch));
+    take(dispatch, expected);
+    owner.resize(expected.size(), "Dispatch");
+
+    const std::vector<uint32_t> words = run(dispatch, expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(words[i], expected[i]) << owner[i];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LoaderTest, testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
+                         [](const auto& p) {
+                             return std::string(p.param == gpu::Access::StorageBuffer ? "storage" : "texel");
+                         });
+
+}  // namespace
+}  // namespace glint::render::test

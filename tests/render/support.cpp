@@ -1,0 +1,231 @@
+#include "support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <sstream>
+
+#include "scene/load.h"
+
+namespace glint::render::test {
+namespace {
+
+const std::filesystem::path& sceneFolder() {
+    static const std::filesystem::path folder = std::filesystem::path(GLINT_SOURCE_DIR) / "scenes";
+    return folder;
+}
+
+template <typename T>
+auto bits(T value) {
+    if constexpr (sizeof(T) == 8) return std::bit_cast<uint64_t>(value);
+    if constexpr (sizeof(T) == 4) return std::bit_cast<uint32_t>(value);
+}
+template <typename Vector>
+bool sameVector(const Vector& a, const Vector& b) {
+    return bits(a.x) == bits(b.x) && bits(a.y) == bits(b.y) && bits(a.z) == bits(b.z);
+}
+
+// The first member of a pixel's data that differs, or nullptr.
+const char* difference(const PixelData& a, const PixelData& b) {
+    if (!sameVector(a.position, b.position)) return "position";
+    if (bits(a.depth) != bits(b.depth)) return "depth";
+    if (!sameVector(a.normal, b.normal)) return "normal";
+    if (!sameVector(a.geometricNormal, b.geometricNormal)) return "geometric normal";
+    if (bits(a.u) != bits(b.u) || bits(a.v) != bits(b.v)) return "uv";
+    if (a.object != b.object) return "object";
+    if (a.primitive != b.primitive) return "primitive";
+    if (a.material != b.material) return "material";
+    if (a.bounces != b.bounces) return "bounces";
+    if (a.cost != b.cost) return "cost";
+    if (a.pathHash != b.pathHash) return "path hash";
+    if (a.shadowBits != b.shadowBits) return "shadow bits";
+    return nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<gpu::Device> RenderTest::device_;
+
+void RenderTest::SetUpTestSuite() {
+    device_ = std::make_unique<gpu::Device>();
+}
+void RenderTest::TearDownTestSuite() {
+    device_.reset();
+}
+
+Case makeCase(Scene scene, int width, int height) {
+    Case c;
+    c.scene = std::move(scene);
+    c.packed = packScene(c.scene);
+    c.camera = packCamera(c.scene.camera, width, height, c.packed.origin);
+    c.width = width;
+    c.height = height;
+    return c;
+}
+
+Case fileCase(const std::string& name, int width, int height) {
+    return makeCase(loadScene(sceneFolder() / (name + ".json")), width, height);
+}
+
+Case textCase(const std::string& text, int width, int height) {
+    return makeCase(parseScene(text, "test", sceneFolder()), width, height);
+}
+
+std::vector<std::string> sceneNames() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(sceneFolder())) {
+        const std::string file = entry.path().filename().string();
+        if (entry.path().extension() == ".json" && !file.ends_with(".schema.json"))
+            names.push_back(entry.path().stem().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+Scene emptyScene() {
+    Scene scene;
+    addMaterial(scene, Color(0.8));
+    return scene;
+}
+
+uint32_t addMaterial(Scene& scene, const Color& diffuse, const Color& mirror) {
+    Material material;
+    material.diffuse = diffuse;
+    material.ambient = diffuse;
+    material.mirror = mirror;
+    scene.materials.push_back(material);
+    return static_cast<uint32_t>(scene.materials.size()) - 1;
+}
+
+void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                 uint32_t material) {
+    TriangleShape shape;
+    shape.vertices[0] = a;
+    shape.vertices[1] = b;
+    shape.vertices[2] = c;
+    scene.objects.push_back({"triangle", shape, material});
+}
+
+void addSphere(Scene& scene, const glm::dvec3& center, double radius, uint32_t material) {
+    scene.objects.push_back({"sphere", SphereShape{center, radius}, material});
+}
+
+void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, uint32_t material) {
+    scene.objects.push_back({"plane", PlaneShape{point, normal}, material});
+}
+
+void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> corners,
+             uint32_t material) {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions = std::move(positions);
+    mesh->corners = std::move(corners);
+    scene.objects.push_back({"mesh", MeshShape{mesh}, material});
+}
+
+void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset, double size) {
+    std::vector<glm::dvec3> positions;
+    std::vector<glm::uvec3> corners;
+    positions.reserve(size_t{n + 1} * (n + 1));
+    corners.reserve(size_t{n} * n * 2);
+    for (uint32_t y = 0; y <= n; ++y) {
+        for (uint32_t x = 0; x <= n; ++x) positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
+    }
+    for (uint32_t y = 0; y < n; ++y) {
+        for (uint32_t x = 0; x < n; ++x) {
+            const uint32_t a = y * (n + 1) + x, d = a + n + 1;
+            corners.emplace_back(a, a + 1, d + 1);
+            corners.emplace_back(a, d + 1, d);
+        }
+    }
+    addMesh(scene, std::move(positions), std::move(corners));
+}
+
+Picture draw(Renderer& renderer, const Case& c) {
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    settings.data = true;
+    return renderer.render(c.camera, settings);
+}
+
+Picture draw(const gpu::Device& device, const Case& c, const Options& options) {
+    Renderer renderer(device, c.packed, options);
+    return draw(renderer, c);
+}
+
+testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
+    if (a.complete != b.complete || a.done != b.done || a.notFinite != b.notFinite)
+        return testing::AssertionFailure() << "not the same pixels are done or finite";
+    if (a.color.width != b.color.width || a.color.height != b.color.height || a.data.size() != b.data.size())
+        return testing::AssertionFailure() << "sizes differ";
+    for (int y = 0; y < a.color.height; ++y) {
+        for (int x = 0; x < a.color.width; ++x) {
+            for (int c = 0; c < 4; ++c) {
+                if (bits(a.color.at(x, y, c)) == bits(b.color.at(x, y, c))) continue;
+                return testing::AssertionFailure() << "pixel " << x << "," << y << " channel " << c << ": "
+                                                   << a.color.at(x, y, c) << " and " << b.color.at(x, y, c);
+            }
+            if (a.data.empty()) continue;
+            const size_t i = static_cast<size_t>(y) * a.color.width + x;
+            if (const char* member = difference(a.data[i], b.data[i]))
+                return testing::AssertionFailure() << "pixel " << x << "," << y << ": the " << member << " differs";
+        }
+    }
+    return testing::AssertionSuccess();
+}
+
+testing::AssertionResult sameBits(const RayHit& a, const RayHit& b) {
+    if (a.hit != b.hit) return testing::AssertionFailure() << "one of them misses";
+    if (bits(a.t) != bits(b.t)) return testing::AssertionFailure() << "t: " << a.t << " and " << b.t;
+    if (a.kindAndIndex != b.kindAndIndex)
+        return testing::AssertionFailure() << "primitive: " << a.kindAndIndex << " and " << b.kindAndIndex;
+    if (const char* member = difference(a.data, b.data))
+        return testing::AssertionFailure() << "the " << member << " differs";
+    return testing::AssertionSuccess();
+}
+
+testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vector<RayHit>& b,
+                                  const std::vector<RayInput>& rays) {
+    size_t differing = 0;
+    std::string first;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const testing::AssertionResult same = sameBits(a[i], b[i]);
+        if (same) continue;
+        if (differing++ == 0) first = text(rays[i]) + ": " + same.message();
+    }
+    if (differing == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << differing << " of " << rays.size() << " rays differ, the first: " << first;
+}
+
+RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction) {
+    RayInput ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    return ray;
+}
+
+RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool unit) {
+    const glm::vec3 o(origin);
+    const glm::dvec3 d = target - glm::dvec3(o);
+    return rayOf(o, glm::vec3(unit ? glm::normalize(d) : d));
+}
+
+size_t misses(const std::vector<RayHit>& hits) {
+    return static_cast<size_t>(std::count_if(hits.begin(), hits.end(), [](const RayHit& h) { return !h.hit; }));
+}
+
+std::string text(const RayInput& ray) {
+    std::ostringstream out;
+    out << std::hexfloat << "origin " << ray.origin.x << " " << ray.origin.y << " " << ray.origin.z
+        << " direction " << ray.direction.x << " " << ray.direction.y << " " << ray.direction.z << " tMin "
+        << ray.tMin << " tMax " << ray.tMax;
+    return out.str();
+}
+
+glm::dvec3 Random::direction() {
+    const double z = uniform(-1, 1), phi = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+}  // namespace glint::render::test

@@ -1,0 +1,97 @@
+// A device, scenes and bitwise comparison for the tests of render and verify.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+#include "gpu/device.h"
+#include "render/renderer.h"
+#include "scene/picture.h"
+#include "scene/scene.h"
+
+namespace glint::render::test {
+
+// One device for the tests of a suite.
+class RenderTest : public testing::Test {
+  protected:
+    static void SetUpTestSuite();
+    static void TearDownTestSuite();
+    static const gpu::Device& device() { return *device_; }
+
+  private:
+    static std::unique_ptr<gpu::Device> device_;
+};
+
+// ---- scenes ----
+
+struct Case {
+    Scene scene;
+    PackedScene packed;
+    shared::Camera camera;
+    int width = 0, height = 0;
+};
+Case makeCase(Scene scene, int width, int height);
+// scenes/NAME.json
+Case fileCase(const std::string& name, int width, int height);
+// Scene text as in a file.
+Case textCase(const std::string& text, int width, int height);
+// The names of all scenes/*.json.
+std::vector<std::string> sceneNames();
+
+uint32_t addMaterial(Scene& scene, const Color& diffuse, const Color& mirror = Color(0));
+void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                 uint32_t material = 0);
+void addSphere(Scene& scene, const glm::dvec3& center, double radius, uint32_t material = 0);
+void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, uint32_t material = 0);
+void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> corners,
+             uint32_t material = 0);
+// n x n squares of two triangles each in the plane z = 0 from (0, 0) to (1, 1), moved by `offset`.
+void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset = glm::dvec3(0), double size = 1);
+// Matte grey as material 0, no light.
+Scene emptyScene();
+
+// ---- pictures and rays ----
+
+// Everything but the data is the default.
+Picture draw(Renderer& renderer, const Case& c);
+Picture draw(const gpu::Device& device, const Case& c, const Options& options = {});
+
+// True if colour, data and `done` agree in every bit.
+testing::AssertionResult sameBits(const Picture& a, const Picture& b);
+testing::AssertionResult sameBits(const RayHit& a, const RayHit& b);
+testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vector<RayHit>& b,
+                                  const std::vector<RayInput>& rays);
+
+RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction);
+// The direction is rounded to float, and unit length if `unit`.
+RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool unit = false);
+size_t misses(const std::vector<RayHit>& hits);
+std::string text(const RayInput& ray);
+
+class Random {
+  public:
+    explicit Random(uint32_t seed) : engine_(seed) {}
+    double uniform(double lo, double hi) {
+        return lo + (hi - lo) * (static_cast<double>(engine_()) / 4294967296.0);
+    }
+    uint32_t below(uint32_t n) { return static_cast<uint32_t>(engine_() % n); }
+    glm::dvec3 box(double half) {
+        const double x = uniform(-half, half), y = uniform(-half, half);
+        return {x, y, uniform(-half, half)};
+    }
+    glm::dvec3 direction();  // uniform on the unit sphere
+
+  private:
+    std::mt19937 engine_;  // its numbers are the same everywhere, unlike those of <random>'s distributions
+};
+
+}  // namespace glint::render::test

@@ -1,0 +1,91 @@
+// From files.
+#include "scene/load.h"
+
+#include <unistd.h>
+
+#include "support.h"
+
+namespace glint::test {
+
+TEST(Load, filesThatCannotBeRead) {
+    const TemporaryFolder folder;
+    for (const std::string name : {"gone.json", "gone.obj", "gone.ply", "gone.xyz"}) {
+        const auto path = folder.path() / name;
+        EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": no such file");
+    }
+    std::filesystem::create_directory(folder.path() / "folder.json");
+    const auto directory = folder.path() / "folder.json";
+    EXPECT_EQ(errorOf([&] { loadScene(directory); }), directory.string() + ": is a folder, not a file");
+    EXPECT_EQ(errorOf([&] { loadScene(folder.path()); }),
+              folder.path().string() + ": is a folder, not a file");
+    for (const std::string name : {"empty.json", "empty.obj", "empty.ply"}) {
+        const auto path = folder.write(name, "");
+        EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": the file is empty");
+    }
+    const auto link = folder.path() / "zero.json";
+    std::filesystem::create_symlink("/dev/zero", link);
+    EXPECT_EQ(errorOf([&] { loadScene(link); }), link.string() + ": is not a regular file");
+}
+
+TEST(Load, filesWithoutPermission) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
+    const TemporaryFolder folder;
+    const auto path = folder.write("secret.json", "{}");
+    std::filesystem::permissions(path, std::filesystem::perms::none);
+    EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": cannot be read: Permission denied");
+}
+
+TEST(Load, unknownKinds) {
+    const TemporaryFolder folder;
+    for (const std::string name : {"a.glb", "a.txt", "a"}) {
+        const auto path = folder.write(name, "x");
+        EXPECT_EQ(errorOf([&] { loadScene(path); }),
+                  path.string() +
+                      ": unknown kind of file (a scene is .json, a model .obj or .ply in this version)");
+    }
+}
+
+TEST(Load, sceneFilesAreRelativeToThemselves) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path() / "models");
+    folder.write("models/cube.obj", kCubeObj);
+    const auto path = folder.write(
+        "scene.JSON",
+        R"({"meshes": {"c": {"file": "models/cube.obj"}}, "objects": [{"type": "mesh", "mesh": "c"}]})");
+    const Scene scene = loadScene(path);
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->corners.size(), 12u);
+    EXPECT_TRUE(scene.lights.empty());  // a scene file says itself what lights it
+}
+
+TEST(Load, aModelAloneGetsCameraLightAndMaterial) {
+    const TemporaryFolder folder;
+    const Scene scene = loadScene(folder.write("cube.obj", kCubeObj));
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(scene.objects[0].name, "/objects/0");
+    ASSERT_EQ(scene.materials.size(), 1u);
+    EXPECT_EQ(scene.materials[0].diffuse, Color(0.8));
+    EXPECT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.camera.target, glm::dvec3(0.5));
+    EXPECT_EQ(scene.maxDepth, 5);
+}
+
+TEST(Load, aModelWithMaterialsKeepsThem) {
+    const TemporaryFolder folder;
+    folder.write("c.mtl", "newmtl red\nKd 1 0 0\n");
+    const Scene scene =
+        loadScene(folder.write("c.obj", std::string("mtllib c.mtl\nusemtl red\n") + kCubeObj));
+    ASSERT_EQ(scene.materials.size(), 1u);
+    EXPECT_EQ(scene.materials[0].diffuse, Color(1, 0, 0));
+    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->materials, std::vector<uint32_t>(12, 0));
+}
+
+TEST(Load, warningsOfModelsReachTheScene) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("c.obj", std::string(kCubeObj) + "f 1 1 1\n");
+    EXPECT_EQ(loadScene(path).warnings,
+              std::vector<std::string>{path.string() +
+                                       ": 1 face with fewer than three different vertices left out"});
+}
+
+}  // namespace glint::test

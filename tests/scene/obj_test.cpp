@@ -1,0 +1,254 @@
+#include <cmath>
+
+#include "scene/importers.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec3;
+using glm::uvec3;
+
+constexpr uint32_t kNone = Mesh::kNoIndex;
+
+ImportedMesh import(const std::string& text) {
+    const TemporaryFolder folder;
+    return importMesh(folder.write("m.obj", text));
+}
+
+// The message without the folder.
+std::string importErrorOf(const std::string& text) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("m.obj", text);
+    const std::string message = errorOf([&] { importMesh(file); });
+    const std::string prefix = folder.path().string() + "/";
+    return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+}
+
+const std::string kFour = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+}  // namespace
+
+TEST(Obj, cube) {
+    const Mesh mesh = import(kCubeObj).mesh;
+    EXPECT_EQ(mesh.positions.size(), 8u);
+    ASSERT_EQ(mesh.corners.size(), 12u);
+    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5}));
+    EXPECT_EQ(mesh.corners[0], uvec3(0, 3, 2));
+    EXPECT_EQ(mesh.corners[1], uvec3(0, 2, 1));
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(mesh.normalCorners.empty());
+    EXPECT_TRUE(mesh.materials.empty());
+    // The divergence theorem: the outward triangles of a unit cube span the volume 1.
+    double volume = 0;
+    for (const uvec3& c : mesh.corners)
+        volume += glm::dot(mesh.positions[c.x], glm::cross(mesh.positions[c.y], mesh.positions[c.z])) / 6;
+    EXPECT_DOUBLE_EQ(volume, 1);
+}
+
+TEST(Obj, trianglesAloneNeedNoFaceList) {
+    const Mesh mesh = import(kFour + "f 1 2 3\nf 1 3 4\n").mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
+    EXPECT_TRUE(mesh.faces.empty());
+}
+
+TEST(Obj, negativeIndicesCountBackFromHere) {
+    const Mesh mesh = import("v 9 9 9\n" + kFour + "f -4 -3 -2 -1\nv 5 5 5\nf -1 -2 1\n").mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{1, 2, 3}, {1, 3, 4}, {5, 4, 0}}));
+}
+
+TEST(Obj, facesMayComeBeforeTheirVertices) {
+    EXPECT_EQ(import("f 1 2 3\n" + kFour).mesh.corners[0], uvec3(0, 1, 2));
+}
+
+TEST(Obj, concavePentagon) {
+    // Corner 2 is the notch: no triangle may leave the polygon, whose area is 12.
+    const Mesh mesh = import("v 0 0 0\nv 4 0 0\nv 2 1 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 5\n").mesh;
+    ASSERT_EQ(mesh.corners.size(), 3u);
+    double area = 0;
+    for (const uvec3& c : mesh.corners) {
+        const double one = 0.5 * glm::cross(mesh.positions[c.y] - mesh.positions[c.x],
+                                            mesh.positions[c.z] - mesh.positions[c.x])
+                                     .z;
+        EXPECT_GT(one, 0);
+        area += one;
+    }
+    EXPECT_DOUBLE_EQ(area, 12);
+    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 0}));
+}
+
+TEST(Obj, lineEndsOfAllSystems) {
+    std::string text = "# dos\r\nv 0 0 0\r\nv 1 0 0 \r\nv 0 1 0\r\nf 1 2 3\r\n";
+    EXPECT_EQ(import(text).mesh.positions[2], dvec3(0, 1, 0));
+    std::string mac;
+    for (const char c : text)
+        if (c != '\n') mac += c;
+    EXPECT_EQ(import(mac).mesh.corners, (std::vector<uvec3>{{0, 1, 2}}));
+    EXPECT_EQ(importErrorOf("v 0 0 0\r\nv 0 0 0\r\nf 1 2 9\r\n"),
+              "m.obj:3: face uses vertex 9, the file has 2");
+    EXPECT_EQ(importErrorOf("v 0 0 0\rv 0 0 0\rf 1 2 9\r"), "m.obj:3: face uses vertex 9, the file has 2");
+    EXPECT_EQ(import(kFour + "f 1 2 3").mesh.corners.size(), 1u);  // no line end at the end
+}
+
+TEST(Obj, continuedLinesAndComments) {
+    const Mesh mesh =
+        import("# a path C:\\\nv 0 0 \\\n0 # end\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\nf 3 2 1").mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 0}}));
+    EXPECT_EQ(importErrorOf("v 0 0 \\\n0\nv x 0 0\n"), "m.obj:3: \"x\" is not a number (a vertex needs one)");
+}
+
+TEST(Obj, numbersInAllSpellingsAndFullPrecision) {
+    const Mesh mesh = import(
+                          "v +1 -2. .5\nv 1e3 1E-2 +.25e+1\nv 123456.123456789 0.1 -0.35444599999999998\n"
+                          "v 1 2 3 1.0\nv 1 2 3 0.5 0.5 0.5\nv 1e-400 -1e-400 4.9e-324\nf 1 2 3\n")
+                          .mesh;
+    EXPECT_EQ(mesh.positions[0], dvec3(1, -2, 0.5));
+    EXPECT_EQ(mesh.positions[1], dvec3(1000, 0.01, 2.5));
+    EXPECT_EQ(mesh.positions[2], dvec3(123456.123456789, 0.1, -0.35444599999999998));
+    EXPECT_EQ(mesh.positions[4], dvec3(1, 2, 3));
+    EXPECT_EQ(mesh.positions[5], dvec3(0, 0, 4.9e-324));
+}
+
+TEST(Obj, verticesThatAreNotFiniteAreKept) {
+    const Mesh mesh = import("v nan 0 0\nv 1 -inf 0\nv 0 1e999 0\nf 1 2 3\n").mesh;
+    EXPECT_TRUE(std::isnan(mesh.positions[0].x));
+    EXPECT_EQ(mesh.positions[1].y, -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(mesh.positions[2].y, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(mesh.corners.size(), 1u);
+}
+
+TEST(Obj, normalsWhereAllCornersHaveThem) {
+    const Mesh mesh =
+        import(
+            kFour +
+            "vn 0 0 1\nvn 0 1 1\nvt 0 0\nf 1//1 2//2 3//1\nf 1/1/1 3/1/-1 4/1/1\nf 1//1 2 3\nf 1/1 2/1 3/1\n")
+            .mesh;
+    ASSERT_EQ(mesh.normals.size(), 2u);
+    EXPECT_EQ(mesh.normals[1], dvec3(0, 1, 1));  // as in the file, not normalised
+    EXPECT_EQ(mesh.normalCorners, (std::vector<uvec3>{{0, 1, 0}, {0, 1, 0}, uvec3(kNone), uvec3(kNone)}));
+}
+
+TEST(Obj, normalsThatNoFaceUsesAreDropped) {
+    const Mesh mesh = import(kFour + "vn 0 0 1\nf 1 2 3\n").mesh;
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(mesh.normalCorners.empty());
+}
+
+TEST(Obj, normalsThatAreNotFiniteLeaveTheTriangleFlat) {
+    const ImportedMesh imported =
+        import(kFour + "vn 0 0 1\nvn nan 0 0\nf 1//1 2//1 3//1\nf 1//1 3//2 4//1\n");
+    EXPECT_EQ(imported.mesh.normalCorners, (std::vector<uvec3>{{0, 0, 0}, uvec3(kNone)}));
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_NE(imported.warnings[0].find("m.obj: the vertex normals of 1 triangle are not finite"),
+              std::string::npos);
+}
+
+TEST(Obj, degenerateFacesAreCountedAndFacesKeepTheirNumbers) {
+    const ImportedMesh imported =
+        import(kFour + "f 1 1 2\nf 1 2 3\nf 1 2\nf 1 2 1 2\nf 1 2 2 3\nf 4 3 2 1\n");
+    EXPECT_EQ(imported.mesh.corners.size(), 4u);
+    EXPECT_EQ(imported.mesh.faces, (std::vector<uint32_t>{1, 4, 5, 5}));
+    EXPECT_EQ(imported.mesh.corners[1], uvec3(0, 1, 2));
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_TRUE(
+        imported.warnings[0].ends_with("m.obj: 3 faces with fewer than three different vertices left out"));
+}
+
+TEST(Obj, errorsSayLineAndReason) {
+    EXPECT_EQ(importErrorOf(kFour + "f 1 2 9\n"), "m.obj:5: face uses vertex 9, the file has 4");
+    EXPECT_EQ(importErrorOf(kFour + "f 1 2 0\n"), "m.obj:5: face uses vertex 0, indices start at 1");
+    EXPECT_EQ(importErrorOf(kFour + "f 1 2 -5\n"), "m.obj:5: face uses vertex -5, there are 4 so far");
+    EXPECT_EQ(importErrorOf(kFour + "f 1 2 99999999999\n"),
+              "m.obj:5: face uses vertex 99999999999, the file has 4");
+    EXPECT_EQ(importErrorOf(kFour + "f 1//1 2//1 3//1\n"), "m.obj:5: face uses normal 1, the file has 0");
+    EXPECT_EQ(importErrorOf(kFour + "f 1 two 3\n"),
+              "m.obj:5: \"two\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
+    for (const std::string corner : {"1/", "1//", "1/1/1/1", "1.5", "/1", "1/x", "99999999999999999999"})
+        EXPECT_EQ(importErrorOf(kFour + "f 1 2 " + corner + "\n"),
+                  "m.obj:5: \"" + corner + "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
+    EXPECT_EQ(importErrorOf("v 1 2\n"), "m.obj:1: a vertex needs a number more");
+    EXPECT_EQ(importErrorOf("v 1 2 # 3\n"), "m.obj:1: a vertex needs a number more");
+    EXPECT_EQ(importErrorOf("v 1 2 x3\n"), "m.obj:1: \"x3\" is not a number (a vertex needs one)");
+    EXPECT_EQ(importErrorOf("v 1 2 3x\n"), "m.obj:1: \"3x\" is not a number (a vertex needs one)");
+    EXPECT_EQ(importErrorOf("vn 1 2\n"), "m.obj:1: a normal needs a number more");
+    EXPECT_EQ(importErrorOf(kFour), "m.obj: holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(importErrorOf(kFour + "f 1 1 1\n"), "m.obj: no face has three different vertices");
+    EXPECT_EQ(importErrorOf("\x7f\x45\x4c\x46 binary"),
+              "m.obj: holds no faces; points and lines cannot be rendered");
+    std::string giant = "f";
+    for (int i = 0; i < 10001; i++) giant += " 1";
+    EXPECT_EQ(importErrorOf(kFour + giant), "m.obj:5: face has 10001 vertices, the limit is 10000");
+}
+
+TEST(Obj, materials) {
+    const TemporaryFolder folder;
+    folder.write("a b.mtl",
+                 "newmtl red paint\nKa 0.1 0.2 0.3\nKd 0.8 0 0\nKs 0.5 0.5 0.5\nNs 60\nillum 2\n"
+                 "newmtl chrome\nKd 0.1 0.1 0.1\nKs 0.9 0.8 2\nNs 500\nillum 3\n"
+                 "newmtl paper\r\nKa 1 1 1\r\nKd 0.7 0.7 0.7\r\nKs 1 1 1\r\nNs 10\r\nillum 0\r\n");
+    const auto file = folder.write(
+        "m.obj", "mtllib a b.mtl\n" + kFour +
+                     "usemtl chrome\nf 1 2 3 4\nusemtl red paint\nf 1 2 3\nusemtl paper\nf 1 2 4\n");
+    const ImportedMesh imported = importMesh(file);
+    EXPECT_TRUE(imported.warnings.empty());
+    ASSERT_EQ(imported.materials.size(), 3u);
+    EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{1, 1, 0, 2}));
+    const Material& red = imported.materials[0];
+    EXPECT_EQ(red.name, "red paint");
+    EXPECT_EQ(red.ambient, Color(0.1, 0.2, 0.3));
+    EXPECT_EQ(red.diffuse, Color(0.8, 0, 0));
+    EXPECT_EQ(red.specular, Color(0.5));
+    EXPECT_EQ(red.shininess, 60);
+    EXPECT_EQ(red.mirror, Color(0));
+    const Material& chrome = imported.materials[1];
+    EXPECT_EQ(chrome.ambient, Color(0.1));  // no Ka
+    EXPECT_EQ(chrome.specular, Color(0.9, 0.8, 2));
+    EXPECT_EQ(chrome.mirror, Color(0.9, 0.8, 1));
+    const Material& paper = imported.materials[2];
+    EXPECT_EQ(paper.ambient, Color(0.7));
+    EXPECT_EQ(paper.diffuse, Color(0.7));
+    EXPECT_EQ(paper.specular, Color(0));
+}
+
+TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
+    const TemporaryFolder folder;
+    const auto mtl = folder.write("m.mtl",
+                                  "newmtl a\nKd 1 1 1\nKa 0 0 0\nKs 1 1 1\nNs 0\nd 0.5\nmap_Kd a.png\n"
+                                  "newmtl b\nKd 1 1 1\nmap_Kd b.png\nmap_bump c.png\n");
+    const auto file = folder.write(
+        "m.obj", "mtllib m.mtl gone.mtl\n" + kFour +
+                     "f 1 2 3\nusemtl a\nf 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl nobody\nf 1 2 3\n");
+    const ImportedMesh imported = importMesh(file);
+    EXPECT_EQ(
+        imported.warnings,
+        (std::vector<std::string>{
+            mtl.string() +
+                ": material \"a\": d and Tr (transparency) are not supported by this version; drawn opaque",
+            mtl.string() + ": map_Kd is ignored, textures are not supported by this version",
+            mtl.string() + ": map_bump is ignored, textures are not supported by this version",
+            file.string() + ":1: no material file \"gone.mtl\"",
+            file.string() + ":9: material \"nobody\" is not defined in a material file; grey is used"}));
+    ASSERT_EQ(imported.materials.size(), 3u);
+    EXPECT_EQ(imported.materials[0].ambient, Color(1));   // Ka black: as diffuse
+    EXPECT_EQ(imported.materials[0].specular, Color(0));  // Ns 0: no highlight
+    EXPECT_EQ(imported.materials[2].name, "default");
+    EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{2, 0, 2, 2}));
+}
+
+TEST(Obj, materialValuesOutOfRange) {
+    const TemporaryFolder folder;
+    const auto mtl = folder.write("m.mtl", "newmtl a\nKd -1 0 0\n");
+    const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "f 1 2 3\n");
+    EXPECT_EQ(errorOf([&] { importMesh(file); }),
+              mtl.string() + ": material \"a\"/diffuse: must be >= 0 (got [-1, 0, 0])");
+}
+
+TEST(Obj, otherExtensionsAreRefused) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("m.stl", "solid");
+    EXPECT_EQ(errorOf([&] { importMesh(file); }), file.string() + ": a mesh file must end in .obj or .ply");
+    EXPECT_EQ(importMesh(folder.write("M.OBJ", kCubeObj)).mesh.corners.size(), 12u);
+}
+
+}  // namespace glint::test

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "scene/importers.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec3;
+using glm::uvec3;
+
+ImportedMesh import(const std::string& bytes) {
+    const TemporaryFolder folder;
+    return importMesh(folder.write("m.ply", bytes));
+}
+
+std::string importErrorOf(const std::string& bytes) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("m.ply", bytes);
+    const std::string message = errorOf([&] { importMesh(file); });
+    const std::string prefix = folder.path().string() + "/";
+    return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+}
+
+template <typename T>
+void put(std::string& bytes, T value, bool bigEndian) {
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    if (bigEndian)
+        std::reverse(raw,
+                     raw + sizeof(T));  // the test's machine is little-endian, as every one glint runs on
+    bytes.append(raw, sizeof(T));
+}
+
+std::string header(const std::string& format, const std::string& rest) {
+    return "ply\nformat " + format + " 1.0\ncomment made by a test\n" + rest + "end_header\n";
+}
+
+const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
+const std::string kList = "property list uchar int vertex_indices\n";
+const std::string kSquare = "element vertex 4\n" + kXyz + "element face 2\n" + kList;
+const std::string kSquareVertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+
+// The same square with every scalar type somewhere, elements and properties to skip, and lists in the wrong
+// places.
+std::string binarySquare(bool big) {
+    std::string bytes =
+        header(big ? "binary_big_endian" : "binary_little_endian",
+               "element camera 1\nproperty list ushort int8 tags\nproperty double view\n"
+               "element vertex 4\nproperty int16 y\nproperty float32 confidence\nproperty double x\n"
+               "property list uint8 uint16 links\nproperty char z\n"
+               "element face 2\nproperty uint32 flags\nproperty list int16 uint vertex_index\n"
+               "property list int ushort more\n");
+    put<uint16_t>(bytes, 3, big);
+    for (int8_t i = 0; i < 3; i++) put<int8_t>(bytes, i, big);
+    put<double>(bytes, 7, big);
+    const double x[] = {0.1, 1e300, -2.5, 123456.123456789};
+    for (int i = 0; i < 4; i++) {
+        put<int16_t>(bytes, static_cast<int16_t>(-1000 * i), big);
+        put<float>(bytes, 0.5f, big);
+        put<double>(bytes, x[i], big);
+        put<uint8_t>(bytes, 2, big);
+        put<uint16_t>(bytes, 65535, big);
+        put<uint16_t>(bytes, 1, big);
+        put<int8_t>(bytes, static_cast<int8_t>(-i), big);
+    }
+    for (uint32_t face = 0; face < 2; face++) {
+        put<uint32_t>(bytes, 0xffffffffu, big);
+        put<int16_t>(bytes, 3, big);
+        for (uint32_t k = 0; k < 3; k++) put<uint32_t>(bytes, face + k, big);
+        put<int32_t>(bytes, 1, big);
+        put<uint16_t>(bytes, 9, big);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+TEST(Ply, asciiWithNormalsQuadsAndExtras) {
+    const ImportedMesh imported =
+        import(header("ascii", "element vertex 4\n" + kXyz +
+                                   "property float nx\nproperty float ny\nproperty float nz\nproperty float "
+                                   "s\nproperty uchar red\n"
+                                   "element face 2\nproperty uchar flag\n" +
+                                   kList + "element edge 1\nproperty int a\nproperty int b\n") +
+               "0 0 0 0 0 1 0.5 255\n1 0 0 0 0 2 0.5 255\n1 1 0 0 1 0 0.5 255\n0 1 0 1 0 0 0.5 255\n9 4 0 1 "
+               "2 3\n9 3 2 1 0\n0 1\n");
+    const Mesh& mesh = imported.mesh;
+    EXPECT_EQ(mesh.positions, (std::vector<dvec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.normals, (std::vector<dvec3>{{0, 0, 1}, {0, 0, 2}, {0, 1, 0}, {1, 0, 0}}));
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}, {2, 1, 0}}));
+    EXPECT_EQ(mesh.normalCorners, mesh.corners);
+    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 1}));
+    EXPECT_TRUE(imported.warnings.empty());
+}
+
+TEST(Ply, asciiKeepsDoublePrecisionAndBadVertices) {
+    const Mesh mesh =
+        import(header("ascii",
+                      "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+                      "element face 1\nproperty list uchar int vertex_index\n") +
+               "123456.123456789 0.1 nan\n\n1 -inf 0\n0 1 1e999\n3 0 1 2\n")
+            .mesh;
+    EXPECT_EQ(mesh.positions[0].x, 123456.123456789);
+    EXPECT_EQ(mesh.positions[0].y, 0.1);
+    EXPECT_TRUE(std::isnan(mesh.positions[0].z));
+    EXPECT_EQ(mesh.positions[1].y, -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}}));
+}
+
+TEST(Ply, binaryOfBothEnds) {
+    for (const bool big : {false, true}) {
+        const Mesh mesh = import(binarySquare(big)).mesh;
+        ASSERT_EQ(mesh.positions.size(), 4u);
+        EXPECT_EQ(mesh.positions[0], dvec3(0.1, 0, 0));
+        EXPECT_EQ(mesh.positions[1], dvec3(1e300, -1000, -1));
+        EXPECT_EQ(mesh.positions[3], dvec3(123456.123456789, -3000, -3));
+        EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {1, 2, 3}}));
+        EXPECT_TRUE(mesh.faces.empty());
+    }
+}
+
+TEST(Ply, everyTruncationOfABinaryFileIsSaid) {
+    const std::string whole = binarySquare(false);
+    const size_t body = whole.find("end_header\n") + 11;
+    for (size_t size = body; size < whole.size(); size++) {
+        const std::string message = importErrorOf(whole.substr(0, size));
+        EXPECT_TRUE(message.starts_with("m.ply: the file ends after ")) << size << ": " << message;
+    }
+    EXPECT_EQ(importErrorOf(whole.substr(0, whole.size() - 1)),
+              "m.ply: the file ends after 1 of 2 elements \"face\"");
+}
+
+TEST(Ply, truncatedAsciiIsSaid) {
+    const std::string text = header("ascii", kSquare) + kSquareVertices;  // the header has 10 lines
+    EXPECT_EQ(importErrorOf(text + "3 0 1 2\n"), "m.ply:15: the file ends after 1 of 2 elements \"face\"");
+    EXPECT_EQ(importErrorOf(text + "3 0 1 2\n3 0 2\n"), "m.ply:16: face needs a whole number more");
+    EXPECT_EQ(importErrorOf(header("ascii", kSquare) + "0 0 0\n1 0"), "m.ply:12: vertex needs a number more");
+}
+
+TEST(Ply, lineEndsOfAllSystems) {
+    const std::string unixText = header("ascii", kSquare) + kSquareVertices + "3 0 1 2\n3 0 2 3\n";
+    std::string dos, mac;
+    for (const char c : unixText) {
+        dos += c == '\n' ? "\r\n" : std::string(1, c);
+        mac += c == '\n' ? '\r' : c;
+    }
+    for (const std::string& text : {unixText, dos, mac})
+        EXPECT_EQ(import(text).mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
+    // Binary behind a header with CR LF; the first byte of the data is a line feed.
+    std::string binary =
+        "ply\r\nformat binary_little_endian 1.0\r\nelement vertex 3\r\nproperty uchar x\r\nproperty uchar "
+        "y\r\n"
+        "property uchar z\r\nelement face 1\r\nproperty list uchar uchar vertex_indices\r\nend_header\r\n";
+    binary += std::string("\n\0\0\0\1\0\0\0\1\3\0\1\2", 13);
+    EXPECT_EQ(import(binary).mesh.positions[0], dvec3(10, 0, 0));
+}
+
+TEST(Ply, badIndicesAndCounts) {
+    const std::string text = header("ascii", kSquare) + kSquareVertices;
+    EXPECT_EQ(importErrorOf(text + "3 0 1 4\n3 0 1 2\n"),
+              "m.ply:15: face uses vertex 4, the file has 4 (numbered from 0)");
+    EXPECT_EQ(importErrorOf(text + "3 0 1 2\n3 0 -1 2\n"),
+              "m.ply:16: face uses vertex -1, the file has 4 (numbered from 0)");
+    EXPECT_EQ(importErrorOf(text + "-3 0 1 2\n"), "m.ply:15: face list \"vertex_indices\" has -3 entries");
+    EXPECT_EQ(importErrorOf(text + "3 0 1 x\n"), "m.ply:15: \"x\" is not a whole number (face needs one)");
+    EXPECT_EQ(importErrorOf(text + "3 0 1 2 3\n"),
+              "m.ply:15: the line has more numbers than the header announces");
+    EXPECT_EQ(importErrorOf(text + "20000 0 1 2\n"), "m.ply:15: face has 20000 vertices, the limit is 10000");
+    EXPECT_EQ(importErrorOf(header("ascii", kSquare) + "0 0 zero\n"),
+              "m.ply:11: \"zero\" is not a number (vertex needs one)");
+
+    std::string binary =
+        header("binary_little_endian", "element vertex 3\n" + kXyz + "element face 2\n" + kList);
+    for (int i = 0; i < 9; i++) put<float>(binary, static_cast<float>(i), false);
+    for (const int last : {2, 7}) {
+        put<uint8_t>(binary, 3, false);
+        for (const int index : {0, 1, last}) put<int32_t>(binary, index, false);
+    }
+    EXPECT_EQ(importErrorOf(binary), "m.ply: face 1 uses vertex 7, the file has 3 (numbered from 0)");
+}
+
+TEST(Ply, aHeaderThatLiesReservesNoMemory) {
+    EXPECT_EQ(importErrorOf(header("binary_little_endian",
+                                   "element vertex 4000000000\n" + kXyz + "element face 1\n" + kList) +
+                            "xx"),
+              "m.ply: the file ends after 0 of 4000000000 elements \"vertex\"");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz +
+                                                "element face 9000000000000000000\n" + kList) +
+                            "0 0 0\n"),
+              "m.ply:11: the file ends after 0 of 9000000000000000000 elements \"face\"");
+    // Elements without properties take no room, however many there are.
+    const Mesh mesh = import(header("ascii", "element nothing 9000000000000000000\n" + kSquare) +
+                             kSquareVertices + "3 0 1 2\n3 0 2 3\n")
+                          .mesh;
+    EXPECT_EQ(mesh.corners.size(), 2u);
+}
+
+TEST(Ply, facesMayStandBeforeVertices) {
+    const Mesh mesh = import(header("ascii", "element face 1\n" + kList + "element vertex 4\n" + kXyz) +
+                             "4 0 1 2 3\n" + kSquareVertices)
+                          .mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(Ply, headersThatAreNotUnderstood) {
+    EXPECT_EQ(importErrorOf("solid cube\n"), "m.ply:1: not a PLY file: it must start with \"ply\"");
+    EXPECT_EQ(importErrorOf("ply\nformat ascii 2.0\nend_header\n"),
+              "m.ply:2: format version \"2.0\" is not 1.0");
+    EXPECT_EQ(importErrorOf("ply\nformat binary 1.0\nend_header\n"),
+              "m.ply:2: unknown format \"binary\" (known: ascii, binary_little_endian, binary_big_endian)");
+    EXPECT_EQ(importErrorOf("ply\nend_header\n"), "m.ply:2: the header has no format line");
+    EXPECT_EQ(importErrorOf("ply\nformat ascii 1.0\nelement vertex 3\n"),
+              "m.ply:3: the file ends before end_header");
+    EXPECT_EQ(importErrorOf("ply\ncomment not end_header\nformat ascii 1.0\n"),
+              "m.ply:3: the file ends before end_header");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex -1\n")), "m.ply:4: element count -1 is negative");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex many\n")),
+              "m.ply:4: \"many\" is not a whole number (an element count needs one)");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\nproperty real x\n")),
+              "m.ply:5: unknown property type \"real\"");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\nproperty list float int x\n")),
+              "m.ply:5: a list's count must be of an integer type");
+    EXPECT_EQ(importErrorOf(header("ascii", "property float x\n")),
+              "m.ply:4: a property before the first element");
+    EXPECT_EQ(importErrorOf(header("ascii", "elements vertex 1\n")),
+              "m.ply:4: unknown header word \"elements\"");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\nelement vertex 1\n")),
+              "m.ply:5: element \"vertex\" stands here twice");
+}
+
+TEST(Ply, contentsThatCannotBeDrawn) {
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz) + "0 0 0\n"),
+              "m.ply: holds no faces; a point cloud cannot be rendered");
+    EXPECT_EQ(
+        importErrorOf(header("ascii", "element vertex 1\n" + kXyz + "element face 0\n" + kList) + "0 0 0\n"),
+        "m.ply: holds no faces; a point cloud cannot be rendered");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\nproperty float x\nelement face 1\n" + kList)),
+              "m.ply: the vertices lack one of the properties x, y, z");
+    EXPECT_EQ(
+        importErrorOf(header("ascii", "element vertex 1\n" + kXyz + "element face 1\nproperty int n\n") +
+                      "0 0 0\n1\n"),
+        "m.ply: the faces have neither a list vertex_indices nor vertex_index");
+    EXPECT_EQ(importErrorOf(header("ascii", "element face 1\n" + kList) + "3 0 1 2\n"),
+              "m.ply: holds no vertices");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz +
+                                                "element face 1\nproperty list uchar float vertex_index\n") +
+                            "0 0 0\n"),
+              "m.ply: \"vertex_index\" must be a list of integers");
+    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz + "element tristrips 1\n" + kList) +
+                            "0 0 0\n"),
+              "m.ply: triangle strips are not supported, write faces instead");
+}
+
+TEST(Ply, degenerateFacesAreCounted) {
+    const ImportedMesh imported = import(header("ascii", kSquare) + kSquareVertices + "3 0 0 1\n4 0 1 2 3\n");
+    EXPECT_EQ(imported.mesh.faces, (std::vector<uint32_t>{1, 1}));
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_TRUE(
+        imported.warnings[0].ends_with("m.ply: 1 face with fewer than three different vertices left out"));
+}
+
+}  // namespace glint::test

@@ -1,0 +1,218 @@
+// scenes/scene.schema.json and the parser must say the same.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "scene/load.h"
+#include "scene/scene_keys.h"
+#include "scene/text_file.h"
+#include "schema_checker.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using nlohmann::json;
+
+// Where the schema describes the objects of each key table.
+const std::map<std::string_view, std::string> kSchemaPlaces = {
+    {"scene", ""},
+    {"image", "/$defs/image"},
+    {"camera", "/$defs/camera"},
+    {"lights/point", "/$defs/pointLight"},
+    {"lights/directional", "/$defs/directionalLight"},
+    {"material", "/$defs/material"},
+    {"mesh", "/$defs/mesh"},
+    {"objects/sphere", "/$defs/sphere"},
+    {"objects/plane", "/$defs/plane"},
+    {"objects/triangle", "/$defs/triangle"},
+    {"objects/mesh", "/$defs/meshObject"},
+    {"transformStep", "/$defs/transformStep"}};
+
+std::set<std::string> keysOf(const json& object) {
+    std::set<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.insert(key);
+    return keys;
+}
+
+std::set<std::string> typesIn(const json& schema, const std::string& list) {
+    std::set<std::string> types;
+    for (const json& option : schema.at(json::json_pointer(list))) {
+        const json& shape = schema.at(json::json_pointer(option["$ref"].get<std::string>().substr(1)));
+        types.insert(shape["properties"]["type"]["const"].get<std::string>());
+    }
+    return types;
+}
+
+std::set<std::string> asSet(std::span<const std::string_view> names) {
+    return {names.begin(), names.end()};
+}
+
+std::string parseError(const std::string& text) {
+    const std::string error = errorOf([&] { parseScene(text, "s.json", GLINT_SOURCE_DIR "/scenes"); });
+    return error == "no error" ? "" : error;
+}
+
+}  // namespace
+
+TEST(Schema, hasTheParsersKeysAndNoOthers) {
+    const json schema = loadSceneSchema();
+    EXPECT_EQ(std::size(keys::kAllTables), kSchemaPlaces.size());
+    for (const KeyTable& table : keys::kAllTables) {
+        const json& object = schema.at(json::json_pointer(kSchemaPlaces.at(table.what)));
+        EXPECT_EQ(keysOf(object.at("properties")), asSet(table.keys)) << table.what;
+        EXPECT_EQ(object.at("additionalProperties"), json(false)) << table.what;
+        for (const std::string_view later : table.later)
+            EXPECT_FALSE(object.at("properties").contains(std::string(later))) << later;
+    }
+    EXPECT_EQ(typesIn(schema, "/$defs/object/oneOf"), asSet(keys::kObjectTypes.types));
+    EXPECT_EQ(typesIn(schema, "/$defs/light/oneOf"), asSet(keys::kLightTypes.types));
+    const json& camera = schema.at(json::json_pointer("/$defs/camera/properties/type/enum"));
+    EXPECT_EQ(camera.get<std::set<std::string>>(), asSet(keys::kCameraTypes.types));
+}
+
+TEST(Schema, everyObjectIsCoveredByAKeyTable) {
+    const json schema = loadSceneSchema();
+    size_t closed = 1;  // the root
+    for (const auto& [name, definition] : schema["$defs"].items())
+        closed += definition.contains("properties");
+    EXPECT_EQ(closed, std::size(keys::kAllTables));
+}
+
+TEST(Schema, defaultsAreTheParsersDefaults) {
+    const json schema = loadSceneSchema();
+    const auto defaultOf = [&](const std::string& object, const std::string& key) {
+        return schema.at(json::json_pointer(object + "/properties/" + key + "/default"));
+    };
+    const Scene scene;
+    EXPECT_EQ(defaultOf("/$defs/image", "width"), scene.image.width);
+    EXPECT_EQ(defaultOf("/$defs/image", "height"), scene.image.height);
+    EXPECT_EQ(defaultOf("/$defs/image", "samplesPerPixel"), scene.image.samplesPerPixel);
+    EXPECT_EQ(defaultOf("/$defs/camera", "fovY"), scene.camera.fovY);
+    EXPECT_EQ(defaultOf("/$defs/camera", "near"), scene.camera.nearT);
+    EXPECT_EQ(defaultOf("/$defs/camera", "eye"), json({0, 0, 5}));
+    EXPECT_EQ(defaultOf("", "maxDepth"), scene.maxDepth);
+    const Material material;
+    EXPECT_EQ(defaultOf("/$defs/material", "diffuse"), material.diffuse.x);
+    EXPECT_EQ(defaultOf("/$defs/material", "specular"), material.specular.x);
+    EXPECT_EQ(defaultOf("/$defs/material", "shininess"), material.shininess);
+    EXPECT_EQ(defaultOf("/$defs/material", "mirror"), material.mirror.x);
+}
+
+// Each text is accepted by both or refused by both.
+TEST(Schema, agreesWithTheParserOnExamples) {
+    const json schema = loadSceneSchema();
+    const char* const kGood[] = {
+        R"({})",
+        R"({"$schema": "x", "ambient": [0, 0.5, 1], "maxDepth": 1000, "image": {"width": 1, "height": 2.0}})",
+        R"({"camera": {"type": "perspective", "near": 1, "far": 2, "window": [-1, 1, -1, 1]}})",
+        R"({"lights": [{"type": "directional", "direction": [0, -1, 0]}, {"type": "point", "position": [0, 0, 0], "falloff": "inverseSquare"}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": []}]})",
+        R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]})",
+        R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "transform": [{"scale": [1, 2, 3]}, {"rotate": [0, 1, 0, 30]}, {"translate": [1, 2, 3]}]}]})",
+        R"({"materials": {"a": {"mirror": [0, 0.5, 1], "shininess": 0}}})"};
+    const char* const kBad[] = {
+        R"([])",
+        R"({"x": 1})",
+        R"({"ambient": -1})",
+        R"({"ambient": [1, 2]})",
+        R"({"background": "blue"})",
+        R"({"maxDepth": 1.5})",
+        R"({"maxDepth": 1001})",
+        R"({"image": {"width": 0}})",
+        R"({"image": {"samplesPerPixel": 65537}})",
+        R"({"camera": {"type": "oblique"}})",
+        R"({"camera": {"fovY": 0}})",
+        R"({"camera": {"fovY": 180}})",
+        R"({"camera": {"near": -1}})",
+        R"({"camera": {"far": 0}})",
+        R"({"camera": {"window": [0, 1]}})",
+        R"({"camera": {"eye": [0, 0, 1e18]}})",
+        R"({"lights": [{"type": "point"}]})",
+        R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "position": [0, 0, 0]}]})",
+        R"({"lights": [{"type": "spot", "position": [0, 0, 0]}]})",
+        R"({"lights": [{"type": "point", "position": [0, 0, 0], "falloff": "linear"}]})",
+        R"({"materials": {"a": {"mirror": 2}}})",
+        R"({"materials": {"a": {"shininess": -1}}})",
+        R"({"materials": {"a": {"diffuse": {"texture": "a.png"}}}})",
+        R"({"materials": []})",
+        R"({"meshes": {"a": {}}})",
+        R"({"meshes": {"a": {"file": 3}}})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0]}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1e-15}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2e18}]})",
+        R"({"objects": [{"type": "cone"}]})",
+        R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0]]}]})",
+        R"({"objects": [{"type": "mesh"}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [1, 2, 3]}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"scale": 1, "translate": [0, 0, 0]}]}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{}]}]})",
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"rotate": [0, 1, 0]}]}]})"};
+    for (const char* text : kGood) {
+        EXPECT_EQ(parseError(text), "") << text;
+        EXPECT_EQ(schemaViolation(schema, json::parse(text)), "") << text;
+    }
+    for (const char* text : kBad) {
+        EXPECT_NE(parseError(text), "") << text;
+        EXPECT_NE(schemaViolation(schema, json::parse(text)), "") << text;
+    }
+}
+
+// Of a scene that both accept, each number is replaced by wrong values in turn, and each key by an unknown
+// one.
+TEST(Schema, agreesWithTheParserOnEveryKey) {
+    const json schema = loadSceneSchema();
+    const json scene = json::parse(R"({
+        "image": {"width": 8, "height": 6, "samplesPerPixel": 2},
+        "camera": {"type": "perspective", "eye": [0, 0, 5], "target": [0, 0, 1], "up": [0, 1, 0], "fovY": 40,
+                   "window": [-1, 1, -1, 1], "near": 0.1, "far": 9},
+        "background": 0.5, "ambient": [0.1, 0.2, 0.3], "maxDepth": 3,
+        "lights": [{"type": "point", "position": [1, 2, 3], "intensity": 2, "falloff": "none"},
+                   {"type": "directional", "direction": [1, 2, 3], "intensity": [1, 1, 1]}],
+        "materials": {"m": {"ambient": 1, "diffuse": 1, "specular": 1, "shininess": 1, "mirror": 1}},
+        "meshes": {"unused": {"file": "unused.obj"}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "transform": [{"scale": 2}]},
+                    {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m",
+                     "transform": [{"rotate": [0, 1, 0, 30]}]},
+                    {"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "m",
+                     "transform": [{"translate": [0, 1, 0]}]}]})");
+    ASSERT_EQ(parseError(scene.dump()), "");
+    ASSERT_EQ(schemaViolation(schema, scene), "");
+    int mutants = 0;
+    for (const auto& [pointer, value] : scene.flatten().items()) {
+        for (const json& wrong :
+             {json("x-unknown"), json(true), json(nullptr), json::array(), json::object()}) {
+            // Any string is a fine name for an unused file.
+            if (wrong.is_string() && pointer == "/meshes/unused/file") continue;
+            json mutant = scene;
+            mutant[json::json_pointer(pointer)] = wrong;
+            // That no material is called so is beyond a schema.
+            const bool beyondSchema = wrong.is_string() && pointer.ends_with("/material");
+            EXPECT_NE(parseError(mutant.dump()), "") << pointer << " " << wrong;
+            if (!beyondSchema) EXPECT_NE(schemaViolation(schema, mutant), "") << pointer << " " << wrong;
+            mutants++;
+        }
+        const json::json_pointer parent = json::json_pointer(pointer).parent_pointer();
+        json mutant = scene;
+        if (!mutant[parent].is_object()) continue;
+        mutant[parent]["unknownKey"] = 1;
+        EXPECT_NE(parseError(mutant.dump()), "") << pointer;
+        EXPECT_NE(schemaViolation(schema, mutant), "") << pointer;
+        mutants++;
+    }
+    EXPECT_GT(mutants, 300);
+}
+
+TEST(Schema, sceneFilesOfTheProjectFollowIt) {
+    const json schema = loadSceneSchema();
+    for (const auto& entry : std::filesystem::directory_iterator(GLINT_SOURCE_DIR "/scenes")) {
+        if (entry.path().extension() != ".json" || entry.path().filename() == "scene.schema.json") continue;
+        const json scene = json::parse(readWholeFile(entry.path()), nullptr, true, true);
+        EXPECT_EQ(schemaViolation(schema, scene), "") << entry.path();
+        EXPECT_EQ(errorOf([&] { loadScene(entry.path()); }), "no error") << entry.path();
+    }
+}
+
+}  // namespace glint::test

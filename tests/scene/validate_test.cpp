@@ -1,0 +1,178 @@
+// Scenes built by hand, as a user of the library does: validateScene must catch what the parser cannot have
+// seen.
+#include <cmath>
+
+#include "scene/load.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+const double kInf = std::numeric_limits<double>::infinity();
+
+std::shared_ptr<Mesh> triangleMesh() {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh->corners = {{0, 1, 2}};
+    return mesh;
+}
+
+Scene validScene() {
+    Scene scene;
+    scene.materials.emplace_back().name = "grey";
+    scene.lights = {PointLight{}, DirectionalLight{}};
+    scene.objects = {{"/objects/0", SphereShape{}, 0},
+                     {"/objects/1", PlaneShape{}, 0},
+                     {"/objects/2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 0},
+                     {"/objects/3", MeshShape{triangleMesh()}, 0}};
+    return scene;
+}
+
+template <typename Change>
+std::string errorAfter(const Change& change) {
+    Scene scene = validScene();
+    change(scene);
+    return errorOf([&] { validateScene(scene, "s"); });
+}
+
+}  // namespace
+
+TEST(Validate, acceptsAValidScene) {
+    EXPECT_EQ(errorAfter([](Scene&) {}), "no error");
+}
+
+TEST(Validate, acceptsTheEndsOfTheRanges) {
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.image = {65536, 1, 65536};
+                  s.maxDepth = 1000;
+                  s.materials[0].shininess = 0;
+                  s.materials[0].mirror = Color(1);
+                  s.materials[0].diffuse = Color(0);
+                  std::get<SphereShape>(s.objects[0].shape) = {{-9.9e17, 0, 0}, 1e-14};
+                  s.camera.fovY = 179.9;
+                  std::get<DirectionalLight>(s.lights[1]).direction = {0, 0, 1e-18};
+              }),
+              "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = 1e18; }),
+              "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.objects.clear(); }), "no error");
+}
+
+TEST(Validate, numbersThatAreNotFinite) {
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.eye.x = kNan; }),
+              "s: /camera/eye: must be finite (got [nan, 0, 5])");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up.y = kInf; }),
+              "s: /camera/up: must be finite (got [0, inf, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.fovY = kNan; }),
+              "s: /camera/fovY: must be between 0 and 180 degrees (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.nearT = kNan; }),
+              "s: /camera/near: must be >= 0 and finite (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.farT = kNan; }),
+              "s: /camera/far: must be greater than near, 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.window = ViewWindow{-1, kNan, -1, 1};
+              }),
+              "s: /camera/window: edges must be finite and below 1e+18 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.background.y = kNan; }),
+              "s: /background: must be finite (got [0, nan, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.ambient = Color(kInf); }), "s: /ambient: must be finite (got inf)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<PointLight>(s.lights[0]).position.z = kNan; }),
+              "s: /lights/0/position: must be finite (got [0, 0, nan])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DirectionalLight>(s.lights[1]).intensity.x = kNan; }),
+              "s: /lights/1/intensity: must be finite (got [nan, 1, 1])");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].shininess = kNan; }),
+              "s: /materials/grey/shininess: must be from 0 to 1e+18 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kNan; }),
+              "s: /objects/0/radius: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kInf; }),
+              "s: /objects/0/radius: must be from 1e-14 to 1e+18 (got inf)");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  std::get<PlaneShape>(s.objects[1].shape).normal = {kNan, 0, 0};
+              }),
+              "s: /objects/1/normal: must be finite (got [nan, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<TriangleShape>(s.objects[2].shape).vertices[1].x = kNan; }),
+              "s: /objects/2/vertices/1: must be finite (got [nan, 0, 0])");
+}
+
+TEST(Validate, cameraGeometry) {
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.up = {0, 0, 0};
+              }),
+              "s: /camera/up: must not be zero (got [0, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.window = ViewWindow{-1, 1, 1, 1};
+              }),
+              "s: /camera/window: bottom must be less than top (got 1 and 1)");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.up = {1e-10, 0, -1};
+              }),
+              "s: /camera/up: must not be parallel to the view direction [0, 0, -5] (got [1e-10, 0, -1])");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = {1e-6, 0, -1}; }), "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up = {0, 1e-18, 0}; }), "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.window = ViewWindow{};
+                  s.camera.fovY = 500;  // not used
+              }),
+              "no error");
+}
+
+TEST(Validate, colorsTooBright) {
+    EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].specular = Color(1e19); }),
+              "s: /materials/grey/specular: must be at most 1e+18 (got 1e+19)");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].mirror = Color(0, 0, 1.01); }),
+              "s: /materials/grey/mirror: must be from 0 to 1 (got [0, 0, 1.01])");
+}
+
+TEST(Validate, materialWithoutANameIsGivenByItsNumber) {
+    EXPECT_EQ(errorAfter([](Scene& s) { s.materials.emplace_back().diffuse = Color(-1); }),
+              "s: /materials/1/diffuse: must be >= 0 (got -1)");
+}
+
+TEST(Validate, indices) {
+    EXPECT_EQ(errorAfter([](Scene& s) { s.objects[1].material = 1; }),
+              "s: /objects/1/material: there is no material number 1 (there are 1)");
+    EXPECT_EQ(errorAfter([](Scene& s) { s.objects[3].shape = MeshShape{}; }),
+              "s: /objects/3: the mesh is missing");
+    const auto withMesh = [](auto change) {
+        return errorAfter([&](Scene& s) {
+            auto mesh = triangleMesh();
+            change(*mesh);
+            s.objects[3].shape = MeshShape{mesh};
+        });
+    };
+    EXPECT_EQ(withMesh([](Mesh& m) { m.corners[0].z = 3; }),
+              "s: /objects/3: triangle 0 of the mesh uses vertex 3, there are 3");
+    EXPECT_EQ(withMesh([](Mesh& m) { m.materials = {1}; }),
+              "s: /objects/3: triangle 0 of the mesh uses material 1, there are 1");
+    EXPECT_EQ(withMesh([](Mesh& m) {
+                  m.materials = {0, 0};
+              }),
+              "s: /objects/3: the mesh has 2 material indices for 1 triangles");
+    EXPECT_EQ(withMesh([](Mesh& m) {
+                  m.faces = {0, 0};
+              }),
+              "s: /objects/3: the mesh has 2 face indices for 1 triangles");
+    EXPECT_EQ(withMesh([](Mesh& m) {
+                  m.normalCorners = {{0, 0, 0}};
+              }),
+              "s: /objects/3: triangle 0 of the mesh uses normal 0, there are 0");
+    EXPECT_EQ(withMesh([](Mesh& m) { m.normalCorners = {glm::uvec3(Mesh::kNoIndex)}; }), "no error");
+}
+
+TEST(Validate, meshVertices) {
+    const auto withVertex = [](const glm::dvec3& v) {
+        return errorAfter([&](Scene& s) {
+            auto mesh = triangleMesh();
+            mesh->positions[1] = v;
+            s.objects[3].shape = MeshShape{mesh};
+        });
+    };
+    EXPECT_EQ(withVertex({kNan, 0, 0}), "no error");  // dropped when the scene is packed
+    EXPECT_EQ(withVertex({0, kInf, 0}), "no error");
+    EXPECT_EQ(withVertex({0, -1e18, 0}),
+              "s: /objects/3: vertex 1 of the mesh: coordinates must be below 1e+18 (got [0, -1e+18, 0])");
+}
+
+}  // namespace glint::test

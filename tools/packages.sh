@@ -1,0 +1,32 @@
+# Sourced by tools/demo and tools/test: installs the Debian packages that are missing, and says so.
+
+glint_build_packages="g++ cmake ninja-build pkg-config libglm-dev libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
+  mesa-vulkan-drivers libstb-dev libtinyexr-dev nlohmann-json3-dev libcli11-dev libtinyobjloader-dev"
+glint_test_packages="libgtest-dev vulkan-validationlayers clang-format-14"
+
+# install_missing PACKAGE...
+install_missing() {
+    local missing="" package
+    for package in "$@"; do
+        dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+    done
+    if [ -z "$missing" ]; then
+        echo "== packages: all there"
+        return
+    fi
+    if ! command -v apt-get >/dev/null; then
+        echo "These packages are missing, and this is no Debian with apt-get to install them:$missing" >&2
+        return 1
+    fi
+    local as_root=""
+    if [ "$(id -u)" -ne 0 ]; then as_root="sudo"; fi
+    echo "== packages: installing$missing"
+    # An index may be missing or too old to install from; then it is fetched once.
+    # shellcheck disable=SC2086
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing >/dev/null 2>&1 ||
+        { echo "== packages: updating the package lists first"
+          $as_root apt-get update >/dev/null &&
+          $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing >/dev/null; }
+}
+
+step() { echo "== $*"; }
