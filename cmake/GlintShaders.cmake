@@ -41,8 +41,11 @@ function(glint_shaders target)
 
     set(module ${directory}/${name}.spv)
     set(compile ${GLINT_GLSLANG_VALIDATOR} --quiet -V --target-env vulkan1.1 -I${CMAKE_SOURCE_DIR}/shaders ${ARG_DEFINES})
-    # glslang's array needs uint32_t and brings no #include of its own.
-    file(CONFIGURE OUTPUT ${module}.h CONTENT "#pragma once\n#include <cstdint>\n#include \"${name}.spv.inc\"\n")
+    # glslang's array needs uint32_t and brings no #include of its own. The file changes with the options, and so, as a
+    # dependency, makes Make compile again when they change; Ninja would by itself.
+    list(JOIN ARG_DEFINES " " options)
+    file(CONFIGURE OUTPUT ${module}.h
+         CONTENT "// ${source} ${options}\n#pragma once\n#include <cstdint>\n#include \"${name}.spv.inc\"\n")
     # The array comes last: while the module is invalid there is none, and nothing that includes it builds.
     add_custom_command(
       OUTPUT ${module}.inc
@@ -50,7 +53,7 @@ function(glint_shaders target)
       COMMAND ${compile} -o ${module} ${source}
       COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
       COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
-      DEPENDS ${source}
+      DEPENDS ${source} ${module}.h
       DEPFILE ${module}.d
       COMMENT "Compiling shader ${name}"
       VERBATIM)

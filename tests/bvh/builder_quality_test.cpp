@@ -115,6 +115,16 @@ TEST(BuilderQuality, CutsOffAnOutlier) {
     EXPECT_EQ(bvh.order[right.first], 1000u);
 }
 
+// Two pairs far apart, interleaved by index: the pairs are the leaves, {0, 2} and {1, 3}.
+TEST(BuilderQuality, KeepsNeighboursTogether) {
+    std::vector<Box> boxes;
+    for (const float x : {0.0f, 100.0f, 0.25f, 100.25f}) boxes.push_back(boxAround({0, x, 0}, 0.5f));
+    const Bvh bvh = buildBvh(boxes);
+    ASSERT_EQ(bvh.nodes.size(), 3u);
+    EXPECT_EQ(bvh.order, (std::vector<uint32_t>{0, 2, 1, 3}));
+    EXPECT_EQ(bvh.nodes[1].count, 2u);
+}
+
 // A dear node makes larger leaves, a free one cuts down to single boxes where they are apart.
 TEST(BuilderQuality, TraversalCostSetsLeafSize) {
     std::vector<Box> boxes;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <set>
 #include <stdexcept>
 
 #include "trees.h"
@@ -88,6 +88,16 @@ TEST(Builder, IdenticalCentroidsAreBalanced) {
         const Bvh bvh = buildBvh(boxes);
         EXPECT_LE(bvh.depth, static_cast<uint32_t>(std::ceil(std::log2(count))) + 1);
         EXPECT_EQ(bvh.depth, halvings(count, BvhOptions{}.maxLeafSize));
+        // Split by index: leaves from left to right hold ascending runs.
+        EXPECT_TRUE(std::is_sorted(bvh.order.begin(), bvh.order.end()));
+    }
+}
+
+// Points on a line have boxes without area, whatever the split: halves are best.
+TEST(Builder, PointsOnALineAreBalanced) {
+    for (const BoxSet& set : hardSets()) {
+        if (set.name != "descending line of points" && set.name != "powers of two (T48)") continue;
+        EXPECT_EQ(buildBvh(set.boxes).depth, halvings(set.boxes.size(), BvhOptions{}.maxLeafSize));
     }
 }
 

@@ -58,7 +58,7 @@ TEST(PackSphere, OrdinaryIsItself) {
 // r = 64: anchored while the eye is nearer to the surface than 1, on either side.
 TEST(PackSphere, AnchoredNearTheSurface) {
     const SphereShape ball{{0, 0, 0}, 64};
-    for (const double y : {63.5, 64.0, 64.5}) {
+    for (const double y : {63.01, 64.0, 64.99}) {
         const shared::Sphere s = roundSphere(ball, frameWithEye({0, y, 0}));
         EXPECT_EQ(s.point, glm::vec3(0, 64, 0));
         EXPECT_EQ(s.anchorNormal, glm::vec3(0, 1, 0));
@@ -75,6 +75,9 @@ TEST(PackSphere, PlanetIsAnchoredAtItsTop) {
     EXPECT_EQ(s.radius, 1e6f);
     expectTightlyInside(s);
     EXPECT_LT(sphereBox(s).hi.y, 1e-8f);
+    const shared::Sphere ceiling = roundSphere({{0, 1e6, 0}, 1e6}, frameWithEye({0, -0.25, 0}));
+    EXPECT_EQ(ceiling.anchorNormal, glm::vec3(0, -1, 0));
+    expectTightlyInside(ceiling);
 }
 
 TEST(PackSphere, OriginIsSubtractedInDouble) {

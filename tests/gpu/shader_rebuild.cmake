@@ -1,5 +1,5 @@
 # Builds a small project with glint_shaders under each generator at hand, edits a file included by an included file, and
-# expects the shader to be compiled anew, once; then expects an invalid shader to stop the build.
+# expects the shader to be compiled anew, once, and again when a macro changes; then expects an invalid shader to stop the build.
 file(REMOVE_RECURSE ${BINARY})
 file(WRITE ${BINARY}/CMakeLists.txt "
 cmake_minimum_required(VERSION 3.25)
@@ -7,7 +7,8 @@ project(shader_rebuild LANGUAGES CXX)
 list(APPEND CMAKE_MODULE_PATH ${SOURCE}/cmake)
 include(GlintShaders)
 add_executable(program main.cpp)
-glint_shaders(program SOURCES outer.comp DEFINES GLINT_VALUE=7u SUFFIX seven)
+set(VALUE 7 CACHE STRING \"\")
+glint_shaders(program SOURCES outer.comp DEFINES GLINT_VALUE=\${VALUE}u SUFFIX seven)
 ")
 file(WRITE ${BINARY}/main.cpp "
 #include \"outer_seven.spv.h\"
@@ -79,6 +80,11 @@ foreach(program ninja make)
   write_inner(2000u)
   build(${folder} COMPILES)
   expect_constant(${folder} 000007d0)
+  build(${folder} NOTHING)
+
+  execute_process(COMMAND ${CMAKE_COMMAND} ${folder} -DVALUE=291 OUTPUT_QUIET)
+  build(${folder} COMPILES)
+  expect_constant(${folder} 00000123)
   build(${folder} NOTHING)
 
   write_inner(undeclared)

@@ -133,11 +133,11 @@ TEST(ReferenceShading, VertexNormals) {
         SceneMaker maker;
         shared::VertexNormals normals;
         normals.n0 = normals.n1 = normals.n2 = sign * vec3(.6f, 0, .8f);
-        maker.triangle({-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, normals);  // outward: +z
-        maker.light(kLightDirectional, {0, 0, 1});                    // s.l = .8
-        maker.light(kLightDirectional, {-.8f, 0, .6f}, vec3(10));     // n.l > 0, s.l = 0 but for rounding
-        maker.light(kLightDirectional, {-1, 0, 0}, vec3(100));        // behind s
-        maker.light(kLightDirectional, {.8f, 0, -.6f}, vec3(1000));   // before s at one end, behind n
+        maker.triangle({-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, normals);   // outward: +z
+        maker.light(kLightDirectional, {0, 0, 1});                     // s.l = .8
+        maker.light(kLightDirectional, {-.8f, 0, .6f}, vec3(10));      // n.l > 0, s.l = 0 but for rounding
+        maker.light(kLightDirectional, {-1, 0, 0}, vec3(100));         // behind s
+        maker.light(kLightDirectional, {.96f, 0, -.28f}, vec3(1000));  // before s, behind n
         const double cosine = .8;
         expectColor(traceScene(maker, makeRay({0, 0, 5}, {0, 0, -1})).color, dvec3(cosine), 1e-6);
         const PackedScene scene = maker.finish();

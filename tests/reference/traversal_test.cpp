@@ -41,6 +41,27 @@ TEST(ReferencePlane, BothSidesAndFarAnchors) {
     EXPECT_EQ(hitPlane({1e7f, 2, 1e7f}, {0, 1, 0}, makeRay({0, 5, 0}, {1, -1, 0}))->t, 3);
 }
 
+// Reprojected: the distance from the plane is a few roundings of the coordinates, not of t.
+TEST(ReferencePlane, SurfaceLiesOnThePlane) {
+    Random random(69);
+    for (int i = 0; i < 500; ++i) {
+        SceneMaker maker;
+        const vec3 point(random.box(10)), normal(random.direction());
+        maker.plane(point, normal);
+        const PackedScene scene = maker.finish();
+        const Tracer tracer(scene);
+        const dvec3 at = dvec3(point) + random.box(1);
+        const Ray ray = rayTowards(at + 1e6 * random.direction(), at);
+        const auto hit = tracer.closest(ray);
+        ASSERT_TRUE(hit);
+        const Surface surface = tracer.surface(ray, *hit);
+        const dvec3 n = glm::normalize(dvec3(normal));
+        EXPECT_EQ(surface.geometricNormal, n);
+        const double coordinates = glm::length(surface.position) + glm::length(dvec3(point));
+        EXPECT_LE(std::abs(glm::dot(n, surface.position - dvec3(point))), 8 * 0x1p-53 * coordinates);
+    }
+}
+
 // One triangle whose vertices and edges lie on the faces of its box [0, 1]^2 x {0.5}, along rays with zeros
 // of either sign.
 TEST(ReferenceBoxes, AreClosedForParallelRays) {
@@ -147,6 +168,19 @@ TEST(ReferenceTraversal, CostCountsBoxesAndPrimitives) {
     EXPECT_EQ(cost, 1u) << "the first hit ends it";
 }
 
+TEST(ReferenceTraversal, ParallelRayBesideABoxDoesNotEnterIt) {
+    SceneMaker maker;
+    maker.triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    for (const double zero : {0.0, -0.0}) {
+        uint64_t cost = 0;
+        EXPECT_FALSE(tracer.closest(makeRay({5, .5, 1}, {zero, zero, -1}), shared::kNone, &cost));
+        EXPECT_FALSE(tracer.closest(makeRay({.5, -5, 1}, {zero, zero, -1}), shared::kNone, &cost));
+        EXPECT_EQ(cost, 2u) << "one box for each ray";
+    }
+}
+
 // Equal t: the lowest id, whatever the order in memory and whatever the kind.
 TEST(ReferenceTies, LowestIdWins) {
     for (const bool reversed : {false, true}) {
@@ -199,7 +233,8 @@ TEST(ReferenceTies, CoplanarTrianglesInDifferentBoxes) {
     Random random(95);
     for (int i = 0; i < 5000; ++i) {
         const dvec3 from = random.box(3) + dvec3(0, 0, 5);
-        const auto hit = tracer.closest(rayTowards(from, {random.uniform(-1, 1), random.uniform(-1, 1), 1}));
+        const dvec3 at(random.uniform(-1, 1), random.uniform(-1, 1), 1);
+        const auto hit = tracer.closest(makeRay(from, glm::normalize(at - from)));
         ASSERT_TRUE(hit);
         EXPECT_EQ(hit->id, 0u) << i;
     }

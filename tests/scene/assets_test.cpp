@@ -1,4 +1,5 @@
 // Well-known models, where they are at hand: triangle counts and boxes as their sources state them.
+#include <cctype>
 #include <chrono>
 #include <cmath>
 
@@ -68,14 +69,14 @@ TEST_P(Asset, hasTheStatedTrianglesAndBox) {
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Asset, testing::ValuesIn(kModels),
-                         [](const testing::TestParamInfo<Model>& info) {
-                             std::string name = std::filesystem::path(info.param.file).filename().string();
-                             std::replace_if(
-                                 name.begin(), name.end(),
-                                 [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-                             return name;
-                         });
+std::string modelName(const testing::TestParamInfo<Model>& tested) {
+    std::string name = std::filesystem::path(tested.param.file).filename().string();
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Asset, testing::ValuesIn(kModels), modelName);
 
 }  // namespace
 

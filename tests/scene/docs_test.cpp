@@ -27,7 +27,7 @@ std::vector<std::string> examples() {
             block.clear();
         } else if (line == "```" && inside) {
             inside = false;
-            found.push_back(block.starts_with("{") ? block : "{" + block + "}");
+            found.push_back(block.starts_with("{") ? block : std::string("{") + block + "}");
         } else if (inside) {
             block += line + "\n";
         }
@@ -59,7 +59,7 @@ TEST(SceneFormatPage, namesEveryKeyAndType) {
     const std::string text = page();
     for (const KeyTable& table : keys::kAllTables)
         for (const std::string_view key : table.keys)
-            EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
+            EXPECT_NE(text.find('`' + std::string(key) + '`'), std::string::npos) << key;
     for (const keys::TypeTable& table : {keys::kLightTypes, keys::kObjectTypes, keys::kCameraTypes})
         for (const std::string_view type : table.types) EXPECT_NE(text.find(type), std::string::npos) << type;
 }

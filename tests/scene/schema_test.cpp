@@ -191,7 +191,7 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
             // That no material is called so is beyond a schema.
             const bool beyondSchema = wrong.is_string() && pointer.ends_with("/material");
             EXPECT_NE(parseError(mutant.dump()), "") << pointer << " " << wrong;
-            if (!beyondSchema) EXPECT_NE(schemaViolation(schema, mutant), "") << pointer << " " << wrong;
+            EXPECT_TRUE(beyondSchema || schemaViolation(schema, mutant) != "") << pointer << " " << wrong;
             mutants++;
         }
         const json::json_pointer parent = json::json_pointer(pointer).parent_pointer();

@@ -1,0 +1,28 @@
+# Shaders with a defect each, which verify must find. A mutant is a copy of shaders/ with one replacement; the pattern must occur exactly
+# once. Read by CMakeLists.txt and by mutate.cmake.
+
+set(MUTANTS "")
+
+# The kernels named last are compiled from the copy; the renderer takes all others as they are.
+macro(mutant name file pattern replacement)
+  list(APPEND MUTANTS ${name})
+  set(${name}_FILE "${file}")
+  set(${name}_PATTERN "${pattern}")
+  set(${name}_REPLACEMENT "${replacement}")
+  set(${name}_KERNELS ${ARGN})
+endmacro()
+
+mutant(edge_sign intersect.glsl "c2.x * b2.y - c2.y * b2.x" "c2.x * b2.y + c2.y * b2.x" intersect)
+mutant(wrong_weight intersect.glsl "u = uHit;" "u = vHit;" intersect)
+mutant(tie_rule intersect.glsl "id < hit.id" "id > hit.id" intersect)
+mutant(small_boxes intersect.glsl "kFarPad = 1.00000083446503" "kFarPad = 0.99" intersect light)
+mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"
+       "vec3 outward = normalize(offset / length(offset) + vec3(0.01, 0.0, 0.0));" light shade)
+mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
+mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
+mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
+mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
+mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
+       "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
+# Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
+mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)

@@ -1,0 +1,16 @@
+# cmake -DSOURCE=shaders -DTARGET=folder -DMUTANT=name -P mutate.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/mutants.cmake)
+file(GLOB_RECURSE files RELATIVE ${SOURCE} ${SOURCE}/*)
+foreach(file IN LISTS files)
+  file(READ ${SOURCE}/${file} text)
+  if(file STREQUAL "${${MUTANT}_FILE}")
+    string(FIND "${text}" "${${MUTANT}_PATTERN}" first)
+    string(FIND "${text}" "${${MUTANT}_PATTERN}" last REVERSE)
+    if(first EQUAL -1 OR NOT first EQUAL last)
+      message(FATAL_ERROR "mutant ${MUTANT}: \"${${MUTANT}_PATTERN}\" must occur exactly once in ${SOURCE}/${file}; "
+                          "mend tests/render/mutants.cmake")
+    endif()
+    string(REPLACE "${${MUTANT}_PATTERN}" "${${MUTANT}_REPLACEMENT}" text "${text}")
+  endif()
+  file(WRITE ${TARGET}/${file} "${text}")
+endforeach()

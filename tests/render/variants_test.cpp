@@ -1,0 +1,164 @@
+// What must not change a picture by a single bit: leaving features out, how arrays are read, how the picture is cut into
+// slices and regions, who else has rendered before.
+#include <algorithm>
+
+#include "reference/render.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+class VariantTest : public RenderTest, public testing::WithParamInterface<std::string> {
+  protected:
+    Case case_ = fileCase(GetParam(), 96, 72);
+};
+
+TEST_P(VariantTest, prunedAndFullPipelineDrawTheSame) {
+    Options full;
+    full.leaveOut = false;
+    EXPECT_TRUE(sameBits(draw(device(), case_), draw(device(), case_, full)));
+}
+
+TEST_P(VariantTest, bothAccessesDrawTheSame) {
+    Options storage, texel;
+    storage.access = gpu::Access::StorageBuffer;
+    texel.access = gpu::Access::TexelBuffer;
+    EXPECT_TRUE(sameBits(draw(device(), case_, storage), draw(device(), case_, texel)));
+}
+
+TEST_P(VariantTest, slicesAndRepetitionDrawTheSame) {
+    Renderer renderer(device(), case_.packed);
+    const Picture picture = draw(renderer, case_);
+    EXPECT_TRUE(sameBits(picture, draw(renderer, case_))) << "second picture of the same renderer";
+    for (const uint32_t pixels : {1024u, 4096u}) {
+        Options options;
+        options.maxSlicePixels = pixels;
+        Renderer sliced(device(), case_.packed, options);
+        EXPECT_TRUE(sameBits(picture, draw(sliced, case_))) << pixels << " pixels a slice";
+        EXPECT_GT(sliced.times().slices, pixels == 1024u ? 5u : 1u);  // 108 tiles of 64 pixels
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()), [](const auto& p) { return p.param; });
+
+class PictureTest : public RenderTest {};
+
+TEST_F(PictureTest, oddSizesAgreeWithTheReference) {
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 5), glm::ivec2(65, 63)}) {
+        const Case c = fileCase("spheres", size.x, size.y);
+        const Picture picture = draw(device(), c);
+        ASSERT_TRUE(picture.complete);
+        ASSERT_EQ(picture.data.size(), static_cast<size_t>(size.x) * size.y);
+        EXPECT_EQ(std::count(picture.done.begin(), picture.done.end(), 1), size.x * size.y);
+        const reference::RenderResult expected = reference::render(c.packed, c.camera, size.x, size.y);
+        int differing = 0;
+        for (int y = 0; y < size.y; ++y) {
+            for (int x = 0; x < size.x; ++x) differing += picture.at(x, y).pathHash != expected.at(x, y).pathHash;
+        }
+        EXPECT_LE(differing, size.x * size.y / 200) << size.x << "x" << size.y;
+    }
+}
+
+TEST_F(PictureTest, regionsAreCutFromTheWholePicture) {
+    const Case c = fileCase("lights", 65, 63);
+    Renderer renderer(device(), c.packed);
+    const Picture whole = draw(renderer, c);
+    for (const Region region : {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
+        RenderSettings settings;
+        settings.width = c.width;
+        settings.height = c.height;
+        settings.region = region;
+        settings.data = true;
+        const Picture part = renderer.render(c.camera, settings);
+        Picture cut;
+        cut.region = region;
+        cut.color = Image(region.width(), region.height(), 4);
+        cut.done.assign(static_cast<size_t>(region.width()) * region.height(), 1);
+        for (int y = region.y0; y < region.y1; ++y) {
+            for (int x = region.x0; x < region.x1; ++x) {
+                for (int i = 0; i < 4; ++i) cut.color.at(x - region.x0, y - region.y0, i) = whole.color.at(x, y, i);
+                cut.data.push_back(whole.at(x, y));
+            }
+        }
+        EXPECT_TRUE(sameBits(part, cut)) << region.x0 << "," << region.y0;
+    }
+}
+
+TEST_F(PictureTest, samplesAreAveraged) {
+    const Case c = fileCase("spheres", 64, 48);
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    settings.sampleOffsets = sampleOffsets(4);
+    Renderer renderer(device(), c.packed);
+    const Picture picture = renderer.render(c.camera, settings);
+    reference::RenderOptions options;
+    options.sampleOffsets = settings.sampleOffsets;
+    const reference::RenderResult expected = reference::render(c.packed, c.camera, c.width, c.height, options);
+    int differing = 0;
+    for (int y = 0; y < c.height; ++y) {
+        for (int x = 0; x < c.width; ++x) {
+            const float alpha = picture.color.at(x, y, 3);
+            EXPECT_EQ(alpha * 4, std::round(alpha * 4));
+            bool same = alpha == expected.at(x, y).alpha;
+            for (int i = 0; i < 3; ++i)
+                same = same && std::abs(picture.color.at(x, y, i) - expected.at(x, y).color[i]) < 1.0 / 512;
+            differing += !same;
+        }
+    }
+    EXPECT_LE(differing, 4 * 64 * 48 / 200);  // half a percent of the samples
+}
+
+TEST_F(PictureTest, costIsCountedAndChangesNothing) {
+    const Case c = fileCase("knot", 64, 48);
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    settings.cost = true;
+    Renderer renderer(device(), c.packed);
+    Picture counted = renderer.render(c.camera, settings);
+    uint64_t sum = 0;
+    for (PixelData& data : counted.data) {
+        sum += data.cost;
+        EXPECT_GE(data.cost, 2u);  // the two boxes of the root
+        data.cost = 0;
+    }
+    EXPECT_LT(sum, counted.data.size() * c.packed.triangles.size());  // else the tree would be of no use
+    EXPECT_TRUE(sameBits(counted, draw(renderer, c)));
+}
+
+TEST_F(PictureTest, cancelledRenderKeepsFinishedSlices) {
+    const Case c = fileCase("triangles", 160, 120);
+    Options options;
+    options.maxSlicePixels = 1024;
+    Renderer renderer(device(), c.packed, options);
+    const Picture whole = draw(renderer, c);
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    settings.data = true;
+    double progress = 0;
+    settings.progress = [&](double fraction) {
+        EXPECT_GE(fraction, progress);
+        progress = fraction;
+    };
+    settings.cancelled = [&] { return progress > 0.5; };
+    Picture part = renderer.render(c.camera, settings);
+    EXPECT_FALSE(part.complete);
+    EXPECT_LT(progress, 1.0);
+    const auto done = std::count(part.done.begin(), part.done.end(), 1);
+    EXPECT_GE(done, 160 * 120 / 4);
+    EXPECT_LT(done, 160 * 120);
+    for (size_t i = 0; i < part.done.size(); ++i) {
+        if (!part.done[i]) continue;
+        for (size_t k = 4 * i; k < 4 * i + 4; ++k) ASSERT_EQ(part.color.pixels[k], whole.color.pixels[k]);
+        ASSERT_EQ(part.data[i].pathHash, whole.data[i].pathHash);
+    }
+    settings.cancelled = nullptr;
+    progress = 0;
+    EXPECT_TRUE(sameBits(renderer.render(c.camera, settings), whole));
+    EXPECT_EQ(progress, 1.0);
+}
+
+}  // namespace
+}  // namespace glint::render::test
