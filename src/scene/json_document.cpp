@@ -52,6 +52,7 @@ std::string readableToken(const std::string& token) {
     if (token == "string literal") return "a string";
     if (token == "number literal") return "a number";
     if (token == "end of input") return "the end of the file";
+    if (token.ends_with(" literal")) return token.substr(0, token.size() - 8);  // true, false, null
     return token;
 }
 
@@ -108,12 +109,21 @@ class TreeBuilder {
     }
 
     bool parse_error(size_t position, const std::string& lastToken, const nlohmann::json::exception& error) {
-        const std::string message = readableSyntaxError(error.what());
-        // The position is that of the last character read; an unexpected token is best shown by its first
-        // one.
-        size_t at = std::min(position, text_.size());
-        if (position <= text_.size()) at -= std::min(at, std::max<size_t>(lastToken.size(), 1));
-        failAt(at, message);
+        const std::string what = error.what();
+        // The position is that of the last character read. An unexpected token is best shown by its first
+        // one; only for strings and numbers does `lastToken` hold just the token.
+        size_t length = 1;
+        if (what.find("unexpected string") != std::string::npos ||
+            what.find("unexpected number") != std::string::npos ||
+            what.find("number overflow") != std::string::npos)
+            length = lastToken.size();
+        else if (what.find("unexpected true") != std::string::npos ||
+                 what.find("unexpected null") != std::string::npos)
+            length = 4;
+        else if (what.find("unexpected false") != std::string::npos)
+            length = 5;
+        failAt(position > text_.size() ? text_.size() : position - std::min(position, length),
+               readableSyntaxError(what));
     }
 
   private:

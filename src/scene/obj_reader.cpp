@@ -76,18 +76,16 @@ class ObjReader {
         faces_.push_back(face);
     }
 
-    // v, v/vt, v//vn or v/vt/vn
+    // v, v/vt, v//vn or v/vt/vn; slashes with nothing behind them are let pass, some exporters write them.
     Corner readCorner(std::string_view word) {
         Corner corner;
         const char* at = word.data();
         const char* end = at + word.size();
+        const auto slash = [&] { return at < end && *at == '/' && ++at < end; };
         corner.vertex = readIndex(at, end, word, "vertex", builder_.positions.size());
-        if (at < end) {
-            if (++at < end && *at != '/') readIndex(at, end, word, nullptr, 0);
-            if (at < end) {
-                at++;
-                corner.normal = readIndex(at, end, word, "normal", builder_.normals.size());
-            }
+        if (slash()) {
+            if (*at != '/') readIndex(at, end, word, nullptr, 0);
+            if (slash()) corner.normal = readIndex(at, end, word, "normal", builder_.normals.size());
         }
         if (at != end) badCorner(word);
         return corner;

@@ -181,8 +181,8 @@ void validateLight(const Light& light, const Place& place) {
 }
 
 void validateMaterial(const Material& material, const Place& place) {
+    checkColor(place, "diffuse", material.diffuse);  // first: ambient is often a copy of it
     checkColor(place, "ambient", material.ambient);
-    checkColor(place, "diffuse", material.diffuse);
     checkColor(place, "specular", material.specular);
     if (!(material.shininess >= 0 && material.shininess <= kMaxShininess))
         place.fail("shininess", "must be from 0 to " + describe(kMaxShininess) + got(material.shininess));

@@ -181,7 +181,8 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
     ASSERT_EQ(parseError(scene.dump()), "");
     ASSERT_EQ(schemaViolation(schema, scene), "");
     int mutants = 0;
-    for (const auto& [pointer, value] : scene.flatten().items()) {
+    const json flat = scene.flatten();
+    for (const auto& [pointer, value] : flat.items()) {
         for (const json& wrong :
              {json("x-unknown"), json(true), json(nullptr), json::array(), json::object()}) {
             // Any string is a fine name for an unused file.
