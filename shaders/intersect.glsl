@@ -57,15 +57,13 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, 
     u = uHit;
     v = vHit;
 
-    float maxZ = max(abs(az), max(abs(bz), abs(cz)));
-    float maxX = max(abs(a2.x), max(abs(b2.x), abs(c2.x)));
-    float maxY = max(abs(a2.y), max(abs(b2.y), abs(c2.y)));
-    float maxE = max(abs(ea), max(abs(eb), abs(ec)));
-    float deltaZ = gammaBound(3.0) * maxZ;
-    float deltaX = gammaBound(5.0) * (maxX + maxZ);
-    float deltaY = gammaBound(5.0) * (maxY + maxZ);
-    float deltaE = 2.0 * (gammaBound(2.0) * maxX * maxY + deltaY * maxX + deltaX * maxY);
-    float deltaT = 3.0 * (gammaBound(3.0) * maxE * maxZ + deltaE * maxZ + deltaZ * maxE) * abs(inverse);
+    // The bound on t's error, 3 (gamma_3 E Z + deltaE Z + deltaZ E) / |det|, with |det| in place of the greatest edge function E, which
+    // is no smaller once all three have one sign; X, Y, Z are the greatest magnitudes of the corners' coordinates.
+    float x = larger(abs(a2.x), larger(abs(b2.x), abs(c2.x)));
+    float y = larger(abs(a2.y), larger(abs(b2.y), abs(c2.y)));
+    float z = larger(abs(az), larger(abs(bz), abs(cz)));
+    float deltaE = 2.0 * (gammaBound(2.0) * x * y + gammaBound(5.0) * ((y + z) * x + (x + z) * y));
+    float deltaT = 3.0 * z * (2.0 * gammaBound(3.0) + deltaE * abs(inverse));
 
     bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
     return inside && det != 0.0 && tHit > deltaT && tHit > ray.tMin && tHit <= ray.tMax;

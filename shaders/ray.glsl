@@ -9,6 +9,9 @@
 const float kUnit = 5.9604645e-8;
 float gammaBound(float n) { return n * kUnit / (1.0 - n * kUnit); }
 
+// max() without its promise about NaN, which costs lavapipe two more instructions.
+float larger(float a, float b) { return a > b ? a : b; }
+
 // Points origin + t direction, tMin < t <= tMax.
 struct Ray {
     vec3 origin;
