@@ -1,142 +1,172 @@
 #include "app/cli.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <functional>
+#include <memory>
+#include <new>
 #include <ostream>
 
+#include "app/options.h"
+#include "app/usage.h"
 #include "core/error.h"
+#include "scene/limits.h"
 
 namespace glint::app {
 
 namespace {
 
-Error usage(const std::string& message) { return Error(ExitCode::Usage, message); }
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  glint render scenes/spheres.json -o spheres.png --size 1280x960\n"
+    "  glint render bunny.ply --backend cpu\n"
+    "  glint verify scenes/spheres.json\n"
+    "\n"
+    "glint COMMAND --help tells a command's options.\n"
+    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault, 4 no usable device,\n"
+    "5 difference found, 130 interrupted.";
 
-// Whole numbers separated by `separator`, exactly `count` of them.
-std::vector<int> parseInts(const std::string& option, const std::string& text, char separator, size_t count,
-                           const char* form) {
-    std::vector<int> values;
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    while (values.size() < count) {
-        int value = 0;
-        const auto [next, error] = std::from_chars(at, end, value);
-        if (error != std::errc()) break;
-        values.push_back(value);
-        at = next;
-        if (values.size() < count && (at == end || *at++ != separator)) break;
-    }
-    if (values.size() != count || at != end) throw usage(option + ": expected " + form + ", got \"" + text + "\"");
-    return values;
+constexpr const char* kLaterCommands[] = {"view", "report", "bench"};
+
+using Text = std::string;
+
+// Each option hands its text, empty or not, to `use`, which throws Error(Usage) for what it cannot be.
+template <typename Use>
+CLI::Option* addText(CLI::App& command, const char* names, const char* form, const Text& description,
+                     Use use) {
+    return command.add_option_function<Text>(names, use, description)->type_name(form);
 }
 
-std::vector<std::string> splitList(const std::string& text) {
-    std::vector<std::string> items;
-    size_t start = 0;
-    while (start <= text.size()) {
-        const size_t comma = std::min(text.find(',', start), text.size());
-        if (comma > start) items.push_back(text.substr(start, comma - start));
-        start = comma + 1;
-    }
-    return items;
+void addFlag(CLI::App& command, const char* names, bool& flag, const Text& description) {
+    command.add_flag(names, flag, description)->disable_flag_override();
 }
 
-// What CLI11 collects as text, turned into the commands' own types once parsing is over.
-struct Texts {
-    std::string size, crop, pixel, aovs, backend = "gpu", progress = "auto", seed;
-    int spp = 0, maxDepth = -1;
-};
-
-void addSceneOptions(CLI::App& command, SceneOptions& options, Texts& texts, bool withScene = true) {
-    if (withScene) {
-        command.add_option("SCENE", options.scene, "a glint scene (.json) or a model (.obj .ply)")->required();
-    }
-    command.add_option("--size", texts.size, "WxH: picture size in pixels instead of the scene's");
-    command.add_option("--spp", texts.spp, "samples for each pixel instead of the scene's")
-        ->check(CLI::Range(1, 65536));
-    command.add_option("--max-depth", texts.maxDepth, "greatest number of reflections instead of the scene's")
-        ->check(CLI::Range(0, 1000));
+void addScene(CLI::App& command, SceneOptions& options) {
+    addText(command, "SCENE", "", "a glint scene (.json) or a model alone (.obj .ply)", [&](const Text& t) {
+        options.scene = t;
+    })->required();
 }
 
-void addDeviceOptions(CLI::App& command, DeviceChoice& device) {
-    command.add_option("--device", device.selector, "index or part of the name, see `glint devices`");
-    command.add_flag("--validation", device.validation, "run the Vulkan validation layer and report its messages");
+void addSceneOverrides(CLI::App& command, SceneOptions& options) {
+    addText(command, "--size", "WxH", "size in pixels instead of the scene's",
+            [&](const Text& t) { options.size = parseSize(t); });
+    addText(command, "--spp", "N", "samples for each pixel instead of the scene's",
+            [&](const Text& t) { options.spp = parseWhole("--spp", t, 1, kMaxSamplesPerPixel); });
+    addText(command, "--max-depth", "N", "greatest number of reflections instead of the scene's",
+            [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
 }
 
-void addProgress(CLI::App& command, Texts& texts) {
-    command.add_option("--progress", texts.progress, "auto (default: a bar on a terminal), bar, plain or none");
+void addDevice(CLI::App& command, DeviceChoice& device) {
+    addText(command, "--device", "NAME|INDEX",
+            "index or part of the name, see glint devices (default: the best)",
+            [&](const Text& t) { device.selector = t; });
+    command.add_flag("--validation", device.validation,
+                     "run the Vulkan validation layer; its messages are errors");
 }
 
-void addBackend(CLI::App& command, Texts& texts) {
-    command.add_option("--backend", texts.backend, "gpu (default) or cpu: the double-precision reference, needs no Vulkan")
-        ->check(CLI::IsMember({"gpu", "cpu"}));
+void addBackend(CLI::App& command, Backend& backend) {
+    addText(command, "--backend", "gpu|cpu",
+            "gpu (default), or cpu: the double-precision reference, needs no Vulkan",
+            [&](const Text& t) { backend = parseBackend(t); });
 }
 
-void finishSceneOptions(SceneOptions& options, const Texts& texts) {
-    if (!texts.size.empty()) {
-        const auto v = parseInts("--size", texts.size, 'x', 2, "WxH such as 640x480");
-        if (v[0] < 1 || v[1] < 1 || v[0] > 65536 || v[1] > 65536) {
-            throw usage("--size: width and height must be 1 to 65536, got \"" + texts.size + "\"");
-        }
-        options.size = {v[0], v[1]};
-    }
-    if (texts.spp > 0) options.spp = texts.spp;
-    if (texts.maxDepth >= 0) options.maxDepth = texts.maxDepth;
+void addProgress(CLI::App& command, ProgressMode& mode) {
+    addText(command, "--progress", "auto|bar|plain|none",
+            "on standard error (default auto: a bar on a terminal)",
+            [&](const Text& t) { mode = parseProgress(t); });
 }
 
-Region parseCrop(const std::string& text) {
-    const auto v = parseInts("--crop", text, ',', 4, "x0,y0,x1,y1");
-    if (v[0] < 0 || v[1] < 0 || v[2] <= v[0] || v[3] <= v[1]) {
-        throw usage("--crop: needs 0 <= x0 < x1 and 0 <= y0 < y1, got \"" + text + "\"");
-    }
-    return {v[0], v[1], v[2], v[3]};
-}
-
-Backend parseBackend(const std::string& text) { return text == "cpu" ? Backend::Cpu : Backend::Gpu; }
-
-void addRender(CLI::App& app, RenderCommand& c, Texts& t) {
+void addRender(CLI::App& app, RenderCommand& c) {
     CLI::App& command = *app.add_subcommand("render", "render a scene to a picture");
-    addSceneOptions(command, c.scene, t);
-    command.add_option("-o,--output", c.output, "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png)");
-    addBackend(command, t);
-    addDeviceOptions(command, c.device);
-    command.add_option("--aov", t.aovs,
-                       "layers, separated by commas: color alpha depth position normal uv object primitive material bounces cost");
-    command.add_option("--crop", t.crop, "x0,y0,x1,y1: only these pixels, from the top left corner");
-    command.add_option("--seed", t.seed, "not in this version: the sample pattern has no randomness");
-    command.add_option("--stats", c.stats, "json: times and counts as JSON on standard output")->check(CLI::IsMember({"json"}));
-    addProgress(command, t);
-    command.add_flag("-q,--quiet", c.quiet, "print nothing but errors");
+    addScene(command, c.scene);
+    addText(command, "-o,--output", "FILE",
+            "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png, here)",
+            [&](const Text& t) {
+                if (t.empty()) throw Error(ExitCode::Usage, "--output: the file name is empty");
+                c.output = t;
+            });
+    addSceneOverrides(command, c.scene);
+    addBackend(command, c.backend);
+    addDevice(command, c.device);
+    addText(command, "--aov", "LIST",
+            "layers, with commas: color alpha depth position normal uv object primitive material bounces "
+            "cost; an EXR holds "
+            "them all, other formats get a file for each",
+            [&](const Text& t) { c.aovs = parseAovs(t); });
+    addText(command, "--crop", "x0,y0,x1,y1",
+            "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
+            [&](const Text& t) { c.crop = parseCrop(t); });
+    addText(command, "--seed", "N", "not in this version: the sample pattern has no randomness",
+            [](const Text&) {
+                throw Error(ExitCode::Usage,
+                            "--seed: this version samples each pixel on a fixed pattern, which has no seed; "
+                            "leave --seed out");
+            });
+    addText(command, "--stats", "json", "times and counts as JSON on standard output, instead of the summary",
+            [&](const Text& t) {
+                if (t != "json") throw Error(ExitCode::Usage, "--stats: expected json, got " + quoted(t));
+                c.stats = t;
+            });
+    addProgress(command, c.progress);
+    addFlag(command, "-q,--quiet", c.quiet, "print nothing but errors (and what --stats asks for)");
 }
 
-void addVerify(CLI::App& app, VerifyCommand& c, Texts& t) {
-    CLI::App& command = *app.add_subcommand("verify", "compare the shaders' picture with the reference's, pixel by pixel");
-    command.add_option("SCENE", c.scenes, "scenes or models")->required();
-    addSceneOptions(command, c.common, t, false);
-    addDeviceOptions(command, c.device);
-    command.add_option("-o,--output", c.folder, "folder for the difference pictures STEM.verify.png (default: the current one)");
-    addProgress(command, t);
+void addVerify(CLI::App& app, VerifyCommand& c) {
+    CLI::App& command =
+        *app.add_subcommand("verify", "compare the shaders' picture with the reference's, pixel by pixel");
+    command
+        .add_option_function<std::vector<Text>>(
+            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
+            "scenes or models")
+        ->type_name("")
+        ->required();
+    addText(command, "-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
+            [&](const Text& t) {
+                if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
+                c.folder = t;
+            });
+    addSceneOverrides(command, c.common);
+    addDevice(command, c.device);
+    addProgress(command, c.progress);
 }
 
-void addTrace(CLI::App& app, TraceCommand& c, Texts& t) {
+void addTrace(CLI::App& app, TraceCommand& c) {
     CLI::App& command = *app.add_subcommand("trace", "trace single rays and print what they hit as CSV");
-    addSceneOptions(command, c.scene, t);
-    auto* rays = command.add_option("--rays", c.rays, "CSV file of rays, - for standard input: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]");
-    command.add_option("--pixel", t.pixel, "x,y: the camera ray of a pixel, from the top left corner")->excludes(rays);
-    command.add_flag("--any", c.any, "only whether anything is hit");
-    addBackend(command, t);
-    addDeviceOptions(command, c.device);
+    addScene(command, c.scene);
+    addText(command, "--rays", "FILE.csv",
+            "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", [&](const Text& t) {
+                if (t.empty()) throw Error(ExitCode::Usage, "--rays: the file name is empty");
+                c.rays = t;
+            });
+    addText(command, "--pixel", "x,y", "the camera ray of a pixel, from the top left corner",
+            [&](const Text& t) { c.pixel = parsePixel(t); });
+    addFlag(command, "--any", c.any, "only whether anything is hit");
+    addText(command, "--size", "WxH", "size of the picture that --pixel counts in, instead of the scene's",
+            [&](const Text& t) { c.scene.size = parseSize(t); });
+    addBackend(command, c.backend);
+    addDevice(command, c.device);
 }
 
 void addDiff(CLI::App& app, DiffCommand& c) {
-    CLI::App& command = *app.add_subcommand("diff", "how far apart two pictures are; exit code 5 if they differ");
-    command.add_option("A", c.a, "picture: .png .exr .pfm .hdr")->required();
-    command.add_option("B", c.b, "picture of the same size")->required();
-    command.add_option("-o,--output", c.output, "picture of |A - B| to write");
-    command.add_option("--tolerance", c.tolerance, "greatest difference that still counts as equal (default 0)")
-        ->check(CLI::NonNegativeNumber);
+    CLI::App& command =
+        *app.add_subcommand("diff", "how far apart two pictures are; exit code 5 if they differ");
+    addText(command, "A", "", "picture: .png .exr .pfm .hdr .jpg", [&](const Text& t) {
+        c.a = t;
+    })->required();
+    addText(command, "B", "", "picture of the same size", [&](const Text& t) { c.b = t; })->required();
+    addText(command, "-o,--output", "FILE", "picture of |A - B| to write", [&](const Text& t) {
+        if (t.empty()) throw Error(ExitCode::Usage, "--output: the file name is empty");
+        c.output = t;
+    });
+    addText(command, "--tolerance", "X",
+            "greatest difference, on linear values, that still counts as equal (default 0)",
+            [&](const Text& t) { c.tolerance = parseTolerance(t); });
 }
+
+class HelpFormatter : public CLI::Formatter {
+    std::string make_usage(const CLI::App* app, std::string name) const override {
+        return app->get_parent() == nullptr ? "Usage: glint COMMAND [OPTIONS]\n"
+                                            : Formatter::make_usage(app, name);
+    }
+};
 
 struct Commands {
     RenderCommand render;
@@ -144,87 +174,106 @@ struct Commands {
     TraceCommand trace;
     DiffCommand diff;
     SceneOptions info;
-    Texts texts;
 };
 
-int dispatch(const CLI::App& app, Commands& c, std::ostream& out, std::ostream& err) {
+void addCommands(CLI::App& app, Commands& c) {
+    app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
+    app.set_version_flag("--version", "glint " GLINT_VERSION, "print the version and exit");
+    app.set_help_flag("-h,--help", "print this help and exit");
+    app.require_subcommand(0, 1);
+    app.get_formatter()->label("REQUIRED", "");
+    app.get_formatter()->column_width(34);
+    addRender(app, c.render);
+    addVerify(app, c.verify);
+    addTrace(app, c.trace);
+    addDiff(app, c.diff);
+    CLI::App& info = *app.add_subcommand("info", "what a scene holds, and what its pipeline leaves out");
+    addScene(info, c.info);
+    addSceneOverrides(info, c.info);
+    app.add_subcommand("devices", "the Vulkan devices, chosen or refused and why");
+    for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        command->group("Commands");
+    for (const char* later : kLaterCommands)
+        app.add_subcommand(later, "not in this version")->group("")->allow_extras();
+    app.footer(kFooter);  // after the commands, which would inherit it
+}
+
+// The reference runs on no device: options for one would be without effect, which is never what was meant.
+void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
+    if (backend == Backend::Gpu) return;
+    if (!device.selector.empty()) throw Error(ExitCode::Usage, "--device: needs --backend gpu");
+    if (device.validation) throw Error(ExitCode::Usage, "--validation: needs --backend gpu");
+}
+
+int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ostream& err) {
     const auto chosen = [&](const char* name) { return app.got_subcommand(name); };
-    const Texts& t = c.texts;
+    for (const char* later : kLaterCommands) {
+        if (!chosen(later)) continue;
+        throw Error(ExitCode::Usage,
+                    std::string(later) +
+                        ": not in this version (there are render, verify, trace, diff, info and devices)");
+    }
     if (chosen("render")) {
-        if (!t.seed.empty()) {
-            throw usage("--seed: this version samples each pixel on a fixed pattern, which has no seed; leave --seed out");
-        }
-        finishSceneOptions(c.render.scene, t);
-        c.render.backend = parseBackend(t.backend);
-        c.render.aovs = splitList(t.aovs);
-        if (!t.crop.empty()) c.render.crop = parseCrop(t.crop);
-        c.render.progress = parseProgressMode(t.progress);
+        checkDeviceOptions(c.render.backend, c.render.device);
         return runRender(c.render, out, err);
     }
-    if (chosen("verify")) {
-        finishSceneOptions(c.verify.common, t);
-        c.verify.progress = parseProgressMode(t.progress);
-        return runVerify(c.verify, out, err);
-    }
     if (chosen("trace")) {
-        finishSceneOptions(c.trace.scene, t);
-        c.trace.backend = parseBackend(t.backend);
-        if (!t.pixel.empty()) {
-            const auto v = parseInts("--pixel", t.pixel, ',', 2, "x,y");
-            c.trace.pixel = {v[0], v[1]};
-        }
-        if (c.trace.rays.empty() && !c.trace.pixel) throw usage("trace: give --rays FILE.csv or --pixel x,y");
+        if (c.trace.rays.empty() == !c.trace.pixel)
+            throw Error(ExitCode::Usage, "trace: give either --rays FILE.csv or --pixel x,y");
+        checkDeviceOptions(c.trace.backend, c.trace.device);
         return runTrace(c.trace, out, err);
     }
+    if (chosen("verify")) return runVerify(c.verify, out, err);
     if (chosen("diff")) return runDiff(c.diff, out);
-    if (chosen("info")) {
-        finishSceneOptions(c.info, t);
-        return runInfo(c.info, out, err);
-    }
+    if (chosen("info")) return runInfo(c.info, out, err);
     if (chosen("devices")) return runDevices(out);
-    for (const char* later : {"view", "report", "bench"}) {
-        if (chosen(later)) throw usage(std::string(later) + ": not in this version (glint render, verify, trace, diff, info and devices are)");
-    }
-    out << app.help();
+    err << app.help();
     return static_cast<int>(ExitCode::Usage);
+}
+
+int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
+    CLI::App app(
+        "glint: a ray tracer in Vulkan compute shaders, checked against a double-precision reference",
+        "glint");
+    Commands commands;
+    addCommands(app, commands);
+    if (!args.empty() && args.front() == "help") {
+        args.erase(args.begin());
+        args.push_back("--help");
+    }
+    if (const std::string wrong = firstWordError(app, args); !wrong.empty())
+        throw Error(ExitCode::Usage, wrong);
+    try {
+        std::reverse(args.begin(), args.end());  // the order that CLI11 takes a vector in
+        app.parse(args);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() != 0) throw Error(ExitCode::Usage, parseErrorLine(app, e));
+        app.exit(e, out, err);  // --help and --version
+        return static_cast<int>(ExitCode::Done);
+    }
+    return dispatch(app, commands, out, err);
 }
 
 }  // namespace
 
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
-    CLI::App app("glint: a ray tracer in Vulkan compute shaders, checked against a double-precision reference", "glint");
-    app.set_version_flag("--version", "glint " GLINT_VERSION);
-    app.require_subcommand(0, 1);
-    Commands commands;
-    addRender(app, commands.render, commands.texts);
-    addVerify(app, commands.verify, commands.texts);
-    addTrace(app, commands.trace, commands.texts);
-    addDiff(app, commands.diff);
-    addSceneOptions(*app.add_subcommand("info", "what a scene holds, and what its pipeline leaves out"), commands.info, commands.texts);
-    app.add_subcommand("devices", "the Vulkan devices, chosen or refused and why");
-    for (const char* later : {"view", "report", "bench"}) {
-        app.add_subcommand(later, "not in this version")->group("")->allow_extras();
-    }
+    const auto failed = [&](ExitCode code, const std::string& message) {
+        out.flush();  // results come before the error, whoever reads both
+        err << "glint: " << message << std::endl;
+        return static_cast<int>(code);
+    };
     try {
-        std::vector<std::string> reversed(args.rbegin(), args.rend());  // what CLI11's parse(vector) takes
-        app.parse(reversed);
-        return dispatch(app, commands, out, err);
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) {
-            app.exit(e, out, err);
-            return 0;
-        }
-        err << "glint: " << e.what() << " (see glint --help)\n";
-        return static_cast<int>(ExitCode::Usage);
+        const int code = parseAndRun(args, out, err);
+        if (!out.flush()) return failed(ExitCode::Failed, "cannot write to standard output");
+        return code;
     } catch (const Error& e) {
-        err << "glint: " << e.what() << '\n';
-        return static_cast<int>(e.code());
+        return failed(e.code(), e.what());
     } catch (const std::bad_alloc&) {
-        err << "glint: out of memory\n";
-        return static_cast<int>(ExitCode::Failed);
+        return failed(
+            ExitCode::Failed,
+            "not enough memory; for a large picture, ask for a smaller --size, or for parts with --crop");
     } catch (const std::exception& e) {
-        err << "glint: " << e.what() << '\n';
-        return static_cast<int>(ExitCode::Failed);
+        return failed(ExitCode::Failed, e.what());
     }
 }
 

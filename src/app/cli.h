@@ -12,7 +12,8 @@
 
 namespace glint::app {
 
-// Runs `glint ARGS...` and returns the exit code; never throws. Results go to `out`, progress, warnings and errors to `err`.
+// Runs `glint ARGS...` and returns the exit code; never throws. Results go to `out`, progress, warnings and
+// errors to `err`.
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err);
 
 struct Size {
@@ -50,7 +51,7 @@ struct VerifyCommand {
     std::vector<std::filesystem::path> scenes;
     SceneOptions common;
     DeviceChoice device;
-    std::filesystem::path folder = ".";
+    std::filesystem::path folder = ".";  // of the difference pictures
     ProgressMode progress = ProgressMode::Auto;
 };
 

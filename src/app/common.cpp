@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 
@@ -13,6 +12,7 @@
 namespace glint::app {
 
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
+    if (options.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
     LoadedScene loaded;
     Stopwatch watch;
     loaded.scene = loadScene(options.scene);
@@ -35,62 +35,36 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     return loaded;
 }
 
-bool reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
-    if (!choice.validation) return false;
+shared::Camera cameraOf(const LoadedScene& loaded) {
+    const Scene& scene = loaded.scene;
+    return packCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
+}
+
+void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
+    if (!choice.validation) return;
     if (!device.validationActive()) {
-        throw Error(ExitCode::Device, "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package vulkan-validationlayers)");
+        throw Error(ExitCode::Device,
+                    "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
+                    "vulkan-validationlayers)");
     }
     const auto messages = device.validationMessages();
     for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
-    return !messages.empty();
+    if (!messages.empty()) throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
 }
 
-bool isTerminal(const std::ostream& err) { return &err == &std::cerr && isatty(STDERR_FILENO) == 1; }
-
-namespace {
-
-PixelData toData(const reference::PixelResult& pixel) {
-    PixelData data;
-    data.position = pixel.position;
-    data.depth = pixel.depth;
-    data.normal = glm::vec3(pixel.normal);
-    data.geometricNormal = glm::vec3(pixel.normal);
-    data.u = static_cast<float>(pixel.u);
-    data.v = static_cast<float>(pixel.v);
-    data.object = static_cast<uint32_t>(pixel.object);
-    data.primitive = static_cast<uint32_t>(pixel.primitive);
-    data.material = static_cast<uint32_t>(pixel.material);
-    data.bounces = pixel.bounces;
-    data.cost = static_cast<uint32_t>(pixel.cost);
-    data.pathHash = pixel.pathHash;
-    data.shadowBits = pixel.shadowBits;
-    return data;
-}
-
-}  // namespace
-
-Picture toPicture(const reference::RenderResult& result) {
-    Picture picture;
-    picture.region = {result.x0, result.y0, result.x0 + result.width, result.y0 + result.height};
-    picture.color = Image(result.width, result.height, 4);
-    picture.complete = result.complete;
-    picture.data.reserve(result.pixels.size());
-    for (size_t i = 0; i < result.pixels.size(); ++i) {
-        const reference::PixelResult& pixel = result.pixels[i];
-        float* color = &picture.color.pixels[i * 4];
-        for (int c = 0; c < 3; ++c) color[c] = static_cast<float>(pixel.color[c]);
-        color[3] = static_cast<float>(pixel.alpha);
-        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
-        picture.data.push_back(toData(pixel));
-        picture.done.push_back(result.rowsDone[i / result.width]);
-    }
-    return picture;
+bool isTerminal(const std::ostream& err) {
+    return &err == &std::cerr && isatty(STDERR_FILENO) == 1;
 }
 
 std::string formatSeconds(double seconds) {
     char text[32];
-    std::snprintf(text, sizeof(text), seconds < 1 ? "%.0f ms" : "%.2f s", seconds < 1 ? seconds * 1e3 : seconds);
+    std::snprintf(text, sizeof(text), seconds < 1 ? "%.0f ms" : "%.2f s",
+                  seconds < 1 ? seconds * 1e3 : seconds);
     return text;
+}
+
+std::string counted(uint64_t count, const std::string& noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 }  // namespace glint::app

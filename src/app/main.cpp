@@ -1,9 +1,29 @@
+#include <unistd.h>
+
+#include <csignal>
 #include <iostream>
 
 #include "app/cli.h"
-#include "core/interrupt.h"
+#include "core/error.h"
+
+namespace {
+
+// Until a command has something to save (installInterruptHandler), Ctrl-C and kill end the program at once.
+extern "C" void quit(int) {
+    constexpr char kMessage[] = "glint: interrupted\n";
+    [[maybe_unused]] const auto ignored = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
+    _exit(static_cast<int>(glint::ExitCode::Interrupted));
+}
+
+// Signals that the parent process has set to be ignored (nohup) stay ignored.
+void quitOn(int signal) {
+    if (std::signal(signal, quit) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-    glint::installInterruptHandler();
-    return glint::app::run({argv + 1, argv + argc}, std::cout, std::cerr);
+    quitOn(SIGINT);
+    quitOn(SIGTERM);
+    return glint::app::run({argv + std::min(argc, 1), argv + argc}, std::cout, std::cerr);
 }

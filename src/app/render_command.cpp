@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <ostream>
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/output_check.h"
+#include "app/picture_advice.h"
+#include "app/reference_picture.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
@@ -20,113 +22,111 @@ struct Outcome {
     Picture picture;
     std::string device, driver;
     render::StageTimes times;
-    bool validationFailed = false;
+    std::vector<std::filesystem::path> files;
+    double writeSeconds = 0, totalSeconds = 0;
 };
 
-// Before anything costly: is what was asked for possible at all?
-std::filesystem::path checkedOutput(const RenderCommand& command) {
-    std::filesystem::path output = command.output;
-    if (output.empty()) output = command.scene.scene.filename().replace_extension(".png");
-    if (!isWritableImagePath(output)) {
-        throw Error(ExitCode::Usage, output.string() + ": unknown picture format (use .png, .exr, .pfm or .hdr)");
-    }
-    for (const std::string& name : command.aovs) {
-        const auto& known = aovNames();
-        if (std::find(known.begin(), known.end(), name) == known.end()) makeLayers({}, {name});
-    }
-    return output;
+bool wants(const RenderCommand& command, const char* layer) {
+    return std::find(command.aovs.begin(), command.aovs.end(), layer) != command.aovs.end();
+}
+
+// Layers that come from Picture::data.
+bool needsData(const RenderCommand& command) {
+    return std::any_of(command.aovs.begin(), command.aovs.end(),
+                       [](const std::string& name) { return name != "color" && name != "alpha"; });
+}
+
+std::filesystem::path outputOf(const RenderCommand& command) {
+    if (!command.output.empty()) return command.output;
+    return command.scene.scene.filename().replace_extension(".png");
 }
 
 Region checkedRegion(const RenderCommand& command, const Scene& scene) {
     if (!command.crop) return {0, 0, scene.image.width, scene.image.height};
     const Region& crop = *command.crop;
     if (crop.x1 > scene.image.width || crop.y1 > scene.image.height) {
-        throw Error(ExitCode::Usage, "--crop: reaches beyond the picture of " + std::to_string(scene.image.width) + "x" +
+        throw Error(ExitCode::Usage, "--crop: reaches beyond the picture of " +
+                                         std::to_string(scene.image.width) + "x" +
                                          std::to_string(scene.image.height) + " pixels");
     }
     return crop;
 }
 
-bool needsData(const std::vector<std::string>& aovs) {
-    return std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) { return name != "color" && name != "alpha"; });
+// The picture itself and a copy of each layer for the file; what a device or the encoder holds on top is
+// bounded or smaller.
+uint64_t bytesPerPixel(const RenderCommand& command) {
+    const uint64_t layers = std::max<size_t>(command.aovs.size(), 1);
+    return 4 * sizeof(float) + 1 + (needsData(command) ? sizeof(PixelData) : 0) + layers * 3 * sizeof(float);
 }
 
-Outcome renderOnDevice(const RenderCommand& command, const LoadedScene& loaded, const Region& region, Progress& progress,
-                       std::ostream& err) {
-    const gpu::Device device({command.device.selector, command.device.validation});
-    Outcome outcome;
+render::RenderSettings settingsOf(const RenderCommand& command, const Scene& scene, const Region& region,
+                                  Progress& progress) {
+    render::RenderSettings settings;
+    settings.width = scene.image.width;
+    settings.height = scene.image.height;
+    settings.region = region;
+    settings.sampleOffsets = sampleOffsets(scene.image.samplesPerPixel);
+    settings.data = needsData(command);
+    settings.cost = wants(command, "cost");
+    settings.progress = [&progress](double fraction) { progress.update(fraction); };
+    settings.cancelled = interrupted;
+    return settings;
+}
+
+// Faults that the validation layer finds are reported once the picture is written.
+void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded,
+                    const render::RenderSettings& settings, Outcome& outcome) {
     outcome.device = device.info().name;
     outcome.driver = device.info().driver;
-    {
-        render::Renderer renderer(device, loaded.packed);
-        render::RenderSettings settings;
-        settings.width = loaded.scene.image.width;
-        settings.height = loaded.scene.image.height;
-        settings.region = region;
-        settings.sampleOffsets = sampleOffsets(loaded.scene.image.samplesPerPixel);
-        settings.data = needsData(command.aovs);
-        settings.cost = std::find(command.aovs.begin(), command.aovs.end(), "cost") != command.aovs.end();
-        settings.progress = [&](double fraction) { progress.update(fraction); };
-        settings.cancelled = interrupted;
-        const shared::Camera camera =
-            packCamera(loaded.scene.camera, settings.width, settings.height, loaded.packed.origin);
-        outcome.picture = renderer.render(camera, settings);
-        outcome.times = renderer.times();
-    }
-    outcome.validationFailed = reportValidation(device, command.device, err);
-    return outcome;
+    render::Renderer renderer(device, loaded.packed);
+    outcome.picture = renderer.render(cameraOf(loaded), settings);
+    outcome.times = renderer.times();
 }
 
-Outcome renderOnHost(const LoadedScene& loaded, const Region& region, Progress& progress) {
+void renderOnHost(const LoadedScene& loaded, const render::RenderSettings& settings, Outcome& outcome) {
     const Stopwatch watch;
-    const ImageSettings& image = loaded.scene.image;
-    reference::RenderOptions options;
-    options.x0 = region.x0;
-    options.y0 = region.y0;
-    options.x1 = region.x1;
-    options.y1 = region.y1;
-    options.sampleOffsets = sampleOffsets(image.samplesPerPixel);
-    options.progress = [&](double fraction) { progress.update(fraction); };
-    options.cancelled = interrupted;
-    const shared::Camera camera = packCamera(loaded.scene.camera, image.width, image.height, loaded.packed.origin);
-    Outcome outcome;
-    outcome.picture = toPicture(reference::render(loaded.packed, camera, image.width, image.height, options));
     outcome.device = "CPU reference (double precision)";
-    outcome.driver = std::to_string(defaultThreadCount()) + " threads";
+    outcome.driver = counted(defaultThreadCount(), "thread");
+    outcome.picture = renderReference(loaded.packed, cameraOf(loaded), settings);
     outcome.times.trace = watch.seconds();
-    return outcome;
 }
 
-void warnAboutPicture(const Picture& picture, const std::string& scene, std::ostream& err) {
-    if (picture.notFinite > 0) {
-        err << "glint: warning: " << scene << ": " << picture.notFinite << " pixels are not finite\n";
-    }
-    if (!picture.complete || picture.color.pixels.empty()) return;
-    for (size_t i = 3; i < picture.color.pixels.size(); i += 4) {
-        if (picture.color.pixels[i] > 0) return;
-    }
-    err << "glint: warning: " << scene
-        << ": no camera ray hits anything; is the camera looking away, or near/far too tight? (glint info shows the bounds)\n";
+void warnAboutPicture(const Picture& picture, const RenderCommand& command, const LoadedScene& loaded,
+                      std::ostream& err) {
+    const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
+    if (picture.notFinite > 0)
+        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite)\n";
+    if (const auto advice = pictureAdvice(picture, loaded.scene, loaded.packed))
+        err << start << *advice << '\n';
 }
 
-nlohmann::json statsJson(const Outcome& outcome, const LoadedScene& loaded, double writeSeconds, double totalSeconds,
-                         const std::vector<std::filesystem::path>& files) {
+nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.times;
     nlohmann::json json;
+    json["scene"] = command.scene.scene.string();
+    json["backend"] = command.backend == Backend::Cpu ? "cpu" : "gpu";
     json["device"] = outcome.device;
     json["driver"] = outcome.driver;
-    for (const auto& file : files) json["files"].push_back(file.string());
+    json["files"] = nlohmann::json::array();
+    for (const auto& file : outcome.files) json["files"].push_back(file.string());
     json["complete"] = outcome.picture.complete;
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
+    json["maxDepth"] = loaded.scene.maxDepth;
     json["triangles"] = loaded.packed.triangles.size();
     json["spheres"] = loaded.packed.spheres.size();
     json["planes"] = loaded.packed.planes.size();
     json["notFinite"] = outcome.picture.notFinite;
-    json["seconds"] = {{"load", loaded.loadSeconds}, {"pack", loaded.packSeconds}, {"upload", t.upload},
-                       {"compile", t.compile},       {"trace", t.trace},           {"device", t.device},
-                       {"readback", t.readback},     {"write", writeSeconds},      {"total", totalSeconds},
+    json["seconds"] = {{"load", loaded.loadSeconds},
+                       {"pack", loaded.packSeconds},
+                       {"upload", t.upload},
+                       {"compile", t.compile},
+                       {"trace", t.trace},
+                       {"device", t.device},
+                       {"readback", t.readback},
+                       {"write", outcome.writeSeconds},
+                       {"total", outcome.totalSeconds},
                        {"longestSubmission", t.longestSubmission}};
     json["submissions"] = t.submissions;
     json["slices"] = t.slices;
@@ -134,51 +134,91 @@ nlohmann::json statsJson(const Outcome& outcome, const LoadedScene& loaded, doub
     return json;
 }
 
-void printSummary(const Outcome& outcome, const LoadedScene& loaded, double writeSeconds, double totalSeconds,
-                  const std::vector<std::filesystem::path>& files, std::ostream& out) {
+void printSummary(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out) {
     const render::StageTimes& t = outcome.times;
-    for (const auto& file : files) {
-        out << "wrote " << file.string() << " (" << outcome.picture.region.width() << "x" << outcome.picture.region.height() << ")\n";
+    for (const auto& file : outcome.files) {
+        out << "wrote " << file.string() << " (" << outcome.picture.region.width() << "x"
+            << outcome.picture.region.height() << ")\n";
     }
     out << "device: " << outcome.device << ", " << outcome.driver << '\n';
-    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing " << formatSeconds(loaded.packSeconds);
+    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
+        << formatSeconds(loaded.packSeconds);
     if (t.submissions > 0) {
         out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
     }
     out << ", trace " << formatSeconds(t.trace);
     if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
-    out << ", write " << formatSeconds(writeSeconds) << "; " << formatSeconds(totalSeconds) << " in all\n";
+    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
+        << " in all\n";
+}
+
+void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                 std::ostream& out) {
+    if (command.stats == "json") {
+        // A file name need not be UTF-8; JSON must be.
+        out << statsJson(outcome, command, loaded)
+                   .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+            << '\n';
+    } else if (!command.quiet) {
+        printSummary(outcome, loaded, out);
+    }
+}
+
+// Throws for a render that was cut short, once what there is has been written.
+void checkComplete(const Outcome& outcome) {
+    const Picture& picture = outcome.picture;
+    if (picture.complete) return;
+    const auto done = static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1));
+    if (done == 0)
+        throw Error(ExitCode::Interrupted,
+                    "interrupted before any part of the picture was finished; nothing written");
+    char percent[16];
+    std::snprintf(percent, sizeof(percent), "%.3g %%", 100 * done / static_cast<double>(picture.done.size()));
+    if (!outcome.files.empty()) {
+        throw Error(ExitCode::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
+                                               percent + " of the picture that was finished");
+    }
 }
 
 }  // namespace
 
 int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
-    const std::filesystem::path output = checkedOutput(command);
+    if (command.scene.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
+    const std::filesystem::path output = outputOf(command);
+    checkPicturePath(output);
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     const Region region = checkedRegion(command, loaded.scene);
+    checkMemory(region.width(), region.height(), bytesPerPixel(command), availableMemory());
+
+    installInterruptHandler();
     Outcome outcome;
+    std::optional<gpu::Device> device;
     {
-        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err, isTerminal(err));
-        outcome = command.backend == Backend::Cpu ? renderOnHost(loaded, region, progress)
-                                                  : renderOnDevice(command, loaded, region, progress, err);
+        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
+                          isTerminal(err));
+        const render::RenderSettings settings = settingsOf(command, loaded.scene, region, progress);
+        if (command.backend == Backend::Cpu) {
+            renderOnHost(loaded, settings, outcome);
+        } else {
+            device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation});
+            renderOnDevice(*device, loaded, settings, outcome);
+        }
     }
-    if (!command.quiet) warnAboutPicture(outcome.picture, command.scene.scene.string(), err);
-    const bool anyDone = std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
-    if (!anyDone) throw Error(ExitCode::Interrupted, "interrupted before any part of the picture was finished; nothing written");
+    if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);
+    const bool anyDone =
+        std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
+    if (!anyDone) checkComplete(outcome);
 
     const Stopwatch writing;
-    const auto files = writeLayers(output, makeLayers(outcome.picture, command.aovs.empty() ? std::vector<std::string>{"color"} : command.aovs));
-    const double writeSeconds = writing.seconds();
-    if (command.stats == "json") {
-        out << statsJson(outcome, loaded, writeSeconds, total.seconds(), files).dump(2) << '\n';
-    } else if (!command.quiet) {
-        printSummary(outcome, loaded, writeSeconds, total.seconds(), files, out);
-    }
-    if (!outcome.picture.complete) {
-        throw Error(ExitCode::Interrupted, "interrupted: " + files.front().string() + " holds the part that was finished");
-    }
-    if (outcome.validationFailed) throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
+    const std::vector<std::string> layers =
+        command.aovs.empty() ? std::vector<std::string>{"color"} : command.aovs;
+    outcome.files = writeLayers(output, makeLayers(outcome.picture, layers));
+    outcome.writeSeconds = writing.seconds();
+    outcome.totalSeconds = total.seconds();
+    printResult(outcome, command, loaded, out);
+    if (device) reportValidation(*device, command.device, err);
+    checkComplete(outcome);
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -1,12 +1,11 @@
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 #include <ostream>
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/ray_file.h"
 #include "core/error.h"
 #include "reference/tracer.h"
 #include "render/renderer.h"
@@ -17,104 +16,102 @@ namespace {
 
 constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
 
-// World coordinates, as read.
-struct InputRay {
-    double v[8] = {0, 0, 0, 0, 0, 0, 0, std::numeric_limits<double>::infinity()};
-};
-
-std::string trimmed(const std::string& text) {
-    const size_t first = text.find_first_not_of(" \t\r");
-    if (first == std::string::npos) return "";
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-InputRay parseRay(const std::string& line, const std::string& where) {
-    InputRay ray;
-    size_t count = 0, start = 0;
-    for (bool last = false; !last; ++count) {
-        const size_t comma = line.find(',', start);
-        last = comma == std::string::npos;
-        const std::string field = trimmed(line.substr(start, last ? std::string::npos : comma - start));
-        double value = 0;
-        const char* begin = field.c_str() + (field.starts_with('+') ? 1 : 0);
-        const auto [end, error] = std::from_chars(begin, field.c_str() + field.size(), value);
-        if (error == std::errc::invalid_argument || end != field.c_str() + field.size()) {
-            throw Error(ExitCode::Scene, where + ": expected a number, got \"" + field + "\"");
-        }
-        if (error == std::errc::result_out_of_range) {
-            throw Error(ExitCode::Scene, where + ": number out of range: \"" + field + "\"");
-        }
-        if (count < 8) ray.v[count] = value;
-        start = comma + 1;
-    }
-    if (count < 6 || count > 8) {
-        throw Error(ExitCode::Scene, where + ": expected 6 to 8 numbers ox,oy,oz,dx,dy,dz[,tmin[,tmax]], got " + std::to_string(count));
-    }
-    return ray;
-}
-
-std::vector<InputRay> readRays(const std::string& name) {
-    std::ifstream file;
-    if (name != "-") {
-        file.open(name);
-        if (!file) throw Error(ExitCode::Scene, name + ": cannot read the rays");
-    }
-    std::istream& in = name == "-" ? std::cin : file;
-    std::vector<InputRay> rays;
-    std::string line;
-    for (size_t number = 1; std::getline(in, line); ++number) {
-        const std::string text = trimmed(line.substr(0, line.find('#')));
-        if (text.empty() || (rays.empty() && text.starts_with("ox,"))) continue;
-        rays.push_back(parseRay(text, (name == "-" ? "standard input" : name) + ":" + std::to_string(number)));
-    }
-    if (in.bad()) throw Error(ExitCode::Scene, name + ": cannot read the rays");
-    return rays;
-}
-
-void printHit(std::ostream& out, int digits, double t, double u, double v, uint32_t object, uint32_t primitive,
-              const glm::dvec3& p, const glm::dvec3& n) {
+void printHit(std::ostream& out, int digits, double t, double u, double v, uint32_t object,
+              uint32_t primitive, const glm::dvec3& p, const glm::dvec3& n) {
     char line[512];
-    std::snprintf(line, sizeof(line), "1,%.*g,%.*g,%.*g,%u,%u,%.*g,%.*g,%.*g,%.*g,%.*g,%.*g\n", digits, t, digits, u, digits,
-                  v, object, primitive, digits, p.x, digits, p.y, digits, p.z, digits, n.x, digits, n.y, digits, n.z);
+    std::snprintf(line, sizeof(line), "1,%.*g,%.*g,%.*g,%u,%u,%.*g,%.*g,%.*g,%.*g,%.*g,%.*g\n", digits, t,
+                  digits, u, digits, v, object, primitive, digits, p.x, digits, p.y, digits, p.z, digits, n.x,
+                  digits, n.y, digits, n.z);
     out << line;
 }
 
-void printMiss(std::ostream& out) { out << "0,,,,,,,,,,,\n"; }
-void printAny(std::ostream& out, bool hit) { out << (hit ? "1,,,,,,,,,,,\n" : "0,,,,,,,,,,,\n"); }
-
-void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, const std::vector<InputRay>& rays,
-                   std::ostream& out, std::ostream& err) {
-    const gpu::Device device({command.device.selector, command.device.validation});
-    render::Renderer renderer(device, loaded.packed);
-    std::vector<render::RayInput> inputs;
-    inputs.reserve(rays.size());
-    for (const InputRay& r : rays) {
-        const glm::dvec3 origin = glm::dvec3(r.v[0], r.v[1], r.v[2]) - loaded.packed.origin;
-        // Past the largest float there is no hit anyway; NaN stays NaN and misses.
-        const auto bound = [](double x) { return static_cast<float>(std::min(x, static_cast<double>(shared::kInfinity))); };
-        inputs.push_back({glm::vec3(origin), glm::vec3(r.v[3], r.v[4], r.v[5]), bound(r.v[6]), bound(r.v[7])});
-    }
-    for (const render::RayHit& hit : renderer.trace(inputs, command.any)) {
-        if (command.any) {
-            printAny(out, hit.hit);
-        } else if (!hit.hit) {
-            printMiss(out);
-        } else {
-            const PixelData& d = hit.data;
-            printHit(out, 9, hit.t, d.u, d.v, d.object, d.primitive, d.position, glm::dvec3(d.geometricNormal));
-        }
-    }
-    if (reportValidation(device, command.device, err)) throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
+void printDeviceHit(std::ostream& out, double t, const PixelData& d) {
+    printHit(out, 9, t, d.u, d.v, d.object, d.primitive, d.position, glm::dvec3(d.geometricNormal));
 }
 
-void traceOnHost(const TraceCommand& command, const PackedScene& packed, const std::vector<InputRay>& rays, std::ostream& out) {
+void printMiss(std::ostream& out) {
+    out << "0,,,,,,,,,,,\n";
+}
+void printAny(std::ostream& out, bool hit) {
+    out << (hit ? "1,,,,,,,,,,,\n" : "0,,,,,,,,,,,\n");
+}
+
+// Squares of directions far from unit length overflow or vanish, in fp32 at 2^64 already. Such a ray is
+// scaled by 2^-exponent, which is exact; its t is 2^exponent times the user's. Returns the exponent.
+int scaleDirection(reference::Ray& ray) {
+    constexpr int kHarmless = 32;  // the square of 2^32, times 1e18, is far inside fp32's range
+    const glm::dvec3 size = glm::abs(ray.direction);
+    const double greatest = std::max({size.x, size.y, size.z});
+    if (!(greatest > 0 && std::isfinite(greatest))) return 0;  // it misses
+    const int exponent = std::ilogb(greatest);
+    if (std::abs(exponent) <= kHarmless) return 0;
+    for (int axis = 0; axis < 3; ++axis) ray.direction[axis] = std::scalbn(ray.direction[axis], -exponent);
+    ray.tMin = std::scalbn(ray.tMin, exponent);
+    ray.tMax = std::scalbn(ray.tMax, exponent);
+    return exponent;
+}
+
+render::RayInput toDevice(const reference::Ray& ray) {
+    // kInfinity stands for all that fp32 cannot hold: there is no geometry that far away. NaN stays NaN and
+    // misses.
+    const auto bound = [](double t) {
+        const double limit = static_cast<double>(shared::kInfinity);
+        return static_cast<float>(std::clamp(t, -limit, limit));
+    };
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
+}
+
+// Rays in local coordinates.
+struct Rays {
+    std::vector<reference::Ray> rays;
+    std::vector<int> exponents;  // of scaleDirection
+
+    double userT(size_t i, double t) const { return std::scalbn(t, -exponents[i]); }
+};
+
+Rays raysOf(const TraceCommand& command, const LoadedScene& loaded, std::ostream& err) {
+    if (command.pixel) {
+        const auto [x, y] = *command.pixel;
+        return {{reference::Tracer(loaded.packed).cameraRay(cameraOf(loaded), x + 0.5, y + 0.5)}, {0}};
+    }
+    Rays result = {readRays(command.rays), {}};
+    if (result.rays.empty()) err << "glint: warning: " << command.rays << ": holds no rays\n";
+    for (reference::Ray& ray : result.rays) {
+        ray.origin -= loaded.packed.origin;
+        result.exponents.push_back(scaleDirection(ray));
+    }
+    return result;
+}
+
+void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, const Rays& rays,
+                   std::ostream& out, std::ostream& err) {
+    const gpu::Device device({command.device.selector, command.device.validation});
+    std::vector<render::RayInput> inputs(rays.rays.size());
+    std::transform(rays.rays.begin(), rays.rays.end(), inputs.begin(), toDevice);
+    std::vector<render::RayHit> hits;
+    {
+        render::Renderer renderer(device, loaded.packed);
+        hits = renderer.trace(inputs, command.any);
+    }
+    out << kHeader;
+    for (size_t i = 0; i < hits.size(); ++i) {
+        if (command.any) {
+            printAny(out, hits[i].hit);
+        } else if (!hits[i].hit) {
+            printMiss(out);
+        } else {
+            printDeviceHit(out, rays.userT(i, static_cast<double>(hits[i].t)), hits[i].data);
+        }
+    }
+    reportValidation(device, command.device, err);
+}
+
+void traceOnHost(const TraceCommand& command, const PackedScene& packed, const Rays& rays,
+                 std::ostream& out) {
     const reference::Tracer tracer(packed);
-    for (const InputRay& r : rays) {
-        reference::Ray ray;
-        ray.origin = glm::dvec3(r.v[0], r.v[1], r.v[2]) - packed.origin;
-        ray.direction = {r.v[3], r.v[4], r.v[5]};
-        ray.tMin = r.v[6];
-        ray.tMax = r.v[7];
+    out << kHeader;
+    for (size_t i = 0; i < rays.rays.size(); ++i) {
+        const reference::Ray& ray = rays.rays[i];
         if (command.any) {
             printAny(out, tracer.occluded(ray));
             continue;
@@ -125,57 +122,59 @@ void traceOnHost(const TraceCommand& command, const PackedScene& packed, const s
             continue;
         }
         const reference::Surface s = tracer.surface(ray, *hit);
-        printHit(out, 17, hit->t, hit->u, hit->v, s.object, s.primitive, packed.origin + s.position, s.geometricNormal);
+        printHit(out, 17, rays.userT(i, hit->t), hit->u, hit->v, s.object, s.primitive,
+                 packed.origin + s.position, s.geometricNormal);
     }
 }
 
-// The camera ray of the pixel's centre, in double, as a ray of the list; the device makes its own in fp32.
-InputRay pixelRay(const LoadedScene& loaded, std::pair<int, int> pixel) {
+void checkPixel(const LoadedScene& loaded, std::pair<int, int> pixel) {
     const ImageSettings& image = loaded.scene.image;
     if (pixel.first < 0 || pixel.second < 0 || pixel.first >= image.width || pixel.second >= image.height) {
-        throw Error(ExitCode::Usage, "--pixel: " + std::to_string(pixel.first) + "," + std::to_string(pixel.second) +
-                                         " is outside the picture of " + std::to_string(image.width) + "x" +
-                                         std::to_string(image.height) + " pixels");
+        throw Error(ExitCode::Usage, "--pixel: " + std::to_string(pixel.first) + "," +
+                                         std::to_string(pixel.second) + " is outside the picture of " +
+                                         std::to_string(image.width) + "x" + std::to_string(image.height) +
+                                         " pixels");
     }
-    const shared::Camera camera = packCamera(loaded.scene.camera, image.width, image.height, loaded.packed.origin);
-    const reference::Ray ray = reference::Tracer(loaded.packed).cameraRay(camera, pixel.first + 0.5, pixel.second + 0.5);
-    const glm::dvec3 o = ray.origin + loaded.packed.origin;
-    return {{o.x, o.y, o.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin, ray.tMax}};
 }
 
-void tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out) {
-    pixelRay(loaded, *command.pixel);  // checks the range
+// The device makes the camera ray itself, in fp32, as it does for a picture.
+void tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out,
+                        std::ostream& err) {
     const gpu::Device device({command.device.selector, command.device.validation});
-    render::Renderer renderer(device, loaded.packed);
     render::RenderSettings settings;
     settings.width = loaded.scene.image.width;
     settings.height = loaded.scene.image.height;
     const auto [x, y] = *command.pixel;
     settings.region = {x, y, x + 1, y + 1};
     settings.data = true;
-    const Picture picture =
-        renderer.render(packCamera(loaded.scene.camera, settings.width, settings.height, loaded.packed.origin), settings);
-    const PixelData& d = picture.data[0];
-    if (d.object == PixelData::kNoIndex) return printMiss(out);
-    printHit(out, 9, d.depth, d.u, d.v, d.object, d.primitive, d.position, glm::dvec3(d.geometricNormal));
+    PixelData data;
+    {
+        render::Renderer renderer(device, loaded.packed);
+        data = renderer.render(cameraOf(loaded), settings).data[0];
+    }
+    out << kHeader;
+    const bool hit = data.object != PixelData::kNoIndex;
+    if (command.any) {
+        printAny(out, hit);
+    } else if (hit) {
+        printDeviceHit(out, data.depth, data);
+    } else {
+        printMiss(out);
+    }
+    reportValidation(device, command.device, err);
 }
 
 }  // namespace
 
 int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err) {
     const LoadedScene loaded = loadAndPack(command.scene, err);
-    if (command.pixel && !command.any && command.backend == Backend::Gpu) {
-        out << kHeader;
-        tracePixelOnDevice(command, loaded, out);
-        return static_cast<int>(ExitCode::Done);
-    }
-    const std::vector<InputRay> rays =
-        command.pixel ? std::vector<InputRay>{pixelRay(loaded, *command.pixel)} : readRays(command.rays);
-    out << kHeader;
-    if (command.backend == Backend::Cpu) {
-        traceOnHost(command, loaded.packed, rays, out);
+    if (command.pixel) checkPixel(loaded, *command.pixel);
+    if (command.pixel && command.backend == Backend::Gpu) {
+        tracePixelOnDevice(command, loaded, out, err);
+    } else if (command.backend == Backend::Gpu) {
+        traceOnDevice(command, loaded, raysOf(command, loaded, err), out, err);
     } else {
-        traceOnDevice(command, loaded, rays, out, err);
+        traceOnHost(command, loaded.packed, raysOf(command, loaded, err), out);
     }
     return static_cast<int>(ExitCode::Done);
 }

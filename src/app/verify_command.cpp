@@ -1,8 +1,10 @@
-#include <cstdio>
+#include <map>
 #include <ostream>
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/output_check.h"
+#include "app/verify_report.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
@@ -12,73 +14,43 @@ namespace glint::app {
 
 namespace {
 
-void printRecord(const char* who, const glm::dvec3& color, uint32_t hash, uint32_t bounces, bool hit, uint32_t object,
-                 uint32_t primitive, double t, const glm::dvec3& p, std::ostream& out) {
-    char line[320];
-    if (hit) {
-        std::snprintf(line, sizeof(line),
-                      "      %-9s color (%.6g %.6g %.6g)  object %u primitive %u t %.9g at (%.9g %.9g %.9g)  %u bounces, path %08x\n",
-                      who, color.x, color.y, color.z, object, primitive, t, p.x, p.y, p.z, bounces, hash);
-    } else {
-        std::snprintf(line, sizeof(line), "      %-9s color (%.6g %.6g %.6g)  miss, path %08x\n", who, color.x, color.y,
-                      color.z, hash);
+// Both pictures, the reports of its rows and the difference picture.
+constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 12;
+
+// STEM.verify.png for each scene; STEM-2.verify.png for the second scene of the same stem.
+std::vector<std::filesystem::path> pictureNames(const VerifyCommand& command) {
+    std::map<std::string, int> uses;
+    std::vector<std::filesystem::path> names;
+    for (const std::filesystem::path& scene : command.scenes) {
+        const std::string stem = scene.stem().string();
+        const int use = ++uses[stem];
+        names.push_back(command.folder / (stem + (use > 1 ? "-" + std::to_string(use) : "") + ".verify.png"));
     }
-    out << line;
+    return names;
 }
 
-void printPixel(const verify::DifferingPixel& pixel, const glm::dvec3& origin, std::ostream& out) {
-    char line[160];
-    std::snprintf(line, sizeof(line), "    pixel %d,%d: difference %.6g, %s", pixel.x, pixel.y, pixel.difference,
-                  verify::reasonName(pixel.reason));
-    out << line;
-    if (pixel.reason != verify::Reason::Unexplained) {
-        std::snprintf(line, sizeof(line), " (rays moved by %.3g x 2^-24)", pixel.ulps);
-        out << line;
-    }
-    out << '\n';
-    const PixelData& d = pixel.device;
-    printRecord("device", glm::dvec3(pixel.deviceColor), d.pathHash, d.bounces, d.object != PixelData::kNoIndex, d.object,
-                d.primitive, d.depth, d.position, out);
-    const reference::PixelRecord& r = pixel.reference;
-    const bool hit = r.hit && r.surface;
-    printRecord("reference", r.color, r.pathHash, r.bounces, hit, hit ? r.surface->object : 0, hit ? r.surface->primitive : 0,
-                hit ? r.hit->t : 0, hit ? origin + r.surface->position : glm::dvec3(0), out);
-}
-
-void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
-                 const glm::dvec3& origin, std::ostream& out) {
-    char line[400];
-    const double share = 100.0 * static_cast<double>(report.explained()) / static_cast<double>(report.pixels);
-    std::snprintf(line, sizeof(line),
-                  "%s: %s\n    %llu pixels; differing: %llu edge, %llu tie (%.4f %% explained, at most %.2f %%), %llu unexplained\n"
-                  "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
-                  scene.c_str(), report.passed(options) ? "ok" : "FAILED", static_cast<unsigned long long>(report.pixels),
-                  static_cast<unsigned long long>(report.edges), static_cast<unsigned long long>(report.ties), share,
-                  100 * options.maxExplainedShare, static_cast<unsigned long long>(report.unexplained), report.rmse,
-                  report.rmseSamePath, report.maxSamePath);
-    out << line;
-    for (const verify::DifferingPixel& pixel : report.worst) printPixel(pixel, origin, out);
-}
-
-bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path, const gpu::Device& device,
-                 std::ostream& out, std::ostream& err) {
+bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path,
+                 const std::filesystem::path& picture, const gpu::Device& device, std::ostream& out,
+                 std::ostream& err) {
     SceneOptions sceneOptions = command.common;
     sceneOptions.scene = path;
     const LoadedScene loaded = loadAndPack(sceneOptions, err);
-    render::Renderer renderer(device, loaded.packed);
     verify::Options options;
     options.width = loaded.scene.image.width;
     options.height = loaded.scene.image.height;
     options.sampleOffsets = sampleOffsets(loaded.scene.image.samplesPerPixel);
     options.cancelled = interrupted;
-    Progress progress("verify " + path.filename().string(), command.progress, err, isTerminal(err));
-    options.progress = [&](double fraction) { progress.update(fraction); };
-    const shared::Camera camera = packCamera(loaded.scene.camera, options.width, options.height, loaded.packed.origin);
-    const verify::Report report = verify::verify(renderer, loaded.packed, camera, options);
-    progress.finish();
-    if (report.interrupted) throw Error(ExitCode::Interrupted, "interrupted while verifying " + path.string());
+    checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
+    render::Renderer renderer(device, loaded.packed);
+    verify::Report report;
+    {
+        Progress progress("verify " + path.filename().string(), command.progress, err, isTerminal(err));
+        options.progress = [&](double fraction) { progress.update(fraction); };
+        report = verify::verify(renderer, loaded.packed, cameraOf(loaded), options);
+    }
+    if (report.interrupted)
+        throw Error(ExitCode::Interrupted, "interrupted while verifying " + path.string());
     printReport(path.string(), report, options, loaded.packed.origin, out);
-    const std::filesystem::path picture = command.folder / (path.stem().string() + ".verify.png");
     writeImage(picture, report.difference);
     out << "    wrote " << picture.string() << '\n';
     out.flush();
@@ -88,17 +60,18 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
 }  // namespace
 
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
+    checkOutputFolder(command.folder);
     const gpu::Device device({command.device.selector, command.device.validation});
+    installInterruptHandler();
     out << "device: " << device.info().name << ", " << device.info().driver << '\n';
+    const auto pictures = pictureNames(command);
     size_t failed = 0;
-    for (const std::filesystem::path& scene : command.scenes) {
-        if (!verifyScene(command, scene, device, out, err)) ++failed;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+        if (!verifyScene(command, command.scenes[i], pictures[i], device, out, err)) ++failed;
     }
-    if (reportValidation(device, command.device, err)) {
-        throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
-    }
+    reportValidation(device, command.device, err);
     if (failed == 0) return static_cast<int>(ExitCode::Done);
-    err << "glint: verify: " << failed << " of " << command.scenes.size() << " scenes differ from the reference\n";
+    err << "glint: verify: " << failed << " of " << counted(command.scenes.size(), "scene") << " failed\n";
     return static_cast<int>(ExitCode::Difference);
 }
 

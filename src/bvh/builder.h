@@ -1,5 +1,6 @@
 // A binary bounding volume hierarchy over boxes. Knows nothing of primitives.
-// Binned surface area heuristic: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
+// Binned surface area heuristic: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies",
+// 2007.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +29,8 @@ struct Box {
 
 struct BvhOptions {
     uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize
-    uint32_t maxDepth = 48;    // levels below the root; SAH gives way to median splits where needed to stay within
+    uint32_t maxDepth =
+        48;  // levels below the root; SAH gives way to median splits where needed to stay within
     uint32_t bins = 16;
     double traversalCost = 1.0;  // of one node, in units of one primitive test
     unsigned threads = 0;        // 0: all
@@ -38,7 +40,8 @@ struct BvhOptions {
 
 struct BvhNode {
     Box box;
-    uint32_t first = 0;  // inner: index of the left child, the right one is first + 1; leaf: first entry in Bvh::order
+    uint32_t first =
+        0;  // inner: index of the left child, the right one is first + 1; leaf: first entry in Bvh::order
     uint32_t count = 0;  // 0: inner node; else number of boxes in the leaf
 };
 
@@ -48,8 +51,10 @@ struct Bvh {
     uint32_t depth = 0;           // levels below the root
 };
 
-// Builds a tree over `boxes` (each finite and not empty; zero-thickness is fine). The result does not depend on the number of
-// threads. Identical centroids are split by index, so that the leaf size always holds. Up to 2^25 boxes.
+// Builds a tree over `boxes` (each finite and not empty; zero-thickness is fine). The result does not depend
+// on the number of threads. Identical centroids are split by index, so that the leaf size always holds.
+// Throws std::invalid_argument for options out of range, and where maxDepth levels cannot hold that many
+// boxes in leaves of maxLeafSize; kMaxBvhDepth levels hold any number up to 2^31.
 Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {});
 
 }  // namespace glint

@@ -29,12 +29,13 @@ struct SceneFeatures {
 SceneFeatures allFeatures();
 
 struct PackStatistics {
-    double buildSeconds = 0;         // of the BVH alone
+    double buildSeconds = 0;  // of the BVH alone
     uint32_t leaves = 0;
     uint32_t depth = 0;
-    double sahCost = 0;              // expected cost of a random ray, in primitive tests (node = BvhOptions::traversalCost)
-    uint32_t droppedZeroArea = 0;    // triangles without area after rounding to fp32
-    uint32_t droppedNotFinite = 0;   // triangles with a vertex that is not finite, or overflows fp32
+    // Expected cost of a random ray in primitive tests; a node costs BvhOptions::traversalCost.
+    double sahCost = 0;
+    uint32_t droppedZeroArea = 0;   // triangles without area after rounding to fp32
+    uint32_t droppedNotFinite = 0;  // triangles with a vertex that is not finite, or overflows fp32
 };
 
 struct PackedScene {
@@ -54,19 +55,22 @@ struct PackedScene {
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
 };
 
-// The world point that local coordinates start from. Let c be the centre and e half the greatest edge of the box around the camera's eye
-// and all finite geometry except planes (without such geometry: around the eye, its target and each plane's point nearest the eye).
-// The origin is exactly 0 unless the largest |component| of c exceeds 64 e, which would cost the geometry 6 bits and more of fp32's
-// 24. Then it is c rounded to a multiple of the power of two in (e, 2e]: no more than e away from c, and a number of few bits,
-// exact in fp32 too as long as |c| < 2^24 e.
+// The world point that local coordinates start from. Let c be the centre and e half the greatest edge of the
+// box around the camera's eye and all finite geometry except planes (without such geometry: around the eye,
+// its target and each plane's point nearest the eye). The origin is exactly 0 unless the largest |component|
+// of c exceeds 64 e, which would cost the geometry 6 and more of the 24 bits that fp32 has. Then it is c
+// rounded to a multiple of the power of two in (e, 2e]: no more than e away from c in any axis, and a number
+// of few bits, exact in fp32 too as long as |c| < 2^24 e.
 glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 
-// Flattens a valid scene: rounds to fp32 relative to the origin, drops degenerate triangles, builds the BVH, puts primitives in leaf
-// order. The origin is 0 unless the geometry lies far from it compared with its size, see chooseOrigin.
-// Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the array, its size and the limit.
+// Flattens a valid scene: rounds to fp32 relative to the origin, drops degenerate triangles, builds the BVH,
+// puts primitives in leaf order. The origin is 0 unless the geometry lies far from it compared with its size,
+// see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the
+// array, its size and the limit.
 PackedScene packScene(const Scene& scene, unsigned threads = 0);
 
-// The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are computed in double.
+// The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
+// computed in double.
 shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
 
 }  // namespace glint

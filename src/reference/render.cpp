@@ -66,7 +66,7 @@ RenderResult render(const PackedScene& scene, const shared::Camera& camera, int 
     parallelFor(
         static_cast<size_t>(result.height),
         [&](size_t row) {
-            PixelResult* pixels = &result.pixels[row * result.width];
+            PixelResult* pixels = result.pixels.data() + row * result.width;
             for (int x = 0; x < result.width; ++x) {
                 if (x % kPixelsPerPoll == 0 && options.cancelled && !stop && options.cancelled()) stop = true;
                 if (stop) return;

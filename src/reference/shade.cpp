@@ -56,7 +56,8 @@ class RayMover {
         for (int i = 0; i < 3; ++i) ray.direction[i] += step_ * length * next();
     }
 
-    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in verify/explain.cpp).
+    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
+    // verify/explain.cpp).
     double tieWidth() const { return 16 * step_; }
     bool coin() { return next() < 0; }
 
@@ -161,8 +162,8 @@ class PathTracer {
     PixelRecord record_;
 };
 
-// Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every moved ray,
-// and double always breaks the tie in the same way.
+// Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
+// moved ray, and double always breaks the tie in the same way.
 std::optional<Hit> PathTracer::closest(const Ray& ray, uint32_t source) {
     const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
     if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;

@@ -44,8 +44,8 @@ struct Surface {
 // and shadow ray of a path is moved: each component c of its origin by a random amount of up to `ulps` *
 // 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24. seed 0 and
-// ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps` * 2^-24 * t, either
-// may be taken.
+// ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps` *
+// 2^-24 * t, either may be taken.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

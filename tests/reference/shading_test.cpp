@@ -94,8 +94,20 @@ TEST(ReferenceShading, HighlightExtremes) {
     }
 }
 
-// l = -v: looking through a plane's edge-on light is impossible on one side, but a light behind the viewer
-// has h = l = v.
+// Seen from behind a tilted shading normal: s.l > 0 but s.(l + v) < 0, so that no power is taken.
+TEST(ReferenceShading, NoHighlightBehindTheShadingNormal) {
+    for (const float exponent : {0.0f, 1.0f, 2.0f}) {
+        SceneMaker maker;
+        const uint32_t shiny = maker.material(vec3(0), vec3(1), exponent);
+        shared::VertexNormals normals;
+        normals.n0 = normals.n1 = normals.n2 = {.8f, 0, .6f};
+        maker.triangle({-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, normals, shiny);
+        maker.light(kLightDirectional, glm::normalize(vec3(-.5f, 0, .8f)));
+        EXPECT_EQ(traceScene(maker, makeRay({-1, 0, .1}, {1, 0, -.1})).color, dvec3(0));
+    }
+}
+
+// A light where the eye is: h = l = v.
 TEST(ReferenceShading, LightAtTheEye) {
     SceneMaker maker;
     const uint32_t shiny = maker.material(vec3(0), vec3(1), 7);

@@ -227,7 +227,8 @@ TEST(ReferenceSphere, SurfaceLiesOnTheSphere) {
     const Tracer tracer(scene);
     int seen[2] = {0, 0};
     for (int i = 0; i < 2000; ++i) {
-        const Ray ray = rayTowards(random.box(100) + dvec3(0, 130, 0), dvec3(3, 4, 5) + random.box(5));
+        const Ray ray =
+            rayTowards(1e3 * (random.box(100) + dvec3(0, 130, 0)), dvec3(3, 4, 5) + random.box(5));
         const auto hit = tracer.closest(ray);
         ASSERT_TRUE(hit);
         const Surface surface = tracer.surface(ray, *hit);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <sstream>
 
 #include "scene/load.h"
@@ -86,6 +85,12 @@ std::vector<std::string> sceneNames() {
 Scene emptyScene() {
     Scene scene;
     addMaterial(scene, Color(0.8));
+    return scene;
+}
+
+PackedScene packedBy(const SceneMaker& maker) {
+    PackedScene scene = maker.finish();
+    scene.features = allFeatures();
     return scene;
 }
 
@@ -221,11 +226,6 @@ std::string text(const RayInput& ray) {
         << " direction " << ray.direction.x << " " << ray.direction.y << " " << ray.direction.z << " tMin "
         << ray.tMin << " tMax " << ray.tMax;
     return out.str();
-}
-
-glm::dvec3 Random::direction() {
-    const double z = uniform(-1, 1), phi = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
 }  // namespace glint::render::test

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "../reference/scene_maker.h"
 #include "bvh/packed_scene.h"
 #include "gpu/device.h"
 #include "render/renderer.h"
@@ -19,6 +19,9 @@
 #include "scene/scene.h"
 
 namespace glint::render::test {
+
+using reference::test::Random;
+using reference::test::SceneMaker;
 
 // One device for the tests of a suite.
 class RenderTest : public testing::Test {
@@ -58,6 +61,8 @@ void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::u
 void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset = glm::dvec3(0), double size = 1);
 // Matte grey as material 0, no light.
 Scene emptyScene();
+// Packed by hand, see SceneMaker: nothing is dropped or moved.
+PackedScene packedBy(const SceneMaker& maker);
 
 // ---- pictures and rays ----
 
@@ -76,22 +81,5 @@ RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction);
 RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool unit = false);
 size_t misses(const std::vector<RayHit>& hits);
 std::string text(const RayInput& ray);
-
-class Random {
-  public:
-    explicit Random(uint32_t seed) : engine_(seed) {}
-    double uniform(double lo, double hi) {
-        return lo + (hi - lo) * (static_cast<double>(engine_()) / 4294967296.0);
-    }
-    uint32_t below(uint32_t n) { return static_cast<uint32_t>(engine_() % n); }
-    glm::dvec3 box(double half) {
-        const double x = uniform(-half, half), y = uniform(-half, half);
-        return {x, y, uniform(-half, half)};
-    }
-    glm::dvec3 direction();  // uniform on the unit sphere
-
-  private:
-    std::mt19937 engine_;  // its numbers are the same everywhere, unlike those of <random>'s distributions
-};
 
 }  // namespace glint::render::test

@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <cstdio>
+#include <ostream>
+
+#include "app/cli.h"
+#include "app/common.h"
+#include "app/output_check.h"
+#include "core/error.h"
+#include "core/image_diff.h"
+#include "core/image_io.h"
+
+namespace glint::app {
+
+namespace {
+
+ImageDifference compare(const DiffCommand& command, const Image& a, const Image& b) {
+    try {
+        return compareImages(a, b, command.tolerance);
+    } catch (const Error& e) {
+        throw Error(e.code(), command.a.string() + ", " + command.b.string() + ": " + e.what());
+    }
+}
+
+}  // namespace
+
+int runDiff(const DiffCommand& command, std::ostream& out) {
+    if (!command.output.empty()) checkPicturePath(command.output);
+    const Image a = readImage(command.a);
+    const Image b = readImage(command.b);
+    const ImageDifference d = compare(command, a, b);
+    char line[256];
+    std::snprintf(line, sizeof(line), "RMSE %.6g, PSNR %.4g dB, max %.6g, mean %.6g\n", d.rmse, d.psnr, d.max,
+                  d.mean);
+    out << line;
+    std::snprintf(
+        line, sizeof(line),
+        "%llu of %llu pixels (%.4f %%) differ by more than %g, %llu not finite in one picture only\n",
+        static_cast<unsigned long long>(d.above), static_cast<unsigned long long>(d.pixels),
+        100.0 * static_cast<double>(d.above) / static_cast<double>(std::max<uint64_t>(d.pixels, 1)),
+        command.tolerance, static_cast<unsigned long long>(d.notFinite));
+    out << line;
+    for (const PixelDifference& p : d.worst) {
+        std::snprintf(line, sizeof(line), "  pixel %d,%d: %.6g\n", p.x, p.y,
+                      static_cast<double>(p.difference));
+        out << line;
+    }
+    if (!command.output.empty()) {
+        writeImage(command.output, differenceImage(a, b));
+        out << "wrote " << command.output.string() << '\n';
+    }
+    return static_cast<int>(d.above > 0 || d.notFinite > 0 ? ExitCode::Difference : ExitCode::Done);
+}
+
+}  // namespace glint::app

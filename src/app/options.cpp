@@ -1,0 +1,154 @@
+#include "app/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "core/error.h"
+#include "scene/limits.h"
+#include "scene/near_names.h"
+
+namespace glint::app {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& wanted, const std::string& text) {
+    throw Error(ExitCode::Usage, option + ": expected " + wanted + ", got " + quoted(text));
+}
+
+// Numbers too large for 64 bits become the largest one, so that range checks see them.
+std::optional<int64_t> wholeNumber(std::string_view text) {
+    int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || end != text.data() + text.size()) return std::nullopt;
+    if (error == std::errc::result_out_of_range) {
+        value =
+            text.front() == '-' ? std::numeric_limits<int64_t>::min() : std::numeric_limits<int64_t>::max();
+    } else if (error != std::errc()) {
+        return std::nullopt;
+    }
+    return value;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    size_t start = 0;
+    for (size_t end = 0; end != std::string::npos; start = end + 1) {
+        end = text.find(separator, start);
+        parts.push_back(text.substr(start, end - start));
+    }
+    return parts;
+}
+
+// Exactly `count` whole numbers, clamped to the range of int; nothing if the text has another form.
+std::vector<int> wholeNumbers(const std::string& text, char separator, size_t count) {
+    std::vector<int> values;
+    for (const std::string& part : split(text, separator)) {
+        const auto value = wholeNumber(part);
+        if (!value) return {};
+        values.push_back(static_cast<int>(
+            std::clamp<int64_t>(*value, std::numeric_limits<int>::min(), std::numeric_limits<int>::max())));
+    }
+    return values.size() == count ? values : std::vector<int>{};
+}
+
+std::string trimmed(const std::string& text) {
+    const size_t first = text.find_first_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+}  // namespace
+
+std::string quoted(const std::string& text) {
+    constexpr size_t kLongest = 60;
+    std::string shown = "\"";
+    for (const char c : text.substr(0, kLongest)) {
+        const auto code = static_cast<unsigned char>(c);
+        shown += code < 32 || code == 127 ? '?' : c;
+    }
+    return shown + (text.size() > kLongest ? "...\"" : "\"");
+}
+
+int parseWhole(const std::string& option, const std::string& text, int least, int greatest) {
+    const auto value = wholeNumber(text);
+    if (!value || *value < least || *value > greatest) {
+        refuse(option, "a whole number from " + std::to_string(least) + " to " + std::to_string(greatest),
+               text);
+    }
+    return static_cast<int>(*value);
+}
+
+Size parseSize(const std::string& text) {
+    const auto v = wholeNumbers(text, 'x', 2);
+    if (v.empty()) refuse("--size", "WxH such as 640x480", text);
+    if (std::min(v[0], v[1]) < 1 || std::max(v[0], v[1]) > kMaxImageSize) {
+        refuse("--size", "a width and a height from 1 to " + std::to_string(kMaxImageSize), text);
+    }
+    return {v[0], v[1]};
+}
+
+Region parseCrop(const std::string& text) {
+    const auto v = wholeNumbers(text, ',', 4);
+    if (v.empty()) refuse("--crop", "x0,y0,x1,y1 such as 0,0,64,64", text);
+    if (v[0] < 0 || v[1] < 0 || v[2] <= v[0] || v[3] <= v[1]) {
+        refuse("--crop", "x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1", text);
+    }
+    return {v[0], v[1], v[2], v[3]};
+}
+
+std::pair<int, int> parsePixel(const std::string& text) {
+    const auto v = wholeNumbers(text, ',', 2);
+    if (v.empty()) refuse("--pixel", "x,y such as 320,240", text);
+    return {v[0], v[1]};
+}
+
+std::vector<std::string> parseAovs(const std::string& text) {
+    std::vector<std::string> names;
+    for (const std::string& part : split(text, ',')) {
+        const std::string name = trimmed(part);
+        const auto& known = aovNames();
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            std::string list;
+            for (const std::string& n : known) list += (list.empty() ? "" : " ") + n;
+            const std::vector<std::string_view> views(known.begin(), known.end());
+            const std::string nearest = name.empty() ? "" : suggestion(name, views, "known");
+            throw Error(ExitCode::Usage, "--aov: unknown layer " + quoted(name) + " (" +
+                                             (nearest.starts_with("did") ? nearest : "known: " + list) + ")");
+        }
+        if (std::find(names.begin(), names.end(), name) != names.end()) {
+            throw Error(ExitCode::Usage, "--aov: the layer " + quoted(name) + " is given twice");
+        }
+        names.push_back(name);
+    }
+    return names;
+}
+
+Backend parseBackend(const std::string& text) {
+    if (text == "gpu") return Backend::Gpu;
+    if (text == "cpu") return Backend::Cpu;
+    refuse("--backend", "gpu or cpu", text);
+}
+
+ProgressMode parseProgress(const std::string& text) {
+    try {
+        return parseProgressMode(text);
+    } catch (const Error&) {
+        refuse("--progress", "auto, bar, plain or none", text);
+    }
+}
+
+double parseTolerance(const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) ||
+        value < 0) {
+        refuse("--tolerance", "a number from 0 up", text);
+    }
+    return value;
+}
+
+}  // namespace glint::app

@@ -1,0 +1,27 @@
+// The values of the command line's options, from text. All throw Error(Usage) with one line that names the
+// option, says what it takes and shows what it was given.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/cli.h"
+
+namespace glint::app {
+
+// A whole number from `least` to `greatest`.
+int parseWhole(const std::string& option, const std::string& text, int least, int greatest);
+
+Size parseSize(const std::string& text);                      // "640x480"
+Region parseCrop(const std::string& text);                    // "x0,y0,x1,y1", not empty
+std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
+std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
+Backend parseBackend(const std::string& text);
+ProgressMode parseProgress(const std::string& text);
+double parseTolerance(const std::string& text);  // >= 0, finite
+
+// User's text for a message: in quotes, on one line, not too long.
+std::string quoted(const std::string& text);
+
+}  // namespace glint::app

@@ -1,0 +1,18 @@
+// For the newcomer before a black picture: the likely reason.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bvh/packed_scene.h"
+#include "scene/picture.h"
+#include "scene/scene.h"
+
+namespace glint::app {
+
+// One line for a complete picture that shows nothing but background, or nothing but black; nothing for any
+// other.
+std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
+                                         const PackedScene& packed);
+
+}  // namespace glint::app

@@ -1,0 +1,89 @@
+#include "app/ray_file.h"
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "app/options.h"
+#include "core/error.h"
+
+namespace glint::app {
+
+namespace {
+
+constexpr const char* kForm = "ox,oy,oz,dx,dy,dz[,tmin[,tmax]]";
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // what some spreadsheets start a CSV file with
+
+std::string trimmed(const std::string& text) {
+    const size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string::npos) return "";
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+double parseNumber(const std::string& field, const std::string& where) {
+    const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-';
+    const char* const begin = field.data() + (plus ? 1 : 0);
+    const char* const end = field.data() + field.size();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error == std::errc::invalid_argument || stop != end) {
+        throw Error(ExitCode::Scene, where + ": expected a number, got " + quoted(field));
+    }
+    if (error == std::errc::result_out_of_range) {
+        throw Error(ExitCode::Scene,
+                    where + ": number out of the range of double precision: " + quoted(field));
+    }
+    return value;
+}
+
+reference::Ray parseRay(const std::string& line, const std::string& where) {
+    std::vector<std::string> fields;
+    size_t start = 0;
+    for (size_t end = 0; end != std::string::npos; start = end + 1) {
+        end = line.find(',', start);
+        fields.push_back(trimmed(line.substr(start, end - start)));
+    }
+    if (fields.size() < 6 || fields.size() > 8) {
+        throw Error(ExitCode::Scene,
+                    where + ": expected 6 to 8 numbers " + kForm + ", got " + std::to_string(fields.size()));
+    }
+    std::vector<double> v;
+    for (const std::string& field : fields) v.push_back(parseNumber(field, where));
+    reference::Ray ray;
+    ray.origin = {v[0], v[1], v[2]};
+    ray.direction = {v[3], v[4], v[5]};
+    if (v.size() > 6) ray.tMin = v[6];
+    if (v.size() > 7) ray.tMax = v[7];
+    return ray;
+}
+
+}  // namespace
+
+std::vector<reference::Ray> parseRays(std::istream& in, const std::string& name) {
+    std::vector<reference::Ray> rays;
+    std::string line;
+    for (size_t number = 1; std::getline(in, line); ++number) {
+        if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
+        const std::string text = trimmed(line.substr(0, line.find('#')));
+        const bool header = rays.empty() && text.starts_with("ox,");
+        if (!text.empty() && !header) rays.push_back(parseRay(text, name + ":" + std::to_string(number)));
+    }
+    if (in.bad()) throw Error(ExitCode::Scene, name + ": cannot read the rays");
+    return rays;
+}
+
+std::vector<reference::Ray> readRays(const std::string& file) {
+    if (file == "-") return parseRays(std::cin, "standard input");
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
+        throw Error(ExitCode::Scene, file + ": is a folder, not a file of rays");
+    std::ifstream stream(file);
+    if (!stream) {
+        const bool exists = std::filesystem::exists(file, ignored);
+        throw Error(ExitCode::Scene, file + (exists ? ": cannot read the rays" : ": no such file"));
+    }
+    return parseRays(stream, file);
+}
+
+}  // namespace glint::app

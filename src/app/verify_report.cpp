@@ -1,0 +1,107 @@
+#include "app/verify_report.h"
+
+#include <cstdio>
+#include <ostream>
+
+namespace glint::app {
+
+namespace {
+
+// What one side has seen in a pixel.
+struct Seen {
+    const char* who;
+    glm::dvec3 color;
+    uint32_t pathHash, bounces;
+    bool hit;
+    uint32_t object, primitive;
+    double t;
+    glm::dvec3 position;
+};
+
+Seen seenBy(const verify::DifferingPixel& pixel) {
+    const PixelData& d = pixel.device;
+    return {"device",
+            glm::dvec3(pixel.deviceColor),
+            d.pathHash,
+            d.bounces,
+            d.object != PixelData::kNoIndex,
+            d.object,
+            d.primitive,
+            d.depth,
+            d.position};
+}
+
+Seen expectedBy(const verify::DifferingPixel& pixel, const glm::dvec3& origin) {
+    const reference::PixelRecord& r = pixel.reference;
+    Seen seen = {"reference", r.color, r.pathHash, r.bounces, r.hit && r.surface, 0, 0, 0, glm::dvec3(0)};
+    if (seen.hit) {
+        seen.object = r.surface->object;
+        seen.primitive = r.surface->primitive;
+        seen.t = r.hit->t;
+        seen.position = origin + r.surface->position;
+    }
+    return seen;
+}
+
+void printSeen(const Seen& s, std::ostream& out) {
+    char line[400];
+    int length = std::snprintf(line, sizeof(line), "      %-9s  color (%.6g %.6g %.6g)  ", s.who, s.color.x,
+                               s.color.y, s.color.z);
+    if (s.hit) {
+        length += std::snprintf(line + length, sizeof(line) - length,
+                                "object %u primitive %u t %.9g at (%.9g %.9g %.9g)  ", s.object, s.primitive,
+                                s.t, s.position.x, s.position.y, s.position.z);
+    } else {
+        length += std::snprintf(line + length, sizeof(line) - length, "miss  ");
+    }
+    std::snprintf(line + length, sizeof(line) - length, "bounces %u path %08x\n", s.bounces, s.pathHash);
+    out << line;
+}
+
+void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm::dvec3& origin,
+                std::ostream& out) {
+    char line[160];
+    out << "    pixel " << pixel.x << ',' << pixel.y;
+    if (manySamples) out << " sample " << pixel.sample;
+    std::snprintf(line, sizeof(line), ": difference %.6g, %s", pixel.difference,
+                  verify::reasonName(pixel.reason));
+    out << line;
+    if (pixel.reason != verify::Reason::Unexplained) {
+        std::snprintf(line, sizeof(line), " (rays moved by %.3g x 2^-24)", pixel.ulps);
+        out << line;
+    }
+    out << '\n';
+    printSeen(seenBy(pixel), out);
+    printSeen(expectedBy(pixel, origin), out);
+}
+
+std::string verdict(const verify::Report& report, const verify::Options& options) {
+    if (report.passed(options)) return "ok";
+    if (report.unexplained > 0) return "FAILED: pixels differ for no reason that rounding explains";
+    return "FAILED: too many pixels differ, though rounding explains each";
+}
+
+}  // namespace
+
+void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
+                 const glm::dvec3& origin, std::ostream& out) {
+    const auto number = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+    const double share =
+        report.pixels ? 100.0 * static_cast<double>(report.explained()) / static_cast<double>(report.pixels)
+                      : 0.0;
+    out << scene << ": " << verdict(report, options) << '\n';
+    char line[400];
+    std::snprintf(line, sizeof(line),
+                  "    %llu pixels; differing: %llu edge, %llu tie (%.4f %% explained, at most %.2f %%), "
+                  "%llu unexplained\n"
+                  "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
+                  number(report.pixels), number(report.edges), number(report.ties), share,
+                  100 * options.maxExplainedShare, number(report.unexplained), report.rmse,
+                  report.rmseSamePath, report.maxSamePath);
+    out << line;
+    for (const verify::DifferingPixel& pixel : report.worst) {
+        printPixel(pixel, options.sampleOffsets.size() > 1, origin, out);
+    }
+}
+
+}  // namespace glint::app

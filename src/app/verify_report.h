@@ -1,0 +1,17 @@
+// The words of `glint verify`.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <iosfwd>
+#include <string>
+
+#include "verify/verify.h"
+
+namespace glint::app {
+
+// The verdict on a scene, the numbers behind it, and the worst pixels with what device and reference have
+// seen there. `origin`: PackedScene::origin.
+void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
+                 const glm::dvec3& origin, std::ostream& out);
+
+}  // namespace glint::app

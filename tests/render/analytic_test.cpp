@@ -1,0 +1,270 @@
+// Rays whose hits are known: by hand, from textbooks, from other projects' tests.
+#include <cmath>
+
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+constexpr float kUnit = 0x1p-24f;
+
+class AnalyticTest : public RenderTest {
+  protected:
+    static RayHit hitOf(const PackedScene& scene, const RayInput& ray) {
+        Renderer renderer(device(), scene);
+        const RayHit hit = renderer.trace({ray}, false)[0];
+        EXPECT_EQ(renderer.trace({ray}, true)[0].hit, hit.hit) << text(ray);
+        return hit;
+    }
+    static RayHit hitOf(const Scene& scene, const RayInput& ray) {
+        const PackedScene packed = packScene(scene);
+        EXPECT_EQ(packed.origin, dvec3(0));
+        return hitOf(packed, ray);
+    }
+    // (0, 0, 0), (1, 0, 0), (0, 1, 0)
+    static Scene unitTriangle() {
+        Scene scene = emptyScene();
+        addTriangle(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+        return scene;
+    }
+};
+
+// Shirley and Marschner, Fundamentals of Computer Graphics, example of sec. 4.4: t = 2/3, both weights 1/3.
+TEST_F(AnalyticTest, triangleAcrossTheAxes) {
+    Scene scene = emptyScene();
+    addTriangle(scene, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+    const RayHit hit = hitOf(scene, rayOf({1, 1, 1}, {-1, -1, -1}));
+    ASSERT_TRUE(hit.hit);
+    EXPECT_NEAR(hit.t, 2.0 / 3, 4 * kUnit);
+    EXPECT_NEAR(hit.data.u, 1.0 / 3, 4 * kUnit);
+    EXPECT_NEAR(hit.data.v, 1.0 / 3, 4 * kUnit);
+    const double k = 1 / std::sqrt(3.0);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(hit.data.geometricNormal[i], k, 2 * kUnit);
+}
+
+// embree, verify.cpp, TriangleHitTest: 256 points of the unit triangle, from (0, 0, -1).
+TEST_F(AnalyticTest, interiorOfTheUnitTriangle) {
+    Random random(10);
+    std::vector<RayInput> rays;
+    std::vector<glm::dvec2> expected;
+    while (rays.size() < 256) {
+        const float u = static_cast<float>(random.uniform(0, 1)), v = static_cast<float>(random.uniform(0, 1));
+        if (u + v > 0.999f) continue;
+        rays.push_back(rayOf({u, v, -1}, {0, 0, 1}));
+        expected.emplace_back(u, v);
+    }
+    const PackedScene packed = packScene(unitTriangle());
+    Renderer renderer(device(), packed);
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    constexpr double kTolerance = 16 * 0x1p-23;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
+        const PixelData& data = hits[i].data;
+        EXPECT_NEAR(hits[i].t, 1, kTolerance);
+        EXPECT_NEAR(data.u, expected[i].x, kTolerance);
+        EXPECT_NEAR(data.v, expected[i].y, kTolerance);
+        EXPECT_LE(glm::length(data.position - dvec3(expected[i], 0)), kTolerance);
+        EXPECT_EQ(data.geometricNormal, vec3(0, 0, 1));  // by winding, whatever side the ray comes from
+    }
+}
+
+// Vulkan CTS, ray tracing direction length: t scales with 1 / |d|.
+TEST_F(AnalyticTest, directionLengthScalesT) {
+    Scene scene = emptyScene();
+    addTriangle(scene, {0, .5, 5}, {-.5, -.5, 5}, {.5, -.5, 5});
+    Random random(11);
+    std::vector<RayInput> rays = {rayOf({0, 0, 1}, {0, 0, 1})};
+    for (int i = 0; i < 100; ++i) rays.push_back(rayOf({0, 0, 1}, vec3(0, 0, random.uniform(0.5, 10))));
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit);
+        const double t = 4.0 / rays[i].direction.z;
+        EXPECT_NEAR(hits[i].t, t, 4 * kUnit * t);
+    }
+}
+
+// A ray at the corner where twelve triangles of a cube meet.
+TEST_F(AnalyticTest, cornerOfACube) {
+    SceneMaker maker;
+    maker.cube(vec3(0), 1);
+    const RayHit hit = hitOf(packedBy(maker), rayOf({10, 10, 10}, {-1, -1, -1}));
+    ASSERT_TRUE(hit.hit);
+    EXPECT_NEAR(hit.t, 9, 4 * kUnit * 9);
+}
+
+TEST_F(AnalyticTest, rayInTheTrianglesPlaneMisses) {
+    EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, .5f, 0}, {1, 0, 0})).hit);     // embree issue 298
+    EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, 0, 0}, {1, 0, 0})).hit);       // along an edge
+    EXPECT_FALSE(hitOf(unitTriangle(), rayOf({2, -1, 0}, {-1, 1, 0})).hit);      // along the long edge
+    EXPECT_FALSE(hitOf(unitTriangle(), rayOf({.25f, .25f, 0}, {1, 2, 0})).hit);  // from inside
+}
+
+// The ray sinks by 1.25e-7 on its way of 1.25: t = 1.25 to the precision of the direction's last component.
+TEST_F(AnalyticTest, grazingTheTriangle) {
+    const RayHit hit = hitOf(unitTriangle(), rayOf({-1, .25f, 1.25e-7f}, {1, 0, -1e-7f}));
+    ASSERT_TRUE(hit.hit);
+    EXPECT_NEAR(hit.t, 1.25, 1.25e-5);
+}
+
+// Packed by hand, as packing would drop them. The first is pbrt-v4's Triangle.BadCases.
+TEST_F(AnalyticTest, trianglesWithoutAreaAreMissed) {
+    SceneMaker bad;
+    bad.triangle({-1113.45459f, -79.049614f, -56.2431908f}, {-1113.45459f, -87.0922699f, -56.2431908f},
+                 {-1113.45459f, -79.2090149f, -56.2431908f});
+    EXPECT_FALSE(hitOf(packedBy(bad), rayOf({-1081.47925f, 99.9999542f, 87.7701111f},
+                                            {-32.1072998f, -183.355865f, -144.607635f})).hit);
+    SceneMaker collinear;
+    collinear.triangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0});
+    EXPECT_FALSE(hitOf(packedBy(collinear), rayOf({.5f, 0, -1}, {0, 0, 1})).hit);
+    SceneMaker point;
+    point.triangle({1, 2, 3}, {1, 2, 3}, {1, 2, 3});
+    EXPECT_FALSE(hitOf(packedBy(point), rayOf({0, 0, 0}, {1, 2, 3})).hit);
+}
+
+// ---- planes ----
+
+class PlaneTest : public AnalyticTest {
+  protected:
+    static Scene ground() {
+        Scene scene = emptyScene();
+        scene.camera.eye = {0, 1, 0};
+        scene.camera.target = {0, 1, -1};
+        addPlane(scene, {0, 0, 0}, {0, 1, 0});
+        return scene;
+    }
+};
+
+TEST_F(PlaneTest, distantHorizon) {
+    const RayHit hit = hitOf(ground(), rayOf({0, 1, 0}, {1, -1e-7f, 0}));
+    ASSERT_TRUE(hit.hit);
+    const double t = 1 / static_cast<double>(1e-7f);  // 9999999.883
+    EXPECT_NEAR(hit.t, t, 4 * kUnit * t);
+    EXPECT_EQ(hit.data.geometricNormal, vec3(0, 1, 0));
+    EXPECT_NEAR(hit.data.position.y, 0, 1);  // x has an ulp of 1
+}
+
+TEST_F(PlaneTest, parallelRaysMiss) {
+    EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, 0, 0})).hit);
+    EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, -0.0f, 0})).hit);
+    EXPECT_FALSE(hitOf(ground(), rayOf({0, 0, 0}, {1, 0, 0})).hit);   // in the plane
+    EXPECT_FALSE(hitOf(ground(), rayOf({0, 0, 0}, {1, -1, 0})).hit);  // t = 0
+    EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, 1, 0})).hit);   // behind
+    EXPECT_TRUE(hitOf(ground(), rayOf({0, -1, 0}, {1, 1, 0})).hit);   // from below
+}
+
+// ---- intervals, ties, rays that are none ----
+
+// Surfaces that the ray (x, y, 4) + t (0, 0, -1) meets at exactly t = 4; every step of the arithmetic is exact.
+std::vector<void (*)(Scene&)> surfacesAtFour() {
+    return {[](Scene& s) { addTriangle(s, {-2, -2, 0}, {2, -2, 0}, {0, 2, 0}); },
+            [](Scene& s) { addSphere(s, {0, 0, -1}, 1); }, [](Scene& s) { addPlane(s, {0, 0, 0}, {0, 0, 1}); }};
+}
+
+TEST_F(AnalyticTest, intervalIsOpenBelowAndClosedAbove) {
+    for (const auto add : surfacesAtFour()) {
+        Scene scene = emptyScene();
+        add(scene);
+        const bool sphere = std::holds_alternative<SphereShape>(scene.objects[0].shape);
+        const PackedScene packed = packScene(scene);
+        const auto hitIn = [&](float tMin, float tMax) {
+            RayInput ray = rayOf({0, 0, 4}, {0, 0, -1});
+            ray.tMin = tMin;
+            ray.tMax = tMax;
+            const RayHit hit = hitOf(packed, ray);
+            return hit.hit ? hit.t : 0.0f;
+        };
+        const float below = std::nextafter(4.0f, 0.0f);
+        EXPECT_EQ(hitIn(0, shared::kInfinity), 4);
+        EXPECT_EQ(hitIn(0, 4), 4);
+        EXPECT_EQ(hitIn(0, below), 0);
+        EXPECT_EQ(hitIn(below, 4), 4);
+        EXPECT_EQ(hitIn(4, 5), 0);
+        EXPECT_EQ(hitIn(4, 10), sphere ? 6 : 0);  // its far side
+        EXPECT_EQ(hitIn(6, 10), 0);
+        EXPECT_EQ(hitIn(5, 3), 0);  // empty
+    }
+}
+
+TEST_F(AnalyticTest, equalTGoesToTheFirstObject) {
+    const auto surfaces = surfacesAtFour();
+    std::vector<size_t> order = {0, 1, 2};
+    do {
+        Scene scene = emptyScene();
+        for (const size_t i : order) surfaces[i](scene);
+        const RayHit hit = hitOf(scene, rayOf({0, 0, 4}, {0, 0, -1}));
+        EXPECT_EQ(hit.t, 4);
+        EXPECT_EQ(hit.data.object, 0u) << order[0] << order[1] << order[2];
+    } while (std::next_permutation(order.begin(), order.end()));
+    for (const auto add : surfaces) {
+        Scene scene = emptyScene();
+        for (int i = 0; i < 9; ++i) add(scene);
+        EXPECT_EQ(hitOf(scene, rayOf({0, 0, 4}, {0, 0, -1})).data.object, 0u);
+    }
+}
+
+TEST_F(AnalyticTest, raysThatAreNoneMiss) {
+    Scene scene = emptyScene();
+    for (const auto add : surfacesAtFour()) add(scene);
+    addSphere(scene, {0, 0, 0}, 100);  // around everything
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    std::vector<RayInput> rays = {rayOf({0, 0, 4}, {0, 0, 0}), rayOf({0, 0, 4}, {0, -0.0f, 0})};
+    for (const float value : {nan, -nan, infinity, -infinity}) {
+        for (int i = 0; i < 3; ++i) {
+            rays.push_back(rayOf({0, 0, 4}, {0, 0, -1}));
+            rays.back().origin[i] = value;
+            rays.push_back(rayOf({0, 0, 4}, {0, 0, -1}));
+            rays.back().direction[i] = value;
+        }
+        rays.push_back(rayOf(vec3(value), vec3(value)));
+    }
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    EXPECT_EQ(misses(renderer.trace(rays, false)), rays.size());
+    EXPECT_EQ(misses(renderer.trace(rays, true)), rays.size());
+    ASSERT_TRUE(hitOf(packed, rayOf({0, 0, 4}, {0, 0, -1})).hit);
+}
+
+TEST_F(AnalyticTest, emptySceneAndNoRays) {
+    const PackedScene packed = packScene(emptyScene());
+    Renderer renderer(device(), packed);
+    EXPECT_TRUE(renderer.trace({}, false).empty());
+    EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, false)), 1u);
+    EXPECT_EQ(misses(renderer.trace({rayOf({0, 0, 4}, {0, 0, -1})}, true)), 1u);
+}
+
+// More rays than one batch holds, each with a hit of its own.
+TEST_F(AnalyticTest, manyRaysComeBackInOrder) {
+    Scene scene = emptyScene();
+    addPlane(scene, {0, 0, 0}, {0, 0, 1});
+    std::vector<RayInput> rays;
+    for (uint32_t i = 0; i < 150000; ++i) rays.push_back(rayOf({0, 0, 1.0f + static_cast<float>(i)}, {0, 0, -1}));
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
+}
+
+TEST_F(AnalyticTest, nearAndFarBoundCameraRays) {
+    Scene scene = emptyScene();
+    addTriangle(scene, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0});
+    addTriangle(scene, {-9, -9, -2}, {9, -9, -2}, {0, 9, -2});
+    scene.camera.eye = {0, 0, 4};
+    scene.camera.fovY = 5;
+    const auto middle = [&](double nearT, double farT) {
+        scene.camera.nearT = nearT;
+        scene.camera.farT = farT;
+        return draw(device(), makeCase(scene, 9, 9)).at(4, 4);
+    };
+    EXPECT_EQ(middle(0, std::numeric_limits<double>::infinity()).depth, 4);
+    EXPECT_EQ(middle(0, 4).depth, 4);
+    EXPECT_EQ(middle(4, 9).depth, 6);
+    EXPECT_EQ(middle(4, 5).object, PixelData::kNoIndex);
+}
+
+}  // namespace
+}  // namespace glint::render::test

@@ -1,0 +1,111 @@
+// Sizes, distances and lengths of directions from one end of the supported range to the other (scene/load.h: coordinates below
+// 1e18).
+#include <cmath>
+
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+constexpr double kUnit = 0x1p-24;
+
+class RangeTest : public RenderTest {
+  protected:
+    static RayHit hitOf(const Scene& scene, const RayInput& ray) {
+        const PackedScene packed = packScene(scene);
+        EXPECT_EQ(packed.origin, dvec3(0));
+        Renderer renderer(device(), packed);
+        return renderer.trace({ray}, false)[0];
+    }
+    // A triangle, a sphere and a plane that rays down the z axis meet at z = 0; `size` is the triangle's and the sphere's.
+    static std::vector<Scene> surfaces(double size) {
+        std::vector<Scene> scenes(3, emptyScene());
+        addTriangle(scenes[0], {-size, -size, 0}, {size, -size, 0}, {0, size, 0});
+        addSphere(scenes[1], {0, 0, -size}, size);
+        addPlane(scenes[2], {0, 0, 0}, {0, 0, 1});
+        for (Scene& scene : scenes) {
+            scene.camera.eye = {0, 0, 3 * size};
+            scene.camera.target = {0, 0, 0};
+        }
+        return scenes;
+    }
+};
+
+TEST_F(RangeTest, directionsOfAnyLength) {
+    for (const Scene& scene : surfaces(1)) {
+        for (const double length : {1e-15, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 1e3, 1e6, 1e9, 1e15}) {
+            const double exact = static_cast<float>(length);
+            const RayHit hit = hitOf(scene, rayOf({0, 0, 3}, {0, 0, static_cast<float>(-length)}));
+            ASSERT_TRUE(hit.hit) << scene.objects[0].name << " " << length;
+            EXPECT_NEAR(hit.t * exact, 3, 8 * kUnit * 3) << scene.objects[0].name << " " << length;
+        }
+    }
+}
+
+TEST_F(RangeTest, scenesOfAnySize) {
+    for (const double size : {1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15, 3e17}) {
+        for (const Scene& scene : surfaces(size)) {
+            const RayHit hit = hitOf(scene, rayOf(vec3(0, 0, 3 * size), {0, 0, -1}));
+            ASSERT_TRUE(hit.hit) << scene.objects[0].name << " " << size;
+            EXPECT_NEAR(hit.t / size, 3, 8 * kUnit * 3) << scene.objects[0].name << " " << size;
+        }
+    }
+}
+
+// Multiplying scene and origin by a power of two changes no digit of the answer but the exponent of t.
+TEST_F(RangeTest, powersOfTwoChangeNoDigit) {
+    const PackedScene unit = packScene(surfaces(1)[0]);
+    Random random(21);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 2000; ++i) rays.push_back(rayTowards(random.box(2) + dvec3(0, 0, 3), {random.uniform(-1, 1), random.uniform(-1, 1), 0}, true));
+    Renderer renderer(device(), unit);
+    const std::vector<RayHit> expected = renderer.trace(rays, false);
+    EXPECT_GT(rays.size() - misses(expected), 500u);
+    for (const int exponent : {-30, -20, -10, -1, 1, 10, 20, 30}) {
+        const float scale = std::ldexp(1.0f, exponent);
+        const PackedScene packed = packScene(surfaces(scale)[0]);
+        std::vector<RayInput> scaled = rays;
+        for (RayInput& ray : scaled) ray.origin *= scale;
+        Renderer other(device(), packed);
+        const std::vector<RayHit> hits = other.trace(scaled, false);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(hits[i].hit, expected[i].hit) << exponent << ": " << text(scaled[i]);
+            if (!hits[i].hit) continue;
+            ASSERT_EQ(hits[i].t, expected[i].t * scale) << exponent;
+            ASSERT_EQ(hits[i].data.u, expected[i].data.u) << exponent;
+            ASSERT_EQ(hits[i].data.v, expected[i].data.v) << exponent;
+        }
+    }
+}
+
+// Ten million from the origin, where an ulp is 1: right for the rounded corners.
+TEST_F(RangeTest, distantTriangle) {
+    Scene scene = emptyScene();
+    scene.camera.eye = {0, 0, 0};
+    scene.camera.target = {1, 0, 0};
+    addTriangle(scene, {1e7 - 8, 1e7 - 8, 0}, {1e7 + 8, 1e7 - 8, 0}, {1e7, 1e7 + 8, 0});
+    addTriangle(scene, {-1e7, -1e7, 0}, {-1e7, -1e7 - 2, 0}, {-1e7 - 2, -1e7, 0});
+    const RayHit hit = hitOf(scene, rayOf({1e7f, 1e7f, 10}, {0, 0, -1}));
+    ASSERT_TRUE(hit.hit);
+    EXPECT_NEAR(hit.t, 10, 1e-4);
+    EXPECT_EQ(hit.data.object, 0u);
+}
+
+// A bead of a thousandth and a triangle of a million in one scene.
+TEST_F(RangeTest, greatAndSmallTogether) {
+    Scene scene = emptyScene();
+    addTriangle(scene, {-1e6, -1e6, -1}, {1e6, -1e6, -1}, {0, 1e6, -1});
+    addTriangle(scene, {-1e-3, -1e-3, 0}, {1e-3, -1e-3, 0}, {0, 1e-3, 0});
+    const RayHit bead = hitOf(scene, rayOf({0, 0, 3}, {0, 0, -1}));
+    EXPECT_EQ(bead.data.object, 1u);
+    EXPECT_NEAR(bead.t, 3, 8 * kUnit * 3);
+    const RayHit ground = hitOf(scene, rayOf({1, 0, 3}, {0, 0, -1}));
+    EXPECT_EQ(ground.data.object, 0u);
+    EXPECT_NEAR(ground.t, 4, 8 * kUnit * 4);
+}
+
+}  // namespace
+}  // namespace glint::render::test

@@ -1,0 +1,159 @@
+// The tree must not change what a ray hits: the same scene with boxes that hold everything, so that each ray is tested against
+// each primitive, gives the same hits, bit by bit.
+#include <cmath>
+
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+PackedScene withOpenBoxes(PackedScene scene) {
+    constexpr float kFar = 3e38f;
+    for (shared::Node& node : scene.nodes) {
+        if (node.child0 != shared::kNone) {
+            node.lo0 = vec3(-kFar);
+            node.hi0 = vec3(kFar);
+        }
+        if (node.child1 != shared::kNone) {
+            node.lo1 = vec3(-kFar);
+            node.hi1 = vec3(kFar);
+        }
+    }
+    return scene;
+}
+
+double logUniform(Random& random, double lo, double hi) { return std::exp(random.uniform(std::log(lo), std::log(hi))); }
+
+void addRandomTriangles(Scene& scene, Random& random, int count) {
+    for (int i = 0; i < count; ++i) {
+        const dvec3 at = random.box(4);
+        const double size = logUniform(random, 1e-3, 5);
+        addTriangle(scene, at, at + random.box(size), at + random.box(size));
+    }
+}
+void addRandomSpheres(Scene& scene, Random& random, int count) {
+    for (int i = 0; i < count; ++i) addSphere(scene, random.box(4), logUniform(random, 1e-3, 2));
+}
+
+// Grids along the axes, so that boxes have no thickness, and one that is turned.
+void addGrids(Scene& scene) {
+    addGrid(scene, 20, {-2, -2, 0.5}, 4);
+    addGrid(scene, 16, {-2, -2, -0.75}, 4);
+    std::vector<dvec3> positions;
+    std::vector<glm::uvec3> corners;
+    for (uint32_t y = 0; y <= 12; ++y) {
+        for (uint32_t x = 0; x <= 12; ++x)
+            positions.push_back(dvec3(-1, -2, -2) + x / 4.0 * dvec3(0.6, 0.8, 0) + y / 4.0 * dvec3(0.3, -0.2, 1));
+    }
+    for (uint32_t i = 0; i < 12 * 13; ++i) {
+        if (i % 13 == 12) continue;
+        corners.emplace_back(i, i + 1, i + 14);
+        corners.emplace_back(i, i + 14, i + 13);
+    }
+    addMesh(scene, positions, corners);
+}
+
+Scene sceneOf(const std::string& kind) {
+    Scene scene = emptyScene();
+    Random random(7);
+    if (kind == "triangles") addRandomTriangles(scene, random, 1200);
+    if (kind == "grids") addGrids(scene);
+    if (kind == "spheres") addRandomSpheres(scene, random, 700);
+    if (kind == "mixed") {
+        addRandomTriangles(scene, random, 300);
+        addRandomSpheres(scene, random, 200);
+        addGrid(scene, 10, {-2, -2, 0.25}, 4);
+        addPlane(scene, {0, -3, 0}, {0, 1, 0});
+        addPlane(scene, {0, 0, -6}, {0.2, 0.1, 1});
+        addSphere(scene, {0, -1e4, 0}, 1e4 - 3.5);  // anchored
+    }
+    return scene;
+}
+
+class TraversalTest : public RenderTest, public testing::WithParamInterface<std::string> {
+  protected:
+    // A vertex, a point on an edge, a sphere's side, a corner of a box: where rounding decides.
+    dvec3 criticalPoint() {
+        const PackedScene& s = packed_;
+        const uint32_t choice = random_.below(4);
+        if (choice == 0) return boxCorner();
+        const bool useTriangle = !s.triangles.empty() && (s.spheres.empty() || random_.below(2));
+        if (useTriangle) {
+            const shared::Triangle& t = s.triangles[random_.below(static_cast<uint32_t>(s.triangles.size()))];
+            return choice == 1 ? dvec3(t.v0) : glm::mix(dvec3(t.v1), dvec3(t.v2), random_.uniform(0, 1));
+        }
+        const shared::Sphere& sphere = s.spheres[random_.below(static_cast<uint32_t>(s.spheres.size()))];
+        return dvec3(sphere.point) + double(sphere.radius) * (choice == 1 ? random_.direction() : dvec3(0, 1, 0));
+    }
+    dvec3 boxCorner() {
+        const shared::Node& node = packed_.nodes[random_.below(static_cast<uint32_t>(packed_.nodes.size()))];
+        dvec3 corner;
+        for (int i = 0; i < 3; ++i) corner[i] = random_.below(2) ? node.lo0[i] : node.hi0[i];
+        return corner;
+    }
+    RayInput randomRay() {
+        RayInput ray = rayTowards(random_.box(6), random_.box(4), true);
+        ray.direction *= static_cast<float>(logUniform(random_, 0.01, 100));
+        if (random_.below(4) == 0) ray.tMin = static_cast<float>(random_.uniform(0, 5));
+        if (random_.below(4) == 0) ray.tMax = ray.tMin + static_cast<float>(random_.uniform(0, 5));
+        return ray;
+    }
+    // Along an axis, with zeros of either sign across it, through a critical point.
+    RayInput axisRay() {
+        const vec3 at(criticalPoint());
+        const int axis = static_cast<int>(random_.below(3));
+        RayInput ray;
+        for (int i = 0; i < 3; ++i) ray.direction[i] = random_.below(2) ? 0.0f : -0.0f;
+        ray.direction[axis] = random_.below(2) ? 1.0f : -2.0f;
+        ray.origin = at;
+        ray.origin[axis] -= ray.direction[axis] * static_cast<float>(random_.below(8));
+        return ray;
+    }
+    // In a plane of a box, in two directions of space.
+    RayInput slabRay() {
+        RayInput ray = rayTowards(random_.box(5), criticalPoint());
+        const int axis = static_cast<int>(random_.below(3));
+        ray.origin[axis] = vec3(boxCorner())[axis];
+        ray.direction[axis] = random_.below(2) ? 0.0f : -0.0f;
+        return ray;
+    }
+    std::vector<RayInput> makeRays(int count) {
+        std::vector<RayInput> rays;
+        for (int i = 0; i < count; ++i) {
+            rays.push_back(randomRay());
+            rays.push_back(rayTowards(random_.box(6), criticalPoint(), i % 2));
+            rays.push_back(rayTowards(boxCorner(), criticalPoint()));
+            rays.push_back(axisRay());
+            rays.push_back(slabRay());
+        }
+        return rays;
+    }
+
+    PackedScene packed_ = packScene(sceneOf(GetParam()));
+    Random random_{70};
+};
+
+TEST_P(TraversalTest, treeAndBruteForceHitTheSame) {
+    const std::vector<RayInput> rays = makeRays(4000);
+    const PackedScene open = withOpenBoxes(packed_);
+    Renderer tree(device(), packed_), brute(device(), open);
+    const std::vector<RayHit> hits = tree.trace(rays, false);
+    EXPECT_TRUE(sameBits(hits, brute.trace(rays, false), rays));
+    const size_t hitCount = rays.size() - misses(hits);
+    EXPECT_GT(hitCount, rays.size() / 4);
+    EXPECT_GT(misses(hits), rays.size() / 100);
+
+    const std::vector<RayHit> any = tree.trace(rays, true);
+    size_t differing = 0;
+    for (size_t i = 0; i < rays.size(); ++i) differing += any[i].hit != hits[i].hit;
+    EXPECT_EQ(differing, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TraversalTest, testing::Values("triangles", "grids", "spheres", "mixed"),
+                         [](const auto& p) { return p.param; });
+
+}  // namespace
+}  // namespace glint::render::test

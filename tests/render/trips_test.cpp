@@ -1,0 +1,251 @@
+// lavapipe ends all loops of a subgroup after 65,535 trips, without a word (LP_MAX_TGSI_LOOP_ITERATIONS, lp_bld_limits.h of Mesa 22.3).
+// These rays need more, so a kernel that does not know gives wrong answers on this driver, and ours must not.
+#include <algorithm>
+#include <numbers>
+
+#include "mutant_kernels.h"
+#include "reference/tracer.h"
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+// Enough primitives in boxes that all coincide for more trips than lavapipe allows: every leaf of four costs six and more.
+constexpr uint32_t kPages = 48000;
+
+class TripTest : public RenderTest {
+  protected:
+    static const char* lifted() {
+        return "the kernel that ignores the limit on loop trips is right on this driver. If the driver has lifted the limit, "
+               "glint no longer needs tripBudget there, and this test proves nothing: render a scene that needs more trips";
+    }
+    // Never gives up, and would not say so.
+    static Options naive(const KernelCode& code) {
+        Options options;
+        options.access = gpu::Access::TexelBuffer;
+        options.kernels = &code;
+        options.tripBudget = 1u << 30;
+        return options;
+    }
+    const KernelCode naiveKernels_ = mutantKernels("naive");
+};
+
+// ---- any budget, the same picture ----
+
+// Two mirrors and two lights around a mesh of 5760 triangles.
+const char* const kMirrorScene = R"({
+  "camera": {"eye": [0.5, 1.6, 4.5], "target": [0, 0.5, 0], "fovY": 42},
+  "background": [0.3, 0.4, 0.5], "ambient": 0.1, "maxDepth": 3,
+  "lights": [{"type": "point", "position": [2, 4, 3]}, {"type": "directional", "direction": [1, -2, -1], "intensity": 0.4}],
+  "materials": {"m": {"diffuse": 0.1, "mirror": 0.8}, "r": {"diffuse": [0.8, 0.2, 0.1], "specular": 0.4, "mirror": 0.2},
+                "g": {"diffuse": [0.3, 0.6, 0.3]}},
+  "meshes": {"knot": {"file": "meshes/knot.obj"}},
+  "objects": [
+    {"type": "plane", "point": [0, -0.6, 0], "normal": [0, 1, 0], "material": "g"},
+    {"type": "triangle", "vertices": [[-3, -0.6, -2], [3, -0.6, -2], [0, 4, -2]], "material": "m"},
+    {"type": "mesh", "mesh": "knot", "material": "r", "transform": [{"scale": 0.3}, {"translate": [0, 0.4, 0]}]},
+    {"type": "sphere", "center": [1.3, 0.1, 0.3], "radius": 0.5, "material": "m"}]
+})";
+
+TEST_F(TripTest, anyBudgetDrawsTheSamePicture) {
+    const Case c = textCase(kMirrorScene, 32, 24);
+    Options plenty;
+    plenty.tripBudget = 5000;
+    Renderer renderer(device(), c.packed, plenty);
+    const Picture picture = draw(renderer, c);
+    EXPECT_EQ(renderer.times().resumes, 0u);
+    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(), [](const PixelData& d) { return d.bounces > 0; }), 100);
+    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(), [](const PixelData& d) { return d.shadowBits; }), 20);
+    for (const uint32_t budget : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 50u}) {
+        Options options;
+        options.tripBudget = budget;
+        Renderer tight(device(), c.packed, options);
+        EXPECT_TRUE(sameBits(draw(tight, c), picture)) << "budget " << budget;
+        EXPECT_GT(tight.times().resumes, 0u) << "budget " << budget;
+    }
+}
+
+TEST_F(TripTest, anyBudgetTracesTheSameRays) {
+    Scene scene = emptyScene();
+    Random random(51);
+    for (int i = 0; i < 400; ++i) {
+        const dvec3 at = random.box(2);
+        addTriangle(scene, at, at + random.box(0.7), at + random.box(0.7));
+        if (i % 3 == 0) addSphere(scene, random.box(2), random.uniform(0.05, 0.3));
+    }
+    addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
+    const Case c = makeCase(scene, 8, 8);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
+    Options plenty;
+    plenty.tripBudget = 5000;
+    Renderer renderer(device(), c.packed, plenty);
+    const std::vector<RayHit> closest = renderer.trace(rays, false), any = renderer.trace(rays, true);
+    EXPECT_EQ(renderer.times().resumes, 0u);
+    for (const uint32_t budget : {3u, 17u}) {
+        Options options;
+        options.tripBudget = budget;
+        Renderer tight(device(), c.packed, options);
+        EXPECT_TRUE(sameBits(tight.trace(rays, false), closest, rays)) << "budget " << budget;
+        EXPECT_GT(tight.times().resumes, 0u);
+        const std::vector<RayHit> hits = tight.trace(rays, true);
+        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].hit, any[i].hit) << text(rays[i]);
+    }
+}
+
+// ---- rays that need more trips than lavapipe allows ----
+
+// The pages of a book opened all around: all triangles share the edge from (-1, -1, -1) to (1, 1, 1), so all have the box
+// between these points, and any ray inside it must be tested against all of them.
+struct Book {
+    dvec3 e1 = glm::normalize(dvec3(1, -1, 0)), e2 = glm::normalize(dvec3(1, 1, -2));
+    // Where page number `page` is `radius` away from the spine; a fraction is between pages.
+    dvec3 at(double page, double radius) const {
+        const double angle = 2 * std::numbers::pi * page / kPages;
+        return radius * (std::cos(angle) * e1 + std::sin(angle) * e2);
+    }
+    Scene scene() const {
+        Scene result = emptyScene();
+        std::vector<dvec3> positions = {{-1, -1, -1}, {1, 1, 1}};
+        std::vector<glm::uvec3> corners;
+        for (uint32_t page = 0; page < kPages; ++page) {
+            positions.push_back(at(page, 1));
+            corners.emplace_back(0, 1, page + 2);
+        }
+        addMesh(result, positions, corners);
+        return result;
+    }
+    // From the middle between two pages, near their tips, to page number `page`, which is thus the closest one. It is 6e-5 away: a
+    // t of less than 3e-5 could not be told from zero here (PBRT sec. 6.8.7 with corners up to 2 away).
+    RayInput rayTo(uint32_t page) const { return rayTowards(at(page - 0.5, 0.9), at(page, 0.9), true); }
+};
+
+// Groups of 8, the width of llvmpipe's subgroups, so that each page of a group is missed should its leaf be cut short.
+std::vector<uint32_t> somePages() {
+    std::vector<uint32_t> pages;
+    for (uint32_t first = 0; first < kPages; first += 160) {
+        for (uint32_t i = 0; i < 8; ++i) pages.push_back(first + i);
+    }
+    return pages;
+}
+
+TEST_F(TripTest, everyPageOfALongBookIsFound) {
+    const Book book;
+    const Case c = makeCase(book.scene(), 8, 8);
+    ASSERT_EQ(c.packed.triangles.size(), kPages);
+    const std::vector<uint32_t> pages = somePages();
+    std::vector<RayInput> rays;
+    for (const uint32_t page : pages) rays.push_back(book.rayTo(page));
+    const auto wrong = [&](const std::vector<RayHit>& hits) {
+        size_t count = 0;
+        for (size_t i = 0; i < pages.size(); ++i) count += hits[i].data.primitive != pages[i];
+        return count;
+    };
+    Renderer renderer(device(), c.packed);
+    EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u);
+    EXPECT_GT(renderer.times().resumes, 0u);
+    const reference::Tracer tracer(c.packed);
+    for (size_t i = 0; i < pages.size(); i += 97) {
+        const auto hit = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->id, pages[i]);
+    }
+    Renderer ignorant(device(), c.packed, naive(naiveKernels_));
+    EXPECT_GT(wrong(ignorant.trace(rays, false)), 0u) << lifted();
+}
+
+// Identical primitives: the lowest id wins, which is in the leaf that is visited last.
+class PileTest : public TripTest, public testing::WithParamInterface<bool> {};
+
+TEST_P(PileTest, lowestIdOfAPileWins) {
+    const bool spheres = GetParam();
+    Scene scene = emptyScene();
+    if (spheres) {
+        for (uint32_t i = 0; i < kPages; ++i) addSphere(scene, {0, 0, 0}, 1);
+    } else {
+        addMesh(scene, {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, std::vector<glm::uvec3>(kPages, {0, 1, 2}));
+    }
+    Case c = makeCase(scene, 8, 8);
+    // Ids only break ties, so they may be dealt out backwards.
+    for (shared::Triangle& t : c.packed.triangles) t.id = kPages - 1 - t.id;
+    for (shared::Sphere& s : c.packed.spheres) s.id = kPages - 1 - s.id;
+    const auto lowest = [&](const RayHit& hit) {
+        const uint32_t index = hit.kindAndIndex & shared::kPrimitiveIndexMask;
+        return hit.hit && (spheres ? c.packed.spheres[index].id : c.packed.triangles[index].id) == 0;
+    };
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 64; ++i) rays.push_back(rayTowards({0.1 * (i % 8), 0.1 * (i / 8), 3}, {0.01 * (i % 8), -0.02 * (i / 8), 0}));
+    Renderer renderer(device(), c.packed);
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    EXPECT_EQ(std::count_if(hits.begin(), hits.end(), lowest), 64);
+    Renderer ignorant(device(), c.packed, naive(naiveKernels_));
+    const std::vector<RayHit> cut = ignorant.trace(rays, false);
+    EXPECT_LT(std::count_if(cut.begin(), cut.end(), lowest), 64) << lifted();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PileTest, testing::Bool(),
+                         [](const auto& p) { return std::string(p.param ? "spheres" : "triangles"); });
+
+// A roof of triangles over a floor, seen from between them. All have the roof's box; all but the last cover its one half, so
+// a shadow ray through the other half must go through all the boxes to find the one that shades.
+Scene roof() {
+    Scene scene = emptyScene();
+    const std::vector<dvec3> half = {{-3, -3, 2}, {3, -3, 2.5}, {-3, 3, 3}};
+    addMesh(scene, half, std::vector<glm::uvec3>(kPages, {0, 1, 2}));
+    addTriangle(scene, {3, 3, 2}, {-3, 3, 2.5}, {3, -3, 3});
+    addPlane(scene, {0, 0, 0}, {0, 0, 1});
+    scene.lights.push_back(PointLight{{0, 0, 10}, Color(1), false});
+    scene.camera.eye = {0, 0, 1.8};
+    scene.camera.target = {0, 0.2, 0};
+    scene.camera.fovY = 80;
+    return scene;
+}
+
+TEST_F(TripTest, shadowBehindManyBoxesIsFound) {
+    const Case c = makeCase(roof(), 24, 24);
+    Renderer renderer(device(), c.packed);
+    const Picture picture = draw(renderer, c);
+    EXPECT_GT(renderer.times().resumes, 0u);
+    // The whole roof shades the whole floor in view: up to 1.7 from the centre, seen from the light as up to 1.7 * 0.8 < 3.
+    const auto lit = [](const Picture& p) {
+        return std::count_if(p.data.begin(), p.data.end(), [](const PixelData& d) { return d.shadowBits != 1; });
+    };
+    EXPECT_EQ(lit(picture), 0);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    EXPECT_TRUE(report.passed(options)) << report.unexplained << " unexplained";
+
+    const Picture cut = draw(device(), c, naive(naiveKernels_));
+    EXPECT_GT(lit(cut), 24 * 24 / 4) << lifted();
+}
+
+TEST_F(TripTest, twoHundredReflectionsAgreeWithTheReference) {
+    const Case c = textCase(R"({
+      "camera": {"eye": [0.2, 0.5, 1.2], "target": [-1, 0.55, 1], "fovY": 50},
+      "background": 0.3, "ambient": 0.2, "maxDepth": 200,
+      "lights": [{"type": "point", "position": [0.3, 1.6, 1]}, {"type": "point", "position": [-0.5, 1.2, -1], "intensity": 0.4},
+                 {"type": "directional", "direction": [0.1, -1, -0.3], "intensity": 0.3}],
+      "materials": {"m": {"diffuse": 0.01, "mirror": 0.97}, "f": {"diffuse": 0.5}, "s": {"diffuse": [0.8, 0.3, 0.2], "specular": 0.4}},
+      "objects": [{"type": "plane", "point": [-1, 0, 0], "normal": [1, 0, 0], "material": "m"},
+                  {"type": "plane", "point": [1, 0, 0], "normal": [-1, 0, 0], "material": "m"},
+                  {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "f"},
+                  {"type": "sphere", "center": [0, 0.3, 0], "radius": 0.3, "material": "s"}]
+    })", 80, 60);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    EXPECT_TRUE(report.passed(options)) << report.unexplained << " unexplained, " << report.explained() << " explained";
+    uint32_t deepest = 0;
+    for (const PixelData& data : draw(renderer, c).data) deepest = std::max(deepest, data.bounces);
+    EXPECT_EQ(deepest, 200u);
+}
+
+}  // namespace
+}  // namespace glint::render::test
