@@ -9,8 +9,7 @@ namespace glint {
 
 namespace {
 
-// Towards the eye, from the middle of the model: in front (+z), to the right and above, about 25 and 20
-// degrees.
+// Towards the eye, from the middle of the model: in front (+z), to the right and above.
 constexpr glm::dvec3 kTowardsEye{0.42, 0.40, 1.0};
 constexpr double kFovY = 40;
 constexpr double kMargin = 1.08;  // of the picture's half size that stays free around the model, as a factor

@@ -1,5 +1,4 @@
-// A place in a JSON tree that knows its JSON pointer (RFC 6901), for typed reading with errors that say
-// where.
+// A place in a JSON tree that knows its JSON pointer (RFC 6901): typed reading, errors that say where.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,8 +11,7 @@
 
 namespace glint {
 
-// The keys of one kind of JSON object. `later` holds keys of the scene format that this version does not
-// read.
+// The keys of one kind of JSON object. `later` holds those of the format that this version lacks.
 struct KeyTable {
     std::string_view what;  // the path of the object in the schema, e.g. "objects/sphere"
     std::span<const std::string_view> keys;

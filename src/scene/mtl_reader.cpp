@@ -1,5 +1,4 @@
-// MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, appendix B1), parsed by
-// tinyobjloader.
+// MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, B1), parsed by tinyobjloader.
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
@@ -47,8 +46,7 @@ Material convert(const tinyobj::material_t& m) {
     material.ambient = m.illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
     material.shininess = m.shininess;
     const Color specular = m.illum == 0 ? Color(0) : color(m.specular);
-    // An exponent of 0 would add Ks to every lit point; exporters write Ns 0 for a surface without a
-    // highlight.
+    // An exponent of 0 would add Ks to every lit point; exporters mean "no highlight" by Ns 0.
     if (m.shininess > 0) material.specular = specular;
     // Illumination models from 3 up trace rays (3: mirror, 4 to 7: glass and Fresnel, 8 and 9: without rays).
     if (m.illum >= 3) material.mirror = glm::min(specular, Color(1));

@@ -18,8 +18,7 @@ namespace {
 
 constexpr int64_t kNone = -1;
 
-// A face corner; indices count from 0 and are not yet known to be in range, since a face may come before its
-// vertices.
+// A face corner; indices count from 0 and may be out of range, as a face may come before its vertices.
 struct Corner {
     int64_t vertex = kNone;
     int64_t normal = kNone;
@@ -91,8 +90,7 @@ class ObjReader {
         return corner;
     }
 
-    // An index that ends at a slash or at the word's end, counted from 0. `what` null: its range is of no
-    // interest.
+    // An index that ends at a slash or at the word's end, counted from 0. `what` null: any value will do.
     int64_t readIndex(const char*& at, const char* end, std::string_view word, const char* what,
                       size_t count) {
         int64_t index = 0;

@@ -1,5 +1,4 @@
-// The scene file, section by section. Only types and keys are checked here; what values mean is checked by
-// validateScene.
+// The scene file, section by section. Keys and types are checked here, ranges by validateScene.
 #include <algorithm>
 
 #include "scene/json_cursor.h"

@@ -1,7 +1,6 @@
 // PLY meshes. Not by assimp, although it reads PLY fast; tried (5.2.5) on files of the kinds in tests/scene:
 // it rounds double properties to float (123456.123456789 becomes 123456.125), takes a truncated ascii file
-// for a whole one and fills the rest with whatever was in memory, and passes face indices beyond the vertices
-// on.
+// for a whole one and fills the rest with whatever was in memory, and lets bad vertex indices pass.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -56,8 +55,8 @@ std::string endsAfter(const PlyElement& element, uint64_t index) {
 }
 
 // AsciiSource and BinarySource give the numbers of the elements, property by property in the header's order.
-// fail() says in which face; atMost() is how many elements can still follow, which keeps a header that lies
-// from reserving all memory. One line an element.
+// fail() adds the place; atMost() is how many elements can still follow, which keeps a header that lies from
+// reserving all memory. In ascii files an element is a line.
 class AsciiSource {
   public:
     AsciiSource(std::string_view body, const std::string& file, size_t line)

@@ -35,8 +35,7 @@ std::vector<Point> project(std::span<const glm::dvec3> corners) {
     int axis = 0;
     for (int k = 1; k < 3; k++)
         if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
-    // Dropping the axis keeps the orientation (x of y, z; y of z, x; z of x, y) if the normal points along
-    // it.
+    // Dropping the axis keeps the orientation (x: y, z; y: z, x; z: x, y) if the normal points along it.
     int first = (axis + 1) % 3, second = (axis + 2) % 3;
     if (normal[axis] < 0) std::swap(first, second);
     std::vector<Point> points;
@@ -55,8 +54,7 @@ bool isConvex(const std::vector<Point>& points) {
 }
 
 // Ear clipping over a ring of the corners that are left (Meisters, Polygons have ears, Am. Math. Monthly 82,
-// 1975). Quadratic, as cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping,
-// 2002).
+// 1975). Quadratic: cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping, 2002).
 class EarClipper {
   public:
     explicit EarClipper(const std::vector<Point>& points)
@@ -92,8 +90,7 @@ class EarClipper {
         const Point &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
         for (const uint32_t other : reflex_) {
             const Point& p = points_[other];
-            // Corners in the same place: the ear's own, and those of a bridge to a hole, which is walked
-            // twice.
+            // Corners in the same place: the ear's own, and those of a bridge to a hole, walked twice.
             if (p == a || p == b || p == c) continue;
             if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return false;
         }

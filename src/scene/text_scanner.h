@@ -1,5 +1,4 @@
-// Words and numbers of a text file, line by line, for the mesh readers. Speed matters: millions of numbers a
-// file.
+// Words and numbers of a text file, line by line, for the mesh readers: fast, for millions of numbers.
 #pragma once
 
 #include <cstdint>

@@ -46,13 +46,16 @@ glm::dmat3 cofactors(const glm::dmat3& m) {
             glm::cross(scaled[0], scaled[1])};
 }
 
+bool mirrors(const glm::dmat3& linear) {
+    return glm::determinant(linear / greatestElement(linear)) < 0;
+}
+
 // Applies M^-T to normals and returns unit vectors; vectors without a direction stay as they are.
 class NormalTransform {
   public:
     explicit NormalTransform(const glm::dmat3& linear) : matrix_(cofactors(linear)) {
-        // cofactors = det * inverse transpose: the determinant's sign must go, or mirrors would turn normals
-        // inward.
-        if (glm::determinant(linear / greatestElement(linear)) < 0) matrix_ = -matrix_;
+        // cofactors = det * inverse transpose: without its sign, or mirrors would turn normals inward.
+        if (mirrors(linear)) matrix_ = -matrix_;
     }
     glm::dvec3 operator()(const glm::dvec3& normal) const {
         const double size = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
@@ -63,10 +66,6 @@ class NormalTransform {
   private:
     glm::dmat3 matrix_;
 };
-
-bool mirrors(const glm::dmat3& linear) {
-    return glm::determinant(linear / greatestElement(linear)) < 0;
-}
 
 glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {
     return transform.linear * point + transform.offset;
@@ -106,8 +105,7 @@ double conditionNumber(const glm::dmat3& linear) {
     if (std::isnan(greatest)) return greatest;
     if (greatest == 0) return std::numeric_limits<double>::infinity();
     const glm::dmat3 scaled = linear / greatest;
-    // |A^-1| = |cofactors| / |det|, as the inverse is the transposed matrix of cofactors over the
-    // determinant.
+    // |A^-1| = |cofactors| / |det|, as the inverse is the transposed cofactors over det.
     return frobenius(scaled) * frobenius(cofactors(scaled)) / std::abs(glm::determinant(scaled));
 }
 

@@ -24,5 +24,6 @@ mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" ligh
 mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
 mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
+mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)

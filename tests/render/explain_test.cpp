@@ -1,0 +1,234 @@
+// How verify tells rounding from a defect.
+#include "verify/explain.h"
+
+#include <cmath>
+
+#include "support.h"
+
+namespace glint::verify {
+namespace {
+
+using glm::dvec3;
+using render::test::Case;
+
+// A bright square before a dark wall: its right edge is at x = 1.
+Case squareCase() {
+    Scene scene = render::test::emptyScene();
+    scene.ambient = Color(1);
+    const uint32_t dark = render::test::addMaterial(scene, Color(0.1));
+    render::test::addTriangle(scene, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0});
+    render::test::addTriangle(scene, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+    render::test::addPlane(scene, {0, 0, -3}, {0, 0, 1}, dark);
+    return render::test::makeCase(scene, 8, 8);
+}
+
+reference::Ray rayAt(const Case& c, const dvec3& target) {
+    reference::Ray ray;
+    ray.origin = dvec3(c.camera.eye);
+    ray.direction = glm::normalize(target - ray.origin);
+    return ray;
+}
+
+// What the device would report had it seen `record`.
+DifferingPixel pixelOf(const reference::PixelRecord& device, const reference::PixelRecord& reference) {
+    DifferingPixel pixel;
+    pixel.deviceColor = glm::vec3(device.color);
+    pixel.device.pathHash = device.pathHash;
+    if (device.hit) {
+        pixel.device.depth = device.hit->t;
+        pixel.device.object = device.surface->object;
+        pixel.device.primitive = device.surface->primitive;
+    }
+    pixel.reference = reference;
+    return pixel;
+}
+
+class ExplainTest : public testing::Test {
+  protected:
+    // The reference sees `seen`, the device claims what a ray at `claimed` sees.
+    DifferingPixel explained(const dvec3& seen, const dvec3& claimed) const {
+        const reference::Tracer tracer(case_.packed);
+        const reference::Ray ray = rayAt(case_, seen);
+        DifferingPixel pixel = pixelOf(tracer.trace(rayAt(case_, claimed)), tracer.trace(ray, {}, true));
+        explain(tracer, ray, case_.packed, 1.0 / 512, pixel);
+        return pixel;
+    }
+    const Case case_ = squareCase();
+};
+
+TEST_F(ExplainTest, otherSideOfAnEdgeIsExplained) {
+    // A tenth of an ulp inside and outside the edge, 5 away from the eye.
+    const double tiny = 0.1 * 0x1p-24;
+    const DifferingPixel pixel = explained({1 - tiny, 0.3, 0}, {1 + tiny, 0.3, 0});
+    EXPECT_EQ(pixel.reason, Reason::Edge);
+    EXPECT_LE(pixel.ulps, 8);
+    const DifferingPixel back = explained({1 + tiny, 0.3, 0}, {1 - tiny, 0.3, 0});
+    EXPECT_EQ(back.reason, Reason::Edge);
+    EXPECT_LE(back.ulps, 8);
+}
+
+TEST_F(ExplainTest, fartherFromAnEdgeTakesMoreJitter) {
+    const double unit = 5 * 0x1p-24;  // one unit of direction, seen 5 away
+    const DifferingPixel near = explained({1 - 0.1 * unit, 0.3, 0}, {1.01, 0.3, 0});
+    const DifferingPixel far = explained({1 - 12 * unit, 0.3, 0}, {1.01, 0.3, 0});
+    EXPECT_EQ(near.reason, Reason::Edge);
+    EXPECT_EQ(far.reason, Reason::Edge);
+    EXPECT_LT(near.ulps, far.ulps);
+}
+
+TEST_F(ExplainTest, middleOfASurfaceIsNotExplained) {
+    EXPECT_EQ(explained({0.5, 0.3, 0}, {1.5, 0.3, 0}).reason, Reason::Unexplained);
+    EXPECT_EQ(explained({1.5, 0.3, 0}, {0.5, 0.3, 0}).reason, Reason::Unexplained);
+    // A thousandth of a pixel is far more than rounding.
+    EXPECT_EQ(explained({1 - 5e-4, 0.3, 0}, {1.01, 0.3, 0}).reason, Reason::Unexplained);
+}
+
+TEST_F(ExplainTest, rightPathWithAWrongColourIsNotExplained) {
+    const reference::Tracer tracer(case_.packed);
+    const reference::Ray ray = rayAt(case_, {0.5, 0.3, 0});
+    DifferingPixel pixel = pixelOf(tracer.trace(ray), tracer.trace(ray, {}, true));
+    pixel.deviceColor *= 1.01f;
+    explain(tracer, ray, case_.packed, 1.0 / 512, pixel);
+    EXPECT_EQ(pixel.reason, Reason::Unexplained);
+    // Nor is a colour between the two sides of an edge that is not near.
+    pixel.deviceColor = glm::vec3(0.4f);
+    explain(tracer, ray, case_.packed, 1.0 / 512, pixel);
+    EXPECT_EQ(pixel.reason, Reason::Unexplained);
+}
+
+TEST_F(ExplainTest, coincidentSurfacesAreATie) {
+    Scene scene = render::test::emptyScene();
+    scene.ambient = Color(1);
+    const uint32_t dark = render::test::addMaterial(scene, Color(0.1));
+    render::test::addTriangle(scene, {-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+    render::test::addTriangle(scene, {-1, -1, 0}, {0.9, -1, 0}, {0, 0.9, 0}, dark);
+    const Case both = render::test::makeCase(scene, 8, 8);
+    const reference::Tracer tracer(both.packed);
+    const reference::Ray ray = rayAt(both, {-0.1, -0.3, 0});
+    const reference::PixelRecord first = tracer.trace(ray, {}, true);
+    ASSERT_EQ(first.surface->object, 0u);
+    // The device took the second triangle, at the same t.
+    reference::PixelRecord second = first;
+    second.surface->object = 1;
+    second.color = dvec3(0.1);
+    second.pathHash = (2166136261u ^ 2u) * 16777619u;  // docs/shading.md: k = id + 1
+    DifferingPixel pixel = pixelOf(second, first);
+    explain(tracer, ray, both.packed, 1.0 / 512, pixel);
+    EXPECT_EQ(pixel.reason, Reason::Tie);
+}
+
+// ---- the bound on the jitter ----
+
+double boundOf(const PackedScene& scene, double t, const dvec3& origin = dvec3(0)) {
+    reference::PixelRecord record;
+    record.path.resize(1);
+    record.path[0].ray.origin = origin;
+    record.path[0].hit = reference::Hit{t};
+    return roundingBound(scene, record, PixelData());
+}
+
+TEST(RoundingBound, growsWithTheSceneAndWithNearness) {
+    PackedScene scene;
+    double last = 0;
+    for (const float extent : {1.0f, 2.0f, 10.0f, 1e3f, 1e6f}) {
+        scene.boundsHi = glm::vec3(extent);
+        EXPECT_GT(boundOf(scene, 1), last);
+        last = boundOf(scene, 1);
+    }
+    scene.boundsHi = glm::vec3(1);
+    scene.boundsLo = glm::vec3(0, -1e6f, 0);
+    EXPECT_EQ(boundOf(scene, 1), last);  // either side counts
+    last = std::numeric_limits<double>::infinity();
+    for (const double t : {1e-3, 0.1, 1.0, 50.0, 1e4}) {
+        EXPECT_LT(boundOf(scene, t), last);
+        EXPECT_GE(boundOf(scene, t), 8);  // what a camera ray alone may be off
+        last = boundOf(scene, t);
+    }
+    EXPECT_GT(boundOf(scene, 1, dvec3(0, 0, 1e8)), boundOf(scene, 1));
+}
+
+TEST(RoundingBound, shortestDistanceOfEitherPathCounts) {
+    PackedScene scene;
+    scene.boundsHi = glm::vec3(10);
+    PixelData near, far;
+    near.object = far.object = 0;
+    near.depth = 0.5;
+    far.depth = 5;
+    reference::PixelRecord miss;
+    EXPECT_GT(roundingBound(scene, miss, near), roundingBound(scene, miss, far));
+    EXPECT_EQ(roundingBound(scene, miss, PixelData()), 8);
+    reference::PixelRecord hit;
+    hit.path.resize(2);
+    hit.path[0].hit = reference::Hit{3};
+    hit.path[1].hit = reference::Hit{0.25};
+    EXPECT_GT(roundingBound(scene, hit, far), roundingBound(scene, miss, near));
+}
+
+// ---- the verdict ----
+
+TEST(Report, passesUpToTheAllowedShare) {
+    Options options;
+    Report report;
+    report.pixels = 1000;
+    EXPECT_TRUE(report.passed(options));
+    report.edges = 3;
+    report.ties = 2;
+    EXPECT_EQ(report.explained(), 5u);
+    EXPECT_TRUE(report.passed(options));  // 0.5 %
+    report.ties = 3;
+    EXPECT_FALSE(report.passed(options));
+    options.maxExplainedShare = 0.006;
+    EXPECT_TRUE(report.passed(options));
+    report.unexplained = 1;
+    EXPECT_FALSE(report.passed(options));
+    report = Report();
+    report.pixels = 10;
+    report.interrupted = true;
+    EXPECT_FALSE(report.passed(options));
+}
+
+TEST(Report, reasonsHaveNames) {
+    EXPECT_STREQ(reasonName(Reason::Tie), "tie");
+    EXPECT_STREQ(reasonName(Reason::Edge), "edge");
+    EXPECT_STREQ(reasonName(Reason::Unexplained), "unexplained");
+}
+
+class VerifyTest : public render::test::RenderTest {};
+
+TEST_F(VerifyTest, everySampleIsAPictureOfItsOwn) {
+    const Case c = render::test::fileCase("triangles", 40, 30);
+    render::Renderer renderer(device(), c.packed);
+    Options options;
+    options.width = c.width;
+    options.height = c.height;
+    options.sampleOffsets = sampleOffsets(4);
+    double progress = 0;
+    options.progress = [&](double fraction) {
+        EXPECT_GE(fraction, progress);
+        progress = fraction;
+    };
+    const Report report = verify(renderer, c.packed, c.camera, options);
+    EXPECT_EQ(report.pixels, 4u * 40 * 30);
+    EXPECT_EQ(progress, 1.0);
+    EXPECT_TRUE(report.passed(options));
+    EXPECT_GT(report.rmse, 0);  // float is not double
+    EXPECT_LT(report.rmseSamePath, 1e-4);
+    EXPECT_LE(report.rmseSamePath, report.maxSamePath);
+    EXPECT_LE(report.worst.size(), options.worstCount);
+    EXPECT_EQ(report.difference.width, 40);
+}
+
+TEST_F(VerifyTest, cancelledIsInterruptedAndNotPassed) {
+    const Case c = render::test::fileCase("triangles", 40, 30);
+    render::Renderer renderer(device(), c.packed);
+    Options options;
+    options.width = c.width;
+    options.height = c.height;
+    options.cancelled = [] { return true; };
+    const Report report = verify(renderer, c.packed, c.camera, options);
+    EXPECT_TRUE(report.interrupted);
+    EXPECT_FALSE(report.passed(options));
+}
+
+}  // namespace
+}  // namespace glint::verify

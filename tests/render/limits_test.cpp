@@ -1,0 +1,115 @@
+// Arrays beyond what a device can bind: refused by name where nothing helps, rendered where texel buffers do.
+#include <algorithm>
+
+#include "core/error.h"
+#include "shared/dispatch.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+gpu::DeviceInfo deviceWith(uint64_t storageRange, uint64_t texels, bool llvmpipe, uint32_t images = 1000) {
+    gpu::DeviceInfo device;
+    device.llvmpipe = llvmpipe;
+    device.limits.maxStorageBufferRange = storageRange;
+    device.limits.maxTexelBufferElements = texels;
+    device.limits.maxAllocationSize = uint64_t{1} << 40;
+    device.limits.maxStorageImagesPerStage = images;
+    return device;
+}
+
+TEST(ChooseAccess, texelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
+    constexpr uint64_t kStorage = 1 << 20, kTexels = 1 << 17;  // 1 MiB and 2 MiB
+    const auto choose = [&](bool llvmpipe, uint64_t bytes, uint32_t images = 1000) {
+        return chooseAccess(deviceWith(kStorage, kTexels, llvmpipe, images), bytes);
+    };
+    using enum gpu::Access;
+    EXPECT_EQ(choose(true, 16), TexelBuffer);
+    EXPECT_EQ(choose(true, 2 * kStorage), TexelBuffer);
+    EXPECT_EQ(choose(true, 2 * kStorage + 16), StorageBuffer);  // neither fits: the message will name the storage buffer's range
+    EXPECT_EQ(choose(false, 16), StorageBuffer);
+    EXPECT_EQ(choose(false, kStorage), StorageBuffer);
+    EXPECT_EQ(choose(false, kStorage + 16), TexelBuffer);
+    EXPECT_EQ(choose(false, 2 * kStorage + 16), StorageBuffer);
+    // All arrays and the path state are images then.
+    EXPECT_EQ(choose(true, 16, GLINT_BINDING_COUNT), TexelBuffer);
+    EXPECT_EQ(choose(true, 16, 4), StorageBuffer);
+    EXPECT_EQ(choose(false, kStorage + 16, 4), StorageBuffer);
+}
+
+TEST(ChooseAccess, llvmpipeWithFewTexels) {
+    // The least that Vulkan guarantees: 65536 texels, 128 MiB.
+    const gpu::DeviceInfo device = deviceWith(uint64_t{1} << 27, 65536, true);
+    EXPECT_EQ(chooseAccess(device, 65536 * 16), gpu::Access::TexelBuffer);
+    EXPECT_EQ(chooseAccess(device, 65537 * 16), gpu::Access::StorageBuffer);
+}
+
+// lavapipe's limit is 65,535 trips of a subgroup; a budget that is no use for 8 lanes must not be chosen for 64.
+TEST(TripBudget, leavesRoomForEveryLane) {
+    for (const uint32_t lanes : {1u, 4u, 8u, 16u}) {
+        gpu::DeviceInfo device = deviceWith(1 << 27, 1 << 27, true);
+        device.limits.subgroupSize = lanes;
+        const uint32_t budget = deriveTripBudget(device);
+        EXPECT_LE(std::max(lanes, 8u) * budget + shared::kMaxPlanes, 65535u) << lanes;
+        EXPECT_GE(budget, 1000u) << lanes;
+    }
+}
+
+class LimitsTest : public RenderTest {};
+
+TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRefusedByName) {
+    const uint64_t range = device().info().limits.maxStorageBufferRange;
+    PackedScene scene;
+    scene.triangles.resize(range / sizeof(shared::Triangle) + 1);
+    const uint64_t bytes = scene.triangles.size() * sizeof(shared::Triangle);
+    ASSERT_LT(bytes, uint64_t{1} << 32) << "this device's range is too great for the test";
+    Options options;
+    options.access = gpu::Access::StorageBuffer;
+    try {
+        Renderer renderer(device(), scene, options);
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::Device);
+        EXPECT_EQ(std::string(error.what()), "array \"triangles\" needs " + std::to_string(bytes) +
+                                                 " bytes, but this device binds at most " + std::to_string(range / 16 * 16) +
+                                                 " bytes as a storage buffer");
+    }
+}
+
+// The scene's own triangles lie behind so many others, which no leaf names, that their array passes the storage buffer range.
+PackedScene behindManyTriangles(PackedScene scene, uint32_t others) {
+    const auto insert = [&](auto& array) { array.insert(array.begin(), others, {}); };
+    insert(scene.triangles);
+    insert(scene.triangleSurfaces);
+    const auto move = [&](uint32_t& child) {
+        if (child == shared::kNone || !(child & shared::kLeafFlag)) return;
+        const uint32_t first = (child & shared::kLeafFirstMask) + others;
+        ASSERT_LE(first, shared::kLeafFirstMask);
+        child = (child & ~shared::kLeafFirstMask) | first;
+    };
+    for (shared::Node& node : scene.nodes) {
+        move(node.child0);
+        move(node.child1);
+    }
+    return scene;
+}
+
+TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRendered) {
+    const Case c = fileCase("knot", 64, 48);
+    const uint64_t range = device().info().limits.maxStorageBufferRange;
+    const uint32_t others = static_cast<uint32_t>(range / sizeof(shared::Triangle)) + 1;
+    const PackedScene large = behindManyTriangles(c.packed, others);
+    Renderer small(device(), c.packed), renderer(device(), large);
+    EXPECT_EQ(renderer.access(), gpu::Access::TexelBuffer);
+    EXPECT_GT(renderer.deviceBytes(), range);
+    EXPECT_TRUE(sameBits(draw(small, c), renderer.render(c.camera, [&] {
+        RenderSettings settings;
+        settings.width = c.width;
+        settings.height = c.height;
+        settings.data = true;
+        return settings;
+    }())));
+}
+
+}  // namespace
+}  // namespace glint::render::test
