@@ -19,6 +19,16 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 constexpr uint32_t kMaxSlicePaths = 1u << 20;
 constexpr uint32_t kFirstSliceTiles = 256;
 
+// Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
+uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
+    const uint64_t pathBytes = static_cast<uint64_t>(rows) * sizeof(RowEntry);
+    while (wanted > shared::kWorkgroupSize && (!gpu::fits(wanted * pathBytes, access, device.limits) ||
+                                               wanted * pathBytes > device.limits.memory / 4)) {
+        wanted /= 2;
+    }
+    return wanted;
+}
+
 Region wholeOrGiven(const RenderSettings& settings) {
     const Region& r = settings.region;
     if (r.width() > 0 && r.height() > 0) return r;
@@ -272,10 +282,12 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
-    const uint32_t limit = s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths;
+    const uint32_t rows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+    const uint32_t limit = fittingPaths(s.device.info(), s.access,
+                                        s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
     const uint32_t wanted = std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
-    s.reservePaths(maxTiles * shared::kWorkgroupSize, modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows);
+    s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
     s.buffers.setCamera(s.device, camera);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
