@@ -1,4 +1,5 @@
 // `glint diff`: numbers from their definitions, exit codes 0 and 5, faults.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -1,4 +1,6 @@
 // What `glint render` writes from a device.
+#include <algorithm>
+
 #include "core/image_io.h"
 #include "support.h"
 

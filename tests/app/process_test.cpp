@@ -1,5 +1,8 @@
 // The program itself, on the reference: interrupts, progress, terminals, a machine without Vulkan.
+#include <unistd.h>
+
 #include <csignal>
+#include <cstdlib>
 
 #include "child.h"
 #include "core/image_io.h"

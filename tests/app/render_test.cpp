@@ -1,5 +1,6 @@
 // What `glint render --backend cpu` writes.
 #include <array>
+#include <cmath>
 
 #include "core/image_io.h"
 #include "support.h"
