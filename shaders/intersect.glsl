@@ -48,25 +48,17 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, 
     precise float az = frame.shear.z * a.z;
     precise float bz = frame.shear.z * b.z;
     precise float cz = frame.shear.z * c.z;
-    precise float scaled = ea * az + eb * bz + ec * cz;
     precise float inverse = 1.0 / det;
-    precise float tHit = scaled * inverse;
+    precise float wHit = ea * inverse;
     precise float uHit = eb * inverse;
     precise float vHit = ec * inverse;
+    precise float tHit = wHit * az + uHit * bz + vHit * cz;
     t = tHit;
     u = uHit;
     v = vHit;
 
-    // The bound on t's error, 3 (gamma_3 E Z + deltaE Z + deltaZ E) / |det|, with |det| in place of the greatest edge function E, which
-    // is no smaller once all three have one sign; X, Y, Z are the greatest magnitudes of the corners' coordinates.
-    float x = larger(abs(a2.x), larger(abs(b2.x), abs(c2.x)));
-    float y = larger(abs(a2.y), larger(abs(b2.y), abs(c2.y)));
-    float z = larger(abs(az), larger(abs(bz), abs(cz)));
-    float deltaE = 2.0 * (gammaBound(2.0) * x * y + gammaBound(5.0) * ((y + z) * x + (x + z) * y));
-    float deltaT = 3.0 * z * (2.0 * gammaBound(3.0) + deltaE * abs(inverse));
-
     bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
-    return inside && det != 0.0 && tHit > deltaT && tHit > ray.tMin && tHit <= ray.tMax;
+    return inside && det != 0.0 && tHit > 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al., Numerical Recipes, sec. 5.6).

@@ -19,9 +19,9 @@ class GpuProcess : public FolderTest {
 
 TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        Child child({"render", "a.json", "--size", "3000x3000", "--spp", "64", "-o", "out.png", "--progress",
+        Child child({"render", "a.json", "--size", "2000x2000", "--spp", "32", "-o", "out.png", "--progress",
                      "plain"});
-        // The first slice has 256 tiles of 64 of the nine million pixels, less than 1 %.
+        // The first slice has 256 tiles of 64 of the four million pixels, less than 1 %.
         ASSERT_TRUE(child.waitForPercent(1)) << child.err();
         child.send(signal);
         const Stopwatch watch;
@@ -30,9 +30,9 @@ TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
         EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos)
             << child.err();
         const Image image = readImage("out.png");
-        ASSERT_EQ(std::pair(image.width, image.height), std::pair(3000, 3000));
+        ASSERT_EQ(std::pair(image.width, image.height), std::pair(2000, 2000));
         EXPECT_GT(image.at(0, 0, 2), 0.5f);
-        EXPECT_EQ(image.at(2999, 2999, 2), 0.0f);
+        EXPECT_EQ(image.at(1999, 1999, 2), 0.0f);
         EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
         std::filesystem::remove("out.png");
     }

@@ -1,7 +1,10 @@
 // What `glint render` writes from a device.
 #include <algorithm>
 
+#include "bvh/packed_scene.h"
 #include "core/image_io.h"
+#include "reference/render.h"
+#include "scene/load.h"
 #include "support.h"
 
 namespace glint::app::test {
@@ -43,9 +46,30 @@ TEST_F(GpuRender, CropIsThePartOfTheWhole) {
     EXPECT_EQ(different, 0);
 }
 
-// Some sixty pixel centres lie next to the outlines, the nearest some hundredth of a pixel off; fp32 moves an
-// outline by a ten-thousandth of that. So both backends see the same objects.
+// The object under each pixel's centre moved by (dx, dy) pixels, as the reference sees it.
+std::vector<int> objectsAt(double dx, double dy) {
+    const Scene scene = loadScene("a.json");
+    const PackedScene packed = packScene(scene);
+    reference::RenderOptions options;
+    options.sampleOffsets = {{0.5 + dx, 0.5 + dy}};
+    const shared::Camera camera =
+        packCamera(scene.camera, scene.image.width, scene.image.height, packed.origin);
+    std::vector<int> objects;
+    for (const auto& pixel :
+         reference::render(packed, camera, scene.image.width, scene.image.height, options).pixels) {
+        objects.push_back(pixel.object);
+    }
+    return objects;
+}
+
+// No outline of this scene passes within a thousandth of a pixel of a pixel's centre, which is checked first;
+// fp32 moves it by a hundred-thousandth (2^-24 times some units, in pixels of 1/5 unit). So both backends
+// must see the same objects.
 TEST_F(GpuRender, IndicesEqualTheReferences) {
+    for (const double d : {-1e-3, 1e-3}) {
+        ASSERT_EQ(objectsAt(0, 0), objectsAt(d, d));
+        ASSERT_EQ(objectsAt(0, 0), objectsAt(d, -d));
+    }
     const std::string layers = "color,object,primitive,material,bounces,alpha";
     render({"-o", "gpu.pfm", "--aov", layers});
     render({"-o", "cpu.pfm", "--aov", layers, "--backend", "cpu"});
@@ -65,8 +89,10 @@ TEST_F(GpuRender, CostIsCountedAndChangesNothingElse) {
     render({"-o", "without.pfm"});
     EXPECT_EQ(readBytes("with.pfm"), readBytes("without.pfm"));
     const Image cost = readImage("with.cost.pfm"), alpha = readImage("with.alpha.pfm");
-    for (size_t i = 0; i < alpha.pixels.size(); i += static_cast<size_t>(alpha.channels)) {
-        if (alpha.pixels[i] > 0) ASSERT_GE(cost.pixels[i], 1.0f) << i;  // at least the primitive that was hit
+    ASSERT_EQ(alpha.pixels.size(), cost.pixels.size());
+    for (size_t i = 0; i < alpha.pixels.size(); ++i) {
+        const float least = alpha.pixels[i] > 0 ? 1.0f : 0.0f;  // the primitive that was hit
+        ASSERT_GE(cost.pixels[i], least) << i;
     }
 }
 

@@ -17,7 +17,7 @@ TEST_F(GpuVerify, PassesAndWritesADifferencePicture) {
     EXPECT_NE(ran.out.find("\na.json: ok\n    3072 pixels; differing: "), std::string::npos)
         << ran.out;  // 64 x 48
     EXPECT_NE(ran.out.find("\nempty.json: ok\n    63 pixels; differing: "), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("\n    wrote ./a.verify.png\n"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\n    wrote a.verify.png\n"), std::string::npos) << ran.out;
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "empty.json", "a.verify.png", "empty.verify.png"}));
     const Image picture = readImage("a.verify.png");
     EXPECT_EQ(std::pair(picture.width, picture.height), std::pair(64, 48));

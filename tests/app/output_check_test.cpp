@@ -4,6 +4,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "core/error.h"

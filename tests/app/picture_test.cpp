@@ -1,4 +1,5 @@
 // The reference's pictures, made band by band.
+#include <algorithm>
 #include <atomic>
 
 #include "app/reference_picture.h"

@@ -1,4 +1,7 @@
 // `glint trace` on the reference, with rays whose hits are known.
+#include <cmath>
+#include <cstdio>
+
 #include "support.h"
 
 namespace glint::app::test {

@@ -85,7 +85,7 @@ const Case kOptions[] = {
     {"noOutput", {"render", "a.json", "-o"}, "render: --output needs a value: FILE; see glint render --help"},
     {"optionForValue",
      {"render", "a.json", "--size", "-q"},
-     "render: --size needs a value: WxH; see glint render --help"},
+     "--size: expected WxH such as 640x480, got \"-q\""},
     {"twice",
      {"render", "a.json", "--size", "3x3", "--size", "4x4"},
      "render: --size is given more than once; see glint render --help"},
@@ -189,7 +189,7 @@ TEST(Help, NamesEveryOptionOfTheContract) {
         {"trace", {"--rays", "--pixel", "--any", "--backend"}},
         {"diff", {"-o", "--tolerance"}},
         {"info", {"SCENE"}},
-        {"devices", {"--help"}}};
+        {"devices", {"-h,--help"}}};
     for (const auto& [command, options] : commands) {
         const Ran ran = runGlint({command, "--help"});
         EXPECT_EQ(ran.code, 0);
