@@ -298,7 +298,7 @@ TEST(PackScene, SahCost) {
     const PackedScene packed = packScene(scene);
     EXPECT_EQ(packed.statistics.leaves, 2u);
     EXPECT_EQ(packed.statistics.depth, 1u);
-    EXPECT_DOUBLE_EQ(packed.statistics.sahCost, 1 + 2 * 3.0 / 21);
+    EXPECT_DOUBLE_EQ(packed.statistics.sahCost, BvhOptions().traversalCost + 2 * 3.0 / 21);
 }
 
 TEST(PackScene, ThreadsDoNotChangeThePacking) {
