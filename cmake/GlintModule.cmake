@@ -8,7 +8,8 @@ function(glint_module name)
   target_link_libraries(glint_${name} PUBLIC ${ARG_MODULES} glm::glm PRIVATE ${ARG_LIBRARIES} Threads::Threads)
 endfunction()
 
-# A gtest program; LABEL is unit (no device), gpu (runs on lavapipe, GlintLavapipe.cmake) or slow (run by hand).
+# A gtest program; LABEL is unit (no device), gpu (runs on lavapipe, GlintLavapipe.cmake), window (the same, on a screen of its own in
+# memory) or slow (run by hand).
 # ENVIRONMENT takes NAME=value pairs that its tests see besides.
 include(GlintLavapipe)
 function(glint_test name)
@@ -21,12 +22,24 @@ function(glint_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
+  set(lock "")
+  if(ARG_LABEL STREQUAL "window")
+    find_program(GLINT_XVFB_RUN xvfb-run DOC "xvfb-run, from the Debian packages xvfb and xauth")
+    if(NOT GLINT_XVFB_RUN)
+      message(FATAL_ERROR "xvfb-run not found: the tests of the window need it. Install the Debian packages xvfb and xauth, or set "
+                          "GLINT_WINDOW to OFF.")
+    endif()
+    # CTest starts the program by way of its emulator. Two xvfb-run at once may pick the same screen.
+    set_target_properties(${name} PROPERTIES
+      CROSSCOMPILING_EMULATOR "${GLINT_XVFB_RUN};-a;-s;-screen 0 1280x1024x24")
+    set(lock RESOURCE_LOCK screen)
+  endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
-                       PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+                       PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} ${lock})
 
   if(ARG_LABEL STREQUAL "unit")
     add_dependencies(unit_tests ${name})
-  elseif(ARG_LABEL STREQUAL "gpu")
+  elseif(ARG_LABEL STREQUAL "gpu" OR ARG_LABEL STREQUAL "window")
     glint_lavapipe_environment(lavapipe)
     list(PREPEND ARG_ENVIRONMENT ${lavapipe})
     if(GLINT_SANITIZE)

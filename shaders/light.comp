@@ -60,7 +60,7 @@ void main() {
 
     Traversal traversal;
     traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        facing ? light.tMax : -1.0, hit.primitive);
+                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;

@@ -18,10 +18,12 @@
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by the stackless walk.
+// shadowless: lights shine through everything; no picture of `glint render` has it, the window may ask for it.
 #define GLINT_MODES(X)   \
     X(9, AOVS, aovs)     \
     X(10, COST, cost)    \
-    X(11, RESUME, resume)
+    X(11, RESUME, resume)  \
+    X(12, SHADOWLESS, shadowless)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                       \

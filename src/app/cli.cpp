@@ -24,7 +24,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault, 4 no usable device,\n"
     "5 difference found, 130 interrupted.";
 
-constexpr const char* kLaterCommands[] = {"view", "report", "bench"};
+constexpr const char* kLaterCommands[] = {"report", "bench"};
 
 using Text = std::string;
 
@@ -109,6 +109,30 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addFlag(command, "-q,--quiet", c.quiet, "print nothing but errors (and what --stats asks for)");
 }
 
+void addView(CLI::App& app, ViewCommand& c) {
+    CLI::App& command = *app.add_subcommand("view", "a window to look around a scene in");
+    addScene(command, c.scene);
+    addSceneOverrides(command, c.scene);
+    addDevice(command, c.device);
+    addText(command, "--frames", "N", "close after N frames (and the script's end)", [&](const Text& t) {
+        c.frames = static_cast<uint64_t>(parseWhole("--frames", t, 1, 1'000'000));
+    });
+    addText(command, "--script", "FILE", "drive the window without a person, see docs/viewer.md",
+            [&](const Text& t) {
+                if (t.empty()) throw Error(ExitCode::Usage, "--script: the file name is empty");
+                c.script = t;
+            });
+    addText(command, "--present", "MODE",
+            "fifo (default), mailbox, immediate; fifo where the screen has no other", [&](const Text& t) {
+                if (t != "fifo" && t != "mailbox" && t != "immediate")
+                    throw Error(ExitCode::Usage,
+                                "--present: expected fifo, mailbox or immediate, got " + quoted(t));
+                c.present = t;
+            });
+    addText(command, "--target", "MS", "milliseconds a frame to aim for while the camera moves",
+            [&](const Text& t) { c.target = parseWhole("--target", t, 1, 10'000); });
+}
+
 void addVerify(CLI::App& app, VerifyCommand& c) {
     CLI::App& command =
         *app.add_subcommand("verify", "compare the shaders' picture with the reference's, pixel by pixel");
@@ -170,6 +194,7 @@ class HelpFormatter : public CLI::Formatter {
 
 struct Commands {
     RenderCommand render;
+    ViewCommand view;
     VerifyCommand verify;
     TraceCommand trace;
     DiffCommand diff;
@@ -184,6 +209,7 @@ void addCommands(CLI::App& app, Commands& c) {
     app.get_formatter()->label("REQUIRED", "");
     app.get_formatter()->column_width(34);
     addRender(app, c.render);
+    addView(app, c.view);
     addVerify(app, c.verify);
     addTrace(app, c.trace);
     addDiff(app, c.diff);
@@ -209,9 +235,10 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
     const auto chosen = [&](const char* name) { return app.got_subcommand(name); };
     for (const char* later : kLaterCommands) {
         if (!chosen(later)) continue;
-        throw Error(ExitCode::Usage,
-                    std::string(later) +
-                        ": not in this version (there are render, verify, trace, diff, info and devices)");
+        throw Error(
+            ExitCode::Usage,
+            std::string(later) +
+                ": not in this version (there are render, view, verify, trace, diff, info and devices)");
     }
     if (chosen("render")) {
         checkDeviceOptions(c.render.backend, c.render.device);
@@ -223,6 +250,7 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
         checkDeviceOptions(c.trace.backend, c.trace.device);
         return runTrace(c.trace, out, err);
     }
+    if (chosen("view")) return runView(c.view, out, err);
     if (chosen("verify")) return runVerify(c.verify, out, err);
     if (chosen("diff")) return runDiff(c.diff, out);
     if (chosen("info")) return runInfo(c.info, out, err);

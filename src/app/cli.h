@@ -1,6 +1,7 @@
 // The command line (docs/command-line.md).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <optional>
@@ -47,6 +48,15 @@ struct RenderCommand {
     bool quiet = false;
 };
 
+struct ViewCommand {
+    SceneOptions scene;
+    DeviceChoice device;
+    uint64_t frames = 0;
+    std::filesystem::path script;
+    std::string present = "fifo";
+    int target = 0;  // milliseconds; 0: by the device
+};
+
 struct VerifyCommand {
     std::vector<std::filesystem::path> scenes;
     SceneOptions common;
@@ -70,6 +80,7 @@ struct DiffCommand {
 };
 
 int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err);
+int runView(const ViewCommand& command, std::ostream& out, std::ostream& err);
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err);
 int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err);
 int runDiff(const DiffCommand& command, std::ostream& out);

@@ -91,12 +91,14 @@ const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std
     return *best;
 }
 
-std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families) {
+std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families,
+                                          std::span<const VkBool32> presents) {
     std::optional<uint32_t> best;
     int bestScore = -1;
     for (uint32_t i = 0; i < families.size(); ++i) {
         const VkQueueFamilyProperties& family = families[i];
         if ((family.queueFlags & VK_QUEUE_COMPUTE_BIT) == 0 || family.queueCount == 0) continue;
+        if (!presents.empty() && presents[i] == VK_FALSE) continue;
         const bool dedicated = (family.queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0;
         const bool timestamps = family.timestampValidBits > 0;
         const int score = (timestamps ? 2 : 0) + (dedicated ? 1 : 0);

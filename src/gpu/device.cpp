@@ -29,13 +29,15 @@ void openDevice(DeviceState& state) {
     queue.queueFamilyIndex = state.physical.queueFamily;
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
-    const char* const portability = "VK_KHR_portability_subset";
+    std::vector<const char*> extensions;
+    if (state.physical.portabilitySubset) extensions.push_back("VK_KHR_portability_subset");
+    if (state.surface != VK_NULL_HANDLE) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    info.enabledExtensionCount = state.physical.portabilitySubset ? 1 : 0;
-    info.ppEnabledExtensionNames = &portability;
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     check(state.instance->vk().vkCreateDevice(state.physical.handle, &info, nullptr, &state.device),
           "vkCreateDevice");
     loadDeviceTable(state);
@@ -54,6 +56,12 @@ std::vector<DeviceInfo> listDevices() {
 }
 
 DeviceState::~DeviceState() {
+    closeDevice();
+    if (surface != VK_NULL_HANDLE && instance)
+        instance->vk().vkDestroySurfaceKHR(instance->get(), surface, nullptr);
+}
+
+void DeviceState::closeDevice() {
     if (device == VK_NULL_HANDLE) return;
     if (abandoned) {
         // The device lives on, so what it refers to must; reachable, so that a leak checker understands.
@@ -72,8 +80,13 @@ DeviceState::~DeviceState() {
 
 Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
     state_->log = std::make_shared<ValidationLog>();
-    state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr);
-    const std::vector<PhysicalDevice> devices = queryDevices(*state_->instance);
+    state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr,
+                                                  options.window.instanceExtensions);
+    if (options.window.makeSurface && state_->instance->get() != VK_NULL_HANDLE) {
+        // Through a pointer on 64-bit machines, a number on 32-bit ones: a C cast means either.
+        state_->surface = (VkSurfaceKHR)options.window.makeSurface(state_->instance->get());
+    }
+    const std::vector<PhysicalDevice> devices = queryDevices(*state_->instance, state_->surface);
     state_->physical = devices[chooseDevice(infos(devices), options.selector).index];
     openDevice(*state_);
 }

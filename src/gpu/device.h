@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "core/error.h"
 
 namespace glint::gpu {
 
@@ -37,9 +40,23 @@ struct DeviceInfo {
     DeviceLimits limits;
 };
 
+// What a library that opens windows brings along. Handles are Vulkan's, without its header: VkInstance, VkSurfaceKHR.
+struct WindowSystem {
+    std::vector<std::string> instanceExtensions;
+    // Makes the window's surface, which the device then owns. With it, only devices and queues that can present there are usable.
+    std::function<uint64_t(void* instance)> makeSurface;
+};
+
 struct DeviceOptions {
     std::string selector;     // empty: the best; a number: the index; else part of the name, any case
     bool validation = false;  // validation layer with synchronization validation; its messages are collected
+    WindowSystem window = {};  // for a device that presents, see swapchain.h
+};
+
+// The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.
+class DeviceLost : public Error {
+  public:
+    explicit DeviceLost(const std::string& message) : Error(ExitCode::Device, message) {}
 };
 
 // Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian packages that bring

@@ -23,8 +23,10 @@ namespace glint::gpu {
 // ---- choices from plain data (choose.cpp, memory.cpp) ----
 
 // The family to compute on: one that does nothing else, so that the desktop's drawing does not wait behind a
-// dispatch, then any; of those, one with timestamps before one without.
-std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families);
+// dispatch, then any; of those, one with timestamps before one without. `presents`: a flag for each family,
+// only those that are set come into question; empty: all.
+std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families,
+                                          std::span<const VkBool32> presents = {});
 
 // What a device lacks, as a phrase; empty if glint runs on it. `apiVersion` is the device's.
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
@@ -48,7 +50,8 @@ struct PhysicalDevice {
     VkPhysicalDeviceMemoryProperties memory{};
 };
 
-std::vector<PhysicalDevice> queryDevices(const Instance& instance);
+// With a surface, a device that cannot present to it is refused.
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface = VK_NULL_HANDLE);
 
 // ---- states of the public types ----
 
@@ -101,10 +104,12 @@ struct DeviceState : DeviceContext {
     ~DeviceState();
     DeviceState(const DeviceState&) = delete;
     DeviceState& operator=(const DeviceState&) = delete;
+    void closeDevice();
 
     // Shared, so that a test can read what is said while the device is destroyed.
     std::shared_ptr<ValidationLog> log;
     std::unique_ptr<Instance> instance;
+    VkSurfaceKHR surface = VK_NULL_HANDLE;  // null for a device that does not present
     PhysicalDevice physical;
     VkQueue queue = VK_NULL_HANDLE;
     std::mutex queueMutex;  // a queue is externally synchronised (Vulkan 1.1, section 3.6)

@@ -8,7 +8,7 @@
 namespace glint::gpu {
 
 // Throws Error(Device, "<call> failed: <name of the result> (<meaning>)") for the negative results, which are
-// the errors.
+// the errors; DeviceLost for that one.
 void check(VkResult result, const char* call);
 
 // What every object of a device needs to destroy itself.

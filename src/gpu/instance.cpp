@@ -38,6 +38,19 @@ std::vector<VkExtensionProperties> instanceExtensions(const char* layer) {
     return extensions;
 }
 
+std::vector<const char*> pointers(const std::vector<std::string>& names) {
+    std::vector<const char*> result;
+    for (const std::string& name : names) result.push_back(name.c_str());
+    return result;
+}
+
+void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExtensionProperties>& present) {
+    for (const std::string& name : wanted) {
+        if (!contains(present, name.c_str()))
+            throw Error(ExitCode::Device, "no Vulkan driver here knows " + name + ", which a window needs");
+    }
+}
+
 bool hasLayer(const char* name) {
     uint32_t count = 0;
     check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
@@ -87,13 +100,15 @@ std::vector<std::string> ValidationLog::messages() const {
     return messages_;
 }
 
-Instance::Instance(ValidationLog* log) {
+Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions) {
     openLoader();
-    std::vector<const char*> extensions;
+    std::vector<const char*> extensions = pointers(wantedExtensions);
     std::vector<const char*> layers;
     VkInstanceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-    if (contains(instanceExtensions(nullptr), VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+    const std::vector<VkExtensionProperties> present = instanceExtensions(nullptr);
+    requireAll(wantedExtensions, present);
+    if (contains(present, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
         extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
         info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
     }
@@ -132,6 +147,7 @@ Instance::Instance(ValidationLog* log) {
 
 #define GLINT_LOAD(name) vk_.name = reinterpret_cast<PFN_##name>(vkGetInstanceProcAddr(instance_, #name));
     GLINT_INSTANCE_FUNCTIONS(GLINT_LOAD)
+    GLINT_SURFACE_FUNCTIONS(GLINT_LOAD)
 #undef GLINT_LOAD
     if (validation) {
         const auto createMessenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(

@@ -23,9 +23,18 @@ namespace glint::gpu {
     X(vkCreateDevice)                           \
     X(vkGetDeviceProcAddr)
 
+// Of VK_KHR_surface; null in an instance without that extension.
+#define GLINT_SURFACE_FUNCTIONS(X)               \
+    X(vkDestroySurfaceKHR)                       \
+    X(vkGetPhysicalDeviceSurfaceSupportKHR)      \
+    X(vkGetPhysicalDeviceSurfaceCapabilitiesKHR) \
+    X(vkGetPhysicalDeviceSurfaceFormatsKHR)      \
+    X(vkGetPhysicalDeviceSurfacePresentModesKHR)
+
 struct InstanceTable {
 #define GLINT_DECLARE(name) PFN_##name name = nullptr;
     GLINT_INSTANCE_FUNCTIONS(GLINT_DECLARE)
+    GLINT_SURFACE_FUNCTIONS(GLINT_DECLARE)
 #undef GLINT_DECLARE
 };
 
@@ -45,8 +54,9 @@ class ValidationLog {
 class Instance {
   public:
     // With `log`, the validation layer is loaded if it is installed and writes there; `log` must outlive the
-    // instance. Throws Error(Device) if there is no loader, or none that knows Vulkan 1.1.
-    explicit Instance(ValidationLog* log);
+    // instance. Throws Error(Device) if there is no loader, none that knows Vulkan 1.1, or if one of
+    // `wantedExtensions` is missing.
+    explicit Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions = {});
     ~Instance();
     Instance(const Instance&) = delete;
     Instance& operator=(const Instance&) = delete;

@@ -92,7 +92,21 @@ uint64_t largestDeviceHeap(const VkPhysicalDeviceMemoryProperties& memory) {
     return largest;
 }
 
-PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, uint32_t index) {
+// For each queue family, whether it can show pictures on `surface`; empty without one.
+std::vector<VkBool32> presentingFamilies(const InstanceTable& vk, VkPhysicalDevice device, size_t families,
+                                         VkSurfaceKHR surface) {
+    std::vector<VkBool32> presents;
+    if (surface == VK_NULL_HANDLE) return presents;
+    presents.resize(families, VK_FALSE);
+    for (uint32_t i = 0; i < families; ++i) {
+        check(vk.vkGetPhysicalDeviceSurfaceSupportKHR(device, i, surface, &presents[i]),
+              "vkGetPhysicalDeviceSurfaceSupportKHR");
+    }
+    return presents;
+}
+
+PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, uint32_t index,
+                           VkSurfaceKHR surface) {
     const InstanceTable& vk = instance.vk();
     PhysicalDevice device;
     device.handle = handle;
@@ -122,13 +136,21 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
     if (properties.apiVersion >= VK_API_VERSION_1_1) queryVulkan11(vk, device, extensions);
 
     const std::vector<VkQueueFamilyProperties> families = queueFamilies(vk, handle);
-    const std::optional<uint32_t> family = chooseQueueFamily(families);
+    std::optional<uint32_t> family = chooseQueueFamily(families);
+    const bool computes = family.has_value();
+    if (surface != VK_NULL_HANDLE) {
+        const bool swapchains = contains(extensions, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+        family = swapchains
+                     ? chooseQueueFamily(families, presentingFamilies(vk, handle, families.size(), surface))
+                     : std::nullopt;
+    }
     if (family) {
         device.queueFamily = *family;
         device.timestampBits = families[*family].timestampValidBits;
     }
     if (device.timestampBits == 0) info.limits.timestampPeriod = 0;
-    info.reason = refusal(properties.apiVersion, family.has_value(), info.limits);
+    info.reason = refusal(properties.apiVersion, computes, info.limits);
+    if (info.reason.empty() && !family) info.reason = "cannot show pictures in this window";
     info.usable = info.reason.empty();
     if (info.usable) info.reason = "has all that glint needs";
     return device;
@@ -136,10 +158,10 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
 
 }  // namespace
 
-std::vector<PhysicalDevice> queryDevices(const Instance& instance) {
+std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR surface) {
     std::vector<PhysicalDevice> devices;
     for (VkPhysicalDevice handle : instance.physicalDevices()) {
-        devices.push_back(queryDevice(instance, handle, static_cast<uint32_t>(devices.size())));
+        devices.push_back(queryDevice(instance, handle, static_cast<uint32_t>(devices.size()), surface));
     }
     return devices;
 }

@@ -1,6 +1,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "gpu/device.h"
 #include "gpu/handle.h"
 
 namespace glint::gpu {
@@ -43,7 +44,9 @@ void check(VkResult result, const char* call) {
     for (const ResultText& known : kResults) {
         if (known.result == result) text = std::string(known.name) + " (" + known.meaning + ")";
     }
-    throw Error(ExitCode::Device, std::string(call) + " failed: " + text);
+    text = std::string(call) + " failed: " + text;
+    if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
+    throw Error(ExitCode::Device, text);
 }
 
 }  // namespace glint::gpu

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "core/stopwatch.h"
 #include "render/path_state.h"
@@ -73,6 +74,9 @@ struct Renderer::State {
     PathState paths;
     gpu::Submission submission;
     StageTimes times;
+    std::set<std::pair<KernelId, TraceModes>> compiled;
+    shared::Environment environment;  // as it is on the device
+    uint32_t sliceTiles = kFirstSliceTiles;  // of the next slice; a picture goes on with what the last one had come to
     // Of the submissions of the slice at hand.
     double longestInSlice = 0;
 
@@ -87,6 +91,7 @@ struct Renderer::State {
           submission(dev) {
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access);
+        environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
                                gpu::MemoryKind::Host);
         times.upload += watch.seconds();
@@ -100,6 +105,7 @@ struct Renderer::State {
     // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
+    void setEnvironment(const shared::Environment& wanted);
     bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes, double progressFrom,
                      double progressTo);
     bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings, const TraceModes& modes);
@@ -115,8 +121,14 @@ void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows) {
         const uint32_t newRows = std::max(rows, paths.rows());
         paths = PathState();
         paths = PathState(device, access, newCapacity, newRows);
+        pipelines.bind(counters, paths.buffer(), buffers);
     }
-    pipelines.bind(counters, paths.buffer(), buffers);
+}
+
+void Renderer::State::setEnvironment(const shared::Environment& wanted) {
+    if (std::memcmp(&wanted, &environment, sizeof(wanted)) == 0) return;
+    buffers.setEnvironment(device, wanted);
+    environment = wanted;
 }
 
 shared::Dispatch Renderer::State::dispatchFor(const Slice& slice) const {
@@ -161,11 +173,16 @@ void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dis
 
 // The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all.
 void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    std::vector<KernelId> fresh;
+    for (KernelId id : ids) {
+        if (compiled.insert({id, modes}).second) fresh.push_back(id);
+    }
+    if (fresh.empty()) return;
     const Stopwatch watch;
     Slice nothing;
     nothing.region = {0, 0, 1, 1};
     const StageTimes before = times;
-    for (KernelId id : ids) record(id, modes, dispatchFor(nothing), 1);
+    for (KernelId id : fresh) record(id, modes, dispatchFor(nothing), 1);
     submit();
     times = before;
     times.compile += watch.seconds();
@@ -187,6 +204,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         submit();
         if (cancelled()) return false;
         if (counter()[shared::kCounterAlive] == 0) return true;
+        times.pathRays += counter()[shared::kCounterAlive];
     }
 }
 
@@ -335,6 +353,7 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     TraceModes modes;
     modes.cost = settings.cost;
     modes.aovs = settings.data || settings.cost;
+    modes.shadowless = !settings.shadows;
     if (modes.aovs) picture.data.resize(pixels);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
@@ -346,12 +365,16 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
     s.buffers.setCamera(s.device, camera);
+    shared::Environment environment = s.scene.environment;
+    if (settings.maxDepth) environment.maxDepth = *settings.maxDepth;
+    s.setEnvironment(environment);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
     s.compile(modes, kernels);
 
-    uint32_t sliceTiles = std::min(kFirstSliceTiles, maxTiles);
+    s.times.pathRays += pixels * settings.sampleOffsets.size();
     for (uint32_t first = 0; first < tiles;) {
+        const uint32_t sliceTiles = std::clamp(s.sliceTiles, interleave, maxTiles);
         const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
         const double from = static_cast<double>(first) / tiles;
         const double to = static_cast<double>(first + slice.tileCount) / tiles;
@@ -363,9 +386,18 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
         first += slice.tileCount;
         // Aim below the bound, and grow by at most 4: the next slice may be four times dearer a pixel than the last.
         const double factor = std::clamp(0.7 * s.options.sliceSeconds / std::max(s.longestInSlice, 1e-6), 0.1, 4.0);
-        sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), interleave, maxTiles);
+        // What a picture's last, shorter slice could grow to says nothing about a whole one.
+        if (slice.tileCount == sliceTiles || factor < 1) {
+            s.sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), interleave,
+                                      kMaxSlicePaths / shared::kWorkgroupSize);
+        }
     }
     return picture;
+}
+
+void Renderer::refreshLighting() {
+    state_->setEnvironment(state_->scene.environment);
+    state_->buffers.setLights(state_->device, state_->scene.lights);
 }
 
 std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any) {

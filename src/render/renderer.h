@@ -38,6 +38,8 @@ struct RenderSettings {
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
     bool data = false;          // fill Picture::data
     bool cost = false;          // count boxes and primitives (PixelData::cost); implies data
+    bool shadows = true;        // false: lights shine through everything
+    std::optional<uint32_t> maxDepth;       // instead of the scene's; 0 if the scene was packed without mirrors
     std::function<void(double)> progress;   // 0..1
     std::function<bool()> cancelled;        // asked between submissions
 };
@@ -47,6 +49,7 @@ struct StageTimes {
     double upload = 0, compile = 0, trace = 0, device = 0, readback = 0;
     double longestSubmission = 0;
     uint64_t submissions = 0, slices = 0, resumes = 0;
+    uint64_t pathRays = 0;  // camera and mirrored rays
 };
 
 struct RayInput {
@@ -72,6 +75,9 @@ class Renderer {
 
     // A cancelled render returns with complete = false and what was finished by then.
     Picture render(const shared::Camera& camera, const RenderSettings& settings);
+
+    // Call after changing `lights` (no more than there were at construction) or `environment` of the scene.
+    void refreshLighting();
 
     // The closest hit of each ray, or with `any` whether there is a hit (then only RayHit::hit is filled).
     std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any);

@@ -8,6 +8,7 @@ namespace glint::render {
 
 namespace {
 
+constexpr uint32_t kLightsBinding = 9;
 constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
 
@@ -56,6 +57,15 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {
     gpu::upload(device, buffers_[kCameraBinding], std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
+}
+
+void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Environment& environment) const {
+    gpu::upload(device, buffers_[kEnvironmentBinding],
+                std::as_bytes(std::span<const shared::Environment, 1>(&environment, 1)));
+}
+
+void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const {
+    if (!lights.empty()) gpu::upload(device, buffers_[kLightsBinding], std::as_bytes(std::span(lights)));
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {

@@ -1,0 +1,348 @@
+#include "gpu/swapchain.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/error.h"
+#include "gpu/device_state.h"
+
+namespace glint::gpu {
+
+namespace {
+
+struct ModeName {
+    VkPresentModeKHR mode;
+    const char* name;
+};
+constexpr ModeName kModes[] = {{VK_PRESENT_MODE_FIFO_KHR, "fifo"},
+                               {VK_PRESENT_MODE_MAILBOX_KHR, "mailbox"},
+                               {VK_PRESENT_MODE_IMMEDIATE_KHR, "immediate"},
+                               {VK_PRESENT_MODE_FIFO_RELAXED_KHR, "fifo relaxed"}};
+
+// An image that no other program gives back within this time will not come: the window system hangs.
+constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
+
+template <typename Item, typename Call>
+std::vector<Item> enumerate(const char* name, Call call) {
+    uint32_t count = 0;
+    check(call(&count, nullptr), name);
+    std::vector<Item> items(count);
+    check(call(&count, items.data()), name);
+    items.resize(count);
+    return items;
+}
+
+VkSurfaceCapabilitiesKHR capabilitiesOf(const DeviceState& device) {
+    VkSurfaceCapabilitiesKHR capabilities{};
+    check(device.instance->vk().vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical.handle,
+                                                                          device.surface, &capabilities),
+          "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+    return capabilities;
+}
+
+// Eight-bit and not sRGB: the bytes are encoded already.
+VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
+    const auto formats = enumerate<VkSurfaceFormatKHR>(
+        "vkGetPhysicalDeviceSurfaceFormatsKHR", [&](uint32_t* count, VkSurfaceFormatKHR* out) {
+            return device.instance->vk().vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical.handle,
+                                                                              device.surface, count, out);
+        });
+    for (const VkSurfaceFormatKHR& format : formats) {
+        const bool known =
+            format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
+        if (known && format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) return format;
+    }
+    throw Error(
+        ExitCode::Device,
+        "the window takes no picture of 8 bits a channel on this device; glint render draws to files");
+}
+
+std::vector<VkPresentModeKHR> modesOf(const DeviceState& device) {
+    return enumerate<VkPresentModeKHR>(
+        "vkGetPhysicalDeviceSurfacePresentModesKHR", [&](uint32_t* count, VkPresentModeKHR* out) {
+            return device.instance->vk().vkGetPhysicalDeviceSurfacePresentModesKHR(
+                device.physical.handle, device.surface, count, out);
+        });
+}
+
+}  // namespace
+
+struct SwapchainState {
+    const Device& device;
+    DeviceState& state;
+    std::string mode = "fifo";
+    uint64_t rebuilds = 0;
+
+    Handle<VkSwapchainKHR> chain;
+    VkExtent2D extent{};
+    int askedWidth = 0, askedHeight = 0;  // what the chain was made for; the window may have had another size
+    VkFormat format = VK_FORMAT_UNDEFINED;
+    std::vector<VkImage> images;
+    std::vector<Handle<VkSemaphore>> drawn;  // for each image: its copy is complete
+    Handle<VkSemaphore> acquired;
+    Handle<VkFence> copied;  // the last copy is complete
+    Handle<VkCommandPool> pool;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Buffer pixels;
+
+    explicit SwapchainState(const Device& d) : device(d), state(d.state()) {}
+    ~SwapchainState();
+
+    void makeObjects();
+    // Drops the old chain and makes one of the window's present size; none while that is zero.
+    void rebuild(int width, int height, const std::string& wantedMode);
+    VkSwapchainCreateInfoKHR describe(const VkSurfaceCapabilitiesKHR& capabilities, int width, int height);
+    void fillPixels(std::span<const uint32_t> source, int width, int height);
+    void recordCopy(VkImage image);
+    void submitCopy(uint32_t index);
+    bool presentOnce(std::span<const uint32_t> source, int width, int height);
+    void waitUntilIdle();
+};
+
+SwapchainState::~SwapchainState() {
+    if (state.abandoned) return;
+    const std::lock_guard lock(state.queueMutex);
+    state.vk.vkQueueWaitIdle(
+        state.queue);  // a lost device has nothing to wait for; the result does not matter
+}
+
+// A fence tells when the copy is done, but nothing tells when the window system has waited for its semaphore.
+void SwapchainState::waitUntilIdle() {
+    const std::lock_guard lock(state.queueMutex);
+    check(state.vk.vkQueueWaitIdle(state.queue), "vkQueueWaitIdle");
+}
+
+void SwapchainState::makeObjects() {
+    VkCommandPoolCreateInfo poolInfo{};
+    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    poolInfo.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+    poolInfo.queueFamilyIndex = state.physical.queueFamily;
+    pool = create(state, "vkCreateCommandPool", poolInfo, state.vk.vkCreateCommandPool,
+                  state.vk.vkDestroyCommandPool);
+    VkCommandBufferAllocateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    info.commandPool = pool.get();
+    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    info.commandBufferCount = 1;
+    check(state.vk.vkAllocateCommandBuffers(state.device, &info, &commands), "vkAllocateCommandBuffers");
+    VkFenceCreateInfo fenceInfo{};
+    fenceInfo.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    fenceInfo.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+    copied = create(state, "vkCreateFence", fenceInfo, state.vk.vkCreateFence, state.vk.vkDestroyFence);
+}
+
+VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR& capabilities, int width,
+                                                  int height) {
+    if ((capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT) == 0)
+        throw Error(ExitCode::Device,
+                    "the window takes no copied pictures on this device; glint render draws to files");
+    const VkSurfaceFormatKHR chosen = chooseFormat(state);
+    format = chosen.format;
+    extent = capabilities.currentExtent;
+    if (extent.width == UINT32_MAX) {  // the window takes the size of its pictures
+        extent.width = std::clamp(static_cast<uint32_t>(width), capabilities.minImageExtent.width,
+                                  capabilities.maxImageExtent.width);
+        extent.height = std::clamp(static_cast<uint32_t>(height), capabilities.minImageExtent.height,
+                                   capabilities.maxImageExtent.height);
+    }
+    VkSwapchainCreateInfoKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
+    info.surface = state.surface;
+    info.minImageCount = capabilities.minImageCount + 1;
+    if (capabilities.maxImageCount > 0)
+        info.minImageCount = std::min(info.minImageCount, capabilities.maxImageCount);
+    info.imageFormat = chosen.format;
+    info.imageColorSpace = chosen.colorSpace;
+    info.imageExtent = extent;
+    info.imageArrayLayers = 1;
+    info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    info.preTransform = capabilities.currentTransform;
+    info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
+    if ((capabilities.supportedCompositeAlpha & info.compositeAlpha) == 0) {
+        info.compositeAlpha = static_cast<VkCompositeAlphaFlagBitsKHR>(
+            capabilities.supportedCompositeAlpha & (~capabilities.supportedCompositeAlpha + 1));
+    }
+    info.clipped = VK_TRUE;
+    info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
+    return info;
+}
+
+void SwapchainState::rebuild(int width, int height, const std::string& wantedMode) {
+    waitUntilIdle();
+    askedWidth = width;
+    askedHeight = height;
+    const VkSurfaceCapabilitiesKHR capabilities = capabilitiesOf(state);
+    VkSwapchainCreateInfoKHR info = describe(capabilities, width, height);
+    mode = "fifo";
+    for (const VkPresentModeKHR offered : modesOf(state)) {
+        for (const ModeName& known : kModes) {
+            if (known.mode != offered || wantedMode != known.name) continue;
+            info.presentMode = offered;
+            mode = known.name;
+        }
+    }
+    drawn.clear();
+    images.clear();
+    if (extent.width == 0 || extent.height == 0) {  // minimised
+        chain = {};
+        return;
+    }
+    info.oldSwapchain = chain.get();
+    Handle<VkSwapchainKHR> next = create(state, "vkCreateSwapchainKHR", info, state.vk.vkCreateSwapchainKHR,
+                                         state.vk.vkDestroySwapchainKHR);
+    chain = {};  // the old one goes before its semaphores' successors come
+    chain = std::move(next);
+    images = enumerate<VkImage>("vkGetSwapchainImagesKHR", [&](uint32_t* count, VkImage* out) {
+        return state.vk.vkGetSwapchainImagesKHR(state.device, chain.get(), count, out);
+    });
+    VkSemaphoreCreateInfo semaphore{};
+    semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+    const auto makeSemaphore = [&] {
+        return create(state, "vkCreateSemaphore", semaphore, state.vk.vkCreateSemaphore,
+                      state.vk.vkDestroySemaphore);
+    };
+    // A failed acquire may leave the semaphore in any state, so it is new with every chain.
+    acquired = makeSemaphore();
+    for (size_t i = 0; i < images.size(); ++i) drawn.push_back(makeSemaphore());
+    pixels = Buffer();
+    pixels = Buffer(device, "window picture", uint64_t{extent.width} * extent.height * 4,
+                    Access::StorageBuffer, MemoryKind::Host);
+    ++rebuilds;
+}
+
+void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int height) {
+    auto* target = static_cast<uint32_t*>(pixels.mapped());
+    const size_t columns = std::min<size_t>(static_cast<size_t>(width), extent.width);
+    const size_t rows = std::min<size_t>(static_cast<size_t>(height), extent.height);
+    if (columns < extent.width || rows < extent.height) std::memset(target, 0, pixels.size());
+    for (size_t y = 0; y < rows; ++y) {
+        const uint32_t* in = source.data() + y * static_cast<size_t>(width);
+        uint32_t* out = target + y * extent.width;
+        if (format == VK_FORMAT_R8G8B8A8_UNORM) {
+            std::copy_n(in, columns, out);
+            continue;
+        }
+        for (size_t x = 0; x < columns; ++x) {
+            const uint32_t p = in[x];
+            out[x] = (p & 0xff00ff00u) | (p & 0xffu) << 16 | (p >> 16 & 0xffu);
+        }
+    }
+}
+
+void SwapchainState::recordCopy(VkImage image) {
+    const VolkDeviceTable& vk = state.vk;
+    VkCommandBufferBeginInfo begin{};
+    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+    VkImageMemoryBarrier barrier{};
+    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+    barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    // From the stage in which the submission waits for the image, so that the two are in order.
+    vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0,
+                            nullptr, 0, nullptr, 1, &barrier);
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    copy.imageExtent = {extent.width, extent.height, 1};
+    vk.vkCmdCopyBufferToImage(commands, pixels.state().buffer.get(), image,
+                              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = 0;
+    barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    barrier.newLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+    vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, 0,
+                            0, nullptr, 0, nullptr, 1, &barrier);
+    check(vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+}
+
+void SwapchainState::submitCopy(uint32_t index) {
+    const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
+    const VkFence fence = copied.get();
+    VkSubmitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    info.waitSemaphoreCount = 1;
+    info.pWaitSemaphores = acquired.address();
+    info.pWaitDstStageMask = &stage;
+    info.commandBufferCount = 1;
+    info.pCommandBuffers = &commands;
+    info.signalSemaphoreCount = 1;
+    info.pSignalSemaphores = drawn[index].address();
+    check(state.vk.vkResetFences(state.device, 1, &fence), "vkResetFences");
+    const std::lock_guard lock(state.queueMutex);
+    check(state.vk.vkQueueSubmit(state.queue, 1, &info, fence), "vkQueueSubmit");
+}
+
+// False: the chain no longer fits the window.
+bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, int height) {
+    const VkFence fence = copied.get();
+    check(state.vk.vkWaitForFences(state.device, 1, &fence, VK_TRUE, state.timeoutNanoseconds),
+          "vkWaitForFences");
+    uint32_t index = 0;
+    const VkResult got = state.vk.vkAcquireNextImageKHR(state.device, chain.get(), kAcquireNanoseconds,
+                                                        acquired.get(), VK_NULL_HANDLE, &index);
+    if (got == VK_ERROR_OUT_OF_DATE_KHR) return false;
+    check(got, "vkAcquireNextImageKHR");
+    if (got == VK_TIMEOUT || got == VK_NOT_READY)
+        throw Error(ExitCode::Device, "the window system gives no picture to draw on for 5 s");
+    fillPixels(source, width, height);
+    recordCopy(images[index]);
+    submitCopy(index);
+
+    VkPresentInfoKHR present{};
+    present.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
+    present.waitSemaphoreCount = 1;
+    present.pWaitSemaphores = drawn[index].address();
+    present.swapchainCount = 1;
+    present.pSwapchains = chain.address();
+    present.pImageIndices = &index;
+    VkResult shown = VK_SUCCESS;
+    {
+        const std::lock_guard lock(state.queueMutex);
+        shown = state.vk.vkQueuePresentKHR(state.queue, &present);
+    }
+    if (shown == VK_ERROR_OUT_OF_DATE_KHR || shown == VK_SUBOPTIMAL_KHR) return false;
+    check(shown, "vkQueuePresentKHR");
+    return got != VK_SUBOPTIMAL_KHR;
+}
+
+std::vector<std::string> presentModes(const Device& device) {
+    std::vector<std::string> names;
+    const std::vector<VkPresentModeKHR> offered = modesOf(device.state());
+    for (const ModeName& known : kModes) {
+        if (std::find(offered.begin(), offered.end(), known.mode) != offered.end())
+            names.push_back(known.name);
+    }
+    return names;
+}
+
+Swapchain::Swapchain(const Device& device, int width, int height, const std::string& presentMode)
+    : state_(std::make_unique<SwapchainState>(device)) {
+    state_->makeObjects();
+    state_->rebuild(width, height, presentMode);
+}
+
+Swapchain::~Swapchain() = default;
+
+bool Swapchain::present(std::span<const uint32_t> pixels, int width, int height) {
+    SwapchainState& s = *state_;
+    if (!s.chain || s.askedWidth != width || s.askedHeight != height) s.rebuild(width, height, s.mode);
+    if (!s.chain) return false;
+    if (s.presentOnce(pixels, width, height)) return true;
+    s.rebuild(width, height, s.mode);
+    return s.chain && s.presentOnce(pixels, width, height);
+}
+
+const std::string& Swapchain::presentMode() const {
+    return state_->mode;
+}
+uint64_t Swapchain::rebuilds() const {
+    return state_->rebuilds;
+}
+
+}  // namespace glint::gpu

@@ -1,0 +1,43 @@
+// Finished pictures on a window: each is copied from the host into an image of the window's swapchain. Needs
+// no graphics queue, no render pass and no shader, so it works on every device that can compute and present.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+
+namespace glint::gpu {
+
+// "fifo" (waits for the screen, everywhere), "mailbox", "immediate", "fifo relaxed": those that the surface
+// offers.
+std::vector<std::string> presentModes(const Device& device);
+
+struct SwapchainState;
+
+class Swapchain {
+  public:
+    // `device` must have been made with DeviceOptions::window and outlive the swapchain. A mode that is not
+    // offered falls back to fifo.
+    Swapchain(const Device& device, int width, int height, const std::string& presentMode = "fifo");
+    ~Swapchain();
+    Swapchain(const Swapchain&) = delete;
+    Swapchain& operator=(const Swapchain&) = delete;
+
+    // Shows width x height pixels, bytes R, G, B, A (A is ignored), top row first. The swapchain follows the
+    // window's size by itself; where that differs from the picture's, the common part is shown. False if
+    // nothing could be shown just now: the window is minimised, or changed size twice in a row. Throws
+    // Error(Device), or DeviceLost.
+    bool present(std::span<const uint32_t> pixels, int width, int height);
+
+    const std::string& presentMode() const;
+    uint64_t rebuilds() const;  // how often the window made a new chain of images necessary
+
+  private:
+    std::unique_ptr<SwapchainState> state_;
+};
+
+}  // namespace glint::gpu

@@ -1,0 +1,29 @@
+// What the keyboard, the mouse and the window system tell the viewer; a script makes the same events.
+#pragma once
+
+namespace glint::view {
+
+// Keys with a printed sign are that sign in upper case ('A', '1', '['); the others have the numbers that GLFW
+// gives them.
+namespace key {
+inline constexpr int kEscape = 256, kEnter = 257, kTab = 258, kBackspace = 259, kDelete = 261;
+inline constexpr int kRight = 262, kLeft = 263, kDown = 264, kUp = 265, kPageUp = 266, kPageDown = 267;
+inline constexpr int kHome = 268, kEnd = 269, kF1 = 290, kF5 = 294;
+inline constexpr int kLeftShift = 340, kLeftControl = 341, kCount = 350;
+}  // namespace key
+
+inline constexpr int kShift = 1, kControl = 2, kAlt = 4;  // bits of Event::mods, as in GLFW
+
+enum class Button { Left = 0, Right = 1, Middle = 2 };
+
+struct Event {
+    enum class Type { Cursor, Button, Wheel, Key, Text, Resize, Redraw, Close };
+    Type type = Type::Redraw;
+    double x = 0, y = 0;  // Cursor: pixels of the window's picture; Wheel: steps
+    int code = 0;         // Button; Key; Text: a Unicode code point
+    int mods = 0;         // of Button and Key
+    bool down = false;    // of Button and Key
+    bool repeat = false;  // of Key: held down
+};
+
+}  // namespace glint::view

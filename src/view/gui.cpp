@@ -1,0 +1,246 @@
+#include "view/gui.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace glint::view {
+
+namespace {
+
+struct Font {
+    const unsigned char* texels;
+    int width, height;
+
+    // Glyphs are drawn texel for pixel, so the nearest is exact.
+    uint32_t coverage(float u, float v) const {
+        const int x = std::clamp(static_cast<int>(u * static_cast<float>(width)), 0, width - 1);
+        const int y = std::clamp(static_cast<int>(v * static_cast<float>(height)), 0, height - 1);
+        return texels[y * width + x];
+    }
+};
+
+struct Clip {
+    int x0, y0, x1, y1;
+};
+
+// The color's own alpha times coverage, over what is there (Porter & Duff 1984).
+uint32_t blend(uint32_t under, uint32_t color, uint32_t coverage) {
+    const uint32_t alpha = ((color >> 24) * coverage + 127) / 255;
+    const auto channel = [&](int shift) {
+        const uint32_t a = color >> shift & 255u, b = under >> shift & 255u;
+        return ((a * alpha + b * (255 - alpha) + 127) / 255) << shift;
+    };
+    return 0xff000000u | channel(0) | channel(8) | channel(16);
+}
+
+// First pixel whose centre is not left of x.
+int firstCentre(float x) {
+    return static_cast<int>(std::ceil(x - 0.5f));
+}
+
+bool isRectangle(const ImDrawVert& a, const ImDrawVert& b, const ImDrawVert& c, const ImDrawVert& d) {
+    return a.pos.y == b.pos.y && b.pos.x == c.pos.x && c.pos.y == d.pos.y && d.pos.x == a.pos.x &&
+           a.pos.x <= c.pos.x && a.pos.y <= c.pos.y && a.col == b.col && a.col == c.col && a.col == d.col;
+}
+
+// Axis-parallel, of one colour: boxes and glyphs, nearly all that a panel consists of.
+void drawRectangle(Canvas& target, const Clip& clip, const Font& font, const ImDrawVert& a,
+                   const ImDrawVert& c) {
+    const int x0 = std::max(firstCentre(a.pos.x), clip.x0), x1 = std::min(firstCentre(c.pos.x), clip.x1);
+    const int y0 = std::max(firstCentre(a.pos.y), clip.y0), y1 = std::min(firstCentre(c.pos.y), clip.y1);
+    const float width = std::max(c.pos.x - a.pos.x, 1e-6f), height = std::max(c.pos.y - a.pos.y, 1e-6f);
+    const bool plain = a.uv.x == c.uv.x && a.uv.y == c.uv.y;
+    const uint32_t constant = font.coverage(a.uv.x, a.uv.y);
+    for (int y = y0; y < y1; ++y) {
+        uint32_t* row = target.row(y);
+        const float v = a.uv.y + (c.uv.y - a.uv.y) * ((static_cast<float>(y) + 0.5f - a.pos.y) / height);
+        for (int x = x0; x < x1; ++x) {
+            const float u = a.uv.x + (c.uv.x - a.uv.x) * ((static_cast<float>(x) + 0.5f - a.pos.x) / width);
+            row[x] = blend(row[x], a.col, plain ? constant : font.coverage(u, v));
+        }
+    }
+}
+
+float edge(const ImVec2& a, const ImVec2& b, const ImVec2& p) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+}
+
+// Of two triangles with a common edge, exactly one owns the pixels on it: else they would be blended twice.
+bool ownsEdge(const ImVec2& a, const ImVec2& b) {
+    return a.y > b.y || (a.y == b.y && a.x < b.x);
+}
+
+uint32_t mixColors(const std::array<uint32_t, 3>& colors, const std::array<float, 3>& weights) {
+    uint32_t result = 0;
+    for (int shift = 0; shift < 32; shift += 8) {
+        float sum = 0.5f;
+        for (size_t i = 0; i < 3; ++i) sum += weights[i] * static_cast<float>(colors[i] >> shift & 255u);
+        result |= static_cast<uint32_t>(std::clamp(sum, 0.0f, 255.0f)) << shift;
+    }
+    return result;
+}
+
+void drawTriangle(Canvas& target, const Clip& clip, const Font& font, const ImDrawVert& a, ImDrawVert b,
+                  ImDrawVert c) {
+    float area = edge(a.pos, b.pos, c.pos);
+    if (area == 0) return;
+    if (area < 0) {
+        std::swap(b, c);
+        area = -area;
+    }
+    const auto [left, right] = std::minmax({a.pos.x, b.pos.x, c.pos.x});
+    const auto [top, bottom] = std::minmax({a.pos.y, b.pos.y, c.pos.y});
+    const int x0 = std::max(firstCentre(left), clip.x0), x1 = std::min(firstCentre(right) + 1, clip.x1);
+    const int y0 = std::max(firstCentre(top), clip.y0), y1 = std::min(firstCentre(bottom) + 1, clip.y1);
+    const std::array<bool, 3> owns = {ownsEdge(b.pos, c.pos), ownsEdge(c.pos, a.pos), ownsEdge(a.pos, b.pos)};
+    for (int y = y0; y < y1; ++y) {
+        uint32_t* row = target.row(y);
+        for (int x = x0; x < x1; ++x) {
+            const ImVec2 p(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+            std::array<float, 3> w = {edge(b.pos, c.pos, p), edge(c.pos, a.pos, p), edge(a.pos, b.pos, p)};
+            bool inside = true;
+            for (size_t i = 0; i < 3; ++i) inside = inside && (w[i] > 0 || (w[i] == 0 && owns[i]));
+            if (!inside) continue;
+            for (float& weight : w) weight /= area;
+            const float u = w[0] * a.uv.x + w[1] * b.uv.x + w[2] * c.uv.x;
+            const float v = w[0] * a.uv.y + w[1] * b.uv.y + w[2] * c.uv.y;
+            row[x] = blend(row[x], mixColors({a.col, b.col, c.col}, w), font.coverage(u, v));
+        }
+    }
+}
+
+void drawCommand(Canvas& target, const ImDrawCmd& command, const ImDrawList& list, const Font& font) {
+    const Clip clip = {std::max(static_cast<int>(command.ClipRect.x), 0),
+                       std::max(static_cast<int>(command.ClipRect.y), 0),
+                       std::min(static_cast<int>(command.ClipRect.z), target.width),
+                       std::min(static_cast<int>(command.ClipRect.w), target.height)};
+    const ImDrawIdx* index = list.IdxBuffer.Data + command.IdxOffset;
+    const auto vertex = [&](unsigned i) -> const ImDrawVert& {
+        return list.VtxBuffer[static_cast<int>(index[i] + command.VtxOffset)];
+    };
+    for (unsigned i = 0; i + 2 < command.ElemCount; i += 3) {
+        const bool pair =
+            i + 5 < command.ElemCount && index[i] == index[i + 3] && index[i + 2] == index[i + 4];
+        if (pair && isRectangle(vertex(i), vertex(i + 1), vertex(i + 2), vertex(i + 5))) {
+            drawRectangle(target, clip, font, vertex(i), vertex(i + 2));
+            i += 3;
+        } else {
+            drawTriangle(target, clip, font, vertex(i), vertex(i + 1), vertex(i + 2));
+        }
+    }
+}
+
+void mapKeys(ImGuiIO& io) {
+    io.KeyMap[ImGuiKey_Tab] = key::kTab;
+    io.KeyMap[ImGuiKey_LeftArrow] = key::kLeft;
+    io.KeyMap[ImGuiKey_RightArrow] = key::kRight;
+    io.KeyMap[ImGuiKey_UpArrow] = key::kUp;
+    io.KeyMap[ImGuiKey_DownArrow] = key::kDown;
+    io.KeyMap[ImGuiKey_Home] = key::kHome;
+    io.KeyMap[ImGuiKey_End] = key::kEnd;
+    io.KeyMap[ImGuiKey_Delete] = key::kDelete;
+    io.KeyMap[ImGuiKey_Backspace] = key::kBackspace;
+    io.KeyMap[ImGuiKey_Enter] = key::kEnter;
+    io.KeyMap[ImGuiKey_Escape] = key::kEscape;
+    io.KeyMap[ImGuiKey_A] = 'A';
+    io.KeyMap[ImGuiKey_C] = 'C';
+    io.KeyMap[ImGuiKey_V] = 'V';
+    io.KeyMap[ImGuiKey_X] = 'X';
+}
+
+}  // namespace
+
+Gui::Gui(float scale) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;  // no file appears where the program runs
+    io.BackendPlatformName = "glint";
+    mapKeys(io);
+    ImFontConfig font;
+    font.SizePixels = 13 * std::round(scale);  // the built-in font is made of pixels
+    io.Fonts->AddFontDefault(&font);
+    unsigned char* texels = nullptr;
+    io.Fonts->GetTexDataAsAlpha8(&texels, &fontWidth_, &fontHeight_);
+    font_.assign(texels, texels + static_cast<size_t>(fontWidth_) * static_cast<size_t>(fontHeight_));
+    io.Fonts->ClearTexData();
+    ImGuiStyle& style = ImGui::GetStyle();
+    ImGui::StyleColorsDark();
+    style.ScaleAllSizes(scale);
+    style.WindowRounding = style.FrameRounding = style.GrabRounding = 0;
+    style.AntiAliasedLinesUseTex = false;
+}
+
+Gui::~Gui() {
+    ImGui::DestroyContext();
+}
+
+void Gui::feed(const Event& event) {
+    ImGuiIO& io = ImGui::GetIO();
+    switch (event.type) {
+        case Event::Type::Cursor:
+            io.MousePos = ImVec2(static_cast<float>(event.x), static_cast<float>(event.y));
+            break;
+        case Event::Type::Button:
+            io.MouseDown[event.code] = event.down;
+            break;
+        case Event::Type::Wheel:
+            io.MouseWheel += static_cast<float>(event.y);
+            break;
+        case Event::Type::Text:
+            io.AddInputCharacter(static_cast<unsigned>(event.code));
+            break;
+        case Event::Type::Key:
+            if (event.code < key::kCount) io.KeysDown[event.code] = event.down;
+            io.KeyCtrl = (event.mods & kControl) != 0;
+            io.KeyShift = (event.mods & kShift) != 0;
+            io.KeyAlt = (event.mods & kAlt) != 0;
+            break;
+        default:
+            break;
+    }
+}
+
+bool Gui::covers(double x, double y) const {
+    return std::any_of(windows_.begin(), windows_.end(), [&](const Rectangle& r) {
+        return x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
+               y >= static_cast<double>(r.y0) && y < static_cast<double>(r.y1);
+    });
+}
+
+bool Gui::wantsKeys() const {
+    return ImGui::GetIO().WantTextInput;
+}
+
+void Gui::begin(int width, int height, double seconds) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
+    io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
+    nextWindows_.clear();
+    ImGui::NewFrame();
+}
+
+void Gui::noteWindow() {
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    nextWindows_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+}
+
+void Gui::end(Canvas& target) {
+    ImGui::Render();
+    windows_ = nextWindows_;
+    // Open lists and menus reach beyond their windows.
+    if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel))
+        windows_.push_back({0, 0, static_cast<float>(target.width), static_cast<float>(target.height)});
+    const ImDrawData* data = ImGui::GetDrawData();
+    const Font font = {font_.data(), fontWidth_, fontHeight_};
+    for (int i = 0; i < data->CmdListsCount; ++i) {
+        const ImDrawList& list = *data->CmdLists[i];
+        for (const ImDrawCmd& command : list.CmdBuffer) {
+            if (command.UserCallback == nullptr) drawCommand(target, command, list, font);
+        }
+    }
+}
+
+}  // namespace glint::view

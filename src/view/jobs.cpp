@@ -1,0 +1,105 @@
+#include "view/jobs.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/error.h"
+#include "core/image_io.h"
+#include "verify/verify.h"
+
+namespace glint::view {
+
+namespace {
+
+// As long as the window's own submissions: both take turns on the device's queue.
+render::Options backgroundOptions() {
+    render::Options options;
+    options.sliceSeconds = 0.03;
+    return options;
+}
+
+bool isExr(const std::filesystem::path& file) {
+    return file.extension() == ".exr" || file.extension() == ".EXR";
+}
+
+}  // namespace
+
+SaveRequest saveRequest(const Session& session, const std::filesystem::path& file, int samplesPerPixel,
+                        double exposure) {
+    SaveRequest request;
+    request.file = file;
+    request.scene = session.sharedScene();
+    request.packed = session.litScene();
+    request.camera = session.packedCamera();
+    request.width = session.width();
+    request.height = session.height();
+    request.samplesPerPixel = samplesPerPixel;
+    request.shadows = session.settings().shadows;
+    request.exposure = exposure;
+    return request;
+}
+
+std::string save(const gpu::Device& device, SaveRequest request, JobControl& control) {
+    render::RenderSettings settings;
+    settings.width = request.width;
+    settings.height = request.height;
+    settings.sampleOffsets = sampleOffsets(request.samplesPerPixel);
+    settings.data = settings.cost = isExr(request.file);
+    settings.shadows = request.shadows;
+    settings.progress = [&](double fraction) { control.progress = fraction; };
+    settings.cancelled = [&] { return control.cancelled.load(); };
+    render::Renderer renderer(device, request.packed, backgroundOptions());
+    Picture picture = renderer.render(request.camera, settings);
+    if (!picture.complete) return "saving stopped";
+    if (!isExr(request.file) && request.exposure != 0) {
+        const auto gain = static_cast<float>(std::exp2(request.exposure));
+        for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
+            if (i % 4 != 3) picture.color.pixels[i] *= gain;
+        }
+    }
+    const std::vector<std::string> layers =
+        isExr(request.file) ? aovNames() : std::vector<std::string>{"color"};
+    writeLayers(request.file, makeLayers(picture, layers));
+    return "saved " + request.file.string() + " (" + std::to_string(request.width) + "x" +
+           std::to_string(request.height) +
+           ", samples per pixel: " + std::to_string(request.samplesPerPixel) + ")";
+}
+
+VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobControl& control) {
+    render::Renderer renderer(device, request.packed, backgroundOptions());
+    verify::Options options;
+    options.width = request.width;
+    options.height = request.height;
+    options.progress = [&](double fraction) { control.progress = fraction; };
+    options.cancelled = [&] { return control.cancelled.load(); };
+    verify::Report report = verify::verify(renderer, request.packed, request.camera, options);
+    VerifyResult result;
+    result.passed = report.passed(options);
+    char text[256];
+    std::snprintf(text, sizeof(text),
+                  "%s: %llu pixels, %llu explained (%llu ties, %llu edges), %llu unexplained, RMSE %.3g",
+                  report.interrupted ? "stopped"
+                  : result.passed    ? "passed"
+                                     : "FAILED",
+                  static_cast<unsigned long long>(report.pixels),
+                  static_cast<unsigned long long>(report.explained()),
+                  static_cast<unsigned long long>(report.ties), static_cast<unsigned long long>(report.edges),
+                  static_cast<unsigned long long>(report.unexplained), report.rmse);
+    result.text = text;
+    result.difference = std::move(report.difference);
+    return result;
+}
+
+std::filesystem::path freeName(const std::filesystem::path& folder, const std::string& stem,
+                               const std::string& extension) {
+    for (int i = 1; i < 10000; ++i) {
+        char number[16];
+        std::snprintf(number, sizeof(number), "-view-%03d", i);
+        const std::filesystem::path candidate = folder / (stem + number + extension);
+        std::error_code error;
+        if (!std::filesystem::exists(candidate, error)) return candidate;
+    }
+    throw Error(ExitCode::Failed, folder.string() + ": holds 9999 saved views of this scene; remove some");
+}
+
+}  // namespace glint::view

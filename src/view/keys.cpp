@@ -1,0 +1,94 @@
+#include "view/keys.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "view/events.h"
+
+namespace glint::view {
+
+namespace {
+
+constexpr KeyBinding kBindings[] = {
+    {Action::Help, key::kF1, 0, "F1", "show or hide this list (also ?)"},
+    {Action::HidePanel, 'H', 0, "H", "hide or show the panel"},
+    {Action::Close, key::kEscape, 0, "Esc", "close what lies over the picture"},
+    {Action::Quit, 'Q', kControl, "Ctrl+Q", "quit"},
+    {Action::ToggleFly, key::kTab, 0, "Tab", "fly or orbit"},
+    {Action::Reset, 'R', 0, "R", "back to the scene's camera"},
+    {Action::FramePicked, 'F', 0, "F", "frame the picked object, or everything"},
+    {Action::ViewFront, '1', 0, "1", "everything from the front"},
+    {Action::ViewRight, '2', 0, "2", "from the right"},
+    {Action::ViewBack, '3', 0, "3", "from behind"},
+    {Action::ViewLeft, '4', 0, "4", "from the left"},
+    {Action::ViewTop, '5', 0, "5", "from above"},
+    {Action::ViewBottom, '6', 0, "6", "from below"},
+    {Action::NarrowView, '[', 0, "[", "narrower field of view"},
+    {Action::WidenView, ']', 0, "]", "wider field of view"},
+    {Action::TurnLeft, key::kLeft, 0, "Left", "turn, as dragging does"},
+    {Action::TurnRight, key::kRight, 0, "Right", "turn"},
+    {Action::TurnUp, key::kUp, 0, "Up", "turn"},
+    {Action::TurnDown, key::kDown, 0, "Down", "turn"},
+    {Action::Nearer, key::kPageUp, 0, "PageUp", "nearer"},
+    {Action::Farther, key::kPageDown, 0, "PageDown", "farther"},
+    {Action::NextLayer, 'L', 0, "L", "next layer: colour, depth, normal, ..."},
+    {Action::PreviousLayer, 'L', kShift, "Shift+L", "previous layer"},
+    {Action::ExposureDown, '-', 0, "-", "darker by half a stop"},
+    {Action::ExposureUp, '=', 0, "=", "brighter by half a stop"},
+    {Action::PrintCamera, 'C', 0, "C", "print and copy the camera as scene JSON"},
+    {Action::Verify, 'V', 0, "V", "check this view against the reference"},
+    {Action::SavePng, 'S', 0, "S", "save a PNG at full quality (flying: Ctrl+S)"},
+    {Action::SavePng, 'S', kControl, "Ctrl+S", "the same"},
+    {Action::SaveExr, 'S', kShift, "Shift+S", "save an EXR with every layer"},
+    {Action::Reload, key::kF5, 0, "F5", "load the scene's files again now"},
+};
+
+constexpr MouseHelp kMouse[] = {
+    {"click", "pick: what is there, and the path of its ray"},
+    {"drag", "orbit around the target (flying: look around)"},
+    {"Shift+drag", "pan (also the middle button)"},
+    {"right drag", "dolly"},
+    {"wheel", "dolly"},
+    {"W A S D", "flying: forward, left, back, right"},
+    {"Q E", "flying: down, up; Shift is faster"},
+};
+
+std::string upper(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    return text;
+}
+
+}  // namespace
+
+std::span<const KeyBinding> keyBindings() {
+    return kBindings;
+}
+std::span<const MouseHelp> mouseHelp() {
+    return kMouse;
+}
+
+bool isFlyKey(int key) {
+    return std::string_view("WASDQE").find(static_cast<char>(key)) != std::string_view::npos && key < 128;
+}
+
+std::optional<Action> actionOf(int key, int mods, bool flying) {
+    if (flying && isFlyKey(key) && (mods & (kControl | kAlt)) == 0) return std::nullopt;
+    for (const KeyBinding& b : kBindings) {
+        if (b.key == key && b.mods == (mods & (kShift | kControl | kAlt))) return b.action;
+    }
+    return std::nullopt;
+}
+
+std::optional<KeyPress> keyNamed(const std::string& name) {
+    const std::string wanted = upper(name);
+    if (wanted == "?") return KeyPress{key::kF1, 0};
+    for (const KeyBinding& b : kBindings) {
+        if (wanted == upper(b.name)) return KeyPress{b.key, b.mods};
+    }
+    if (wanted.size() == 1 && isFlyKey(wanted[0])) return KeyPress{wanted[0], 0};
+    return std::nullopt;
+}
+
+}  // namespace glint::view

@@ -1,0 +1,73 @@
+// Every key and mouse gesture, once: the window obeys this list, shows it (F1), scripts name keys by it, and
+// a test holds docs/viewer.md to it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+namespace glint::view {
+
+enum class Action {
+    Help,
+    Close,
+    Quit,
+    HidePanel,
+    NextLayer,
+    PreviousLayer,
+    ExposureDown,
+    ExposureUp,
+    ToggleFly,
+    Reset,
+    FramePicked,
+    ViewFront,
+    ViewRight,
+    ViewBack,
+    ViewLeft,
+    ViewTop,
+    ViewBottom,
+    NarrowView,
+    WidenView,
+    TurnLeft,
+    TurnRight,
+    TurnUp,
+    TurnDown,
+    Nearer,
+    Farther,
+    PrintCamera,
+    Verify,
+    SavePng,
+    SaveExr,
+    Reload
+};
+
+struct KeyBinding {
+    Action action;
+    int key;
+    int mods;
+    const char* name;  // "Shift+S"
+    const char* help;
+};
+
+struct MouseHelp {
+    const char* gesture;
+    const char* help;
+};
+
+std::span<const KeyBinding> keyBindings();
+std::span<const MouseHelp> mouseHelp();
+
+// While flying, the keys that move have no other meaning.
+bool isFlyKey(int key);
+
+std::optional<Action> actionOf(int key, int mods, bool flying);
+
+struct KeyPress {
+    int key = 0;
+    int mods = 0;
+};
+
+// "S", "shift+s", "Esc", "F1": any case. "W", "A", "D", "Q", "E" too, which only flying knows.
+std::optional<KeyPress> keyNamed(const std::string& name);
+
+}  // namespace glint::view

@@ -1,0 +1,29 @@
+// `glint view`: a window to look around a scene in, drawn by the tracer that `glint render` uses
+// (docs/viewer.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+namespace glint::view {
+
+struct Options {
+    std::filesystem::path scene;
+    int width = 0, height = 0;  // of the window's picture; 0: the scene's
+    std::optional<int> maxDepth, samplesPerPixel;
+    std::string device;  // selector, see gpu::chooseDevice
+    bool validation = false;
+    uint64_t frames = 0;  // close after so many; 0: when the user does
+    std::filesystem::path script;
+    std::string presentMode = "fifo";
+    double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
+};
+
+// Opens the window and returns the exit code once it is closed. Throws Error: Scene for a scene at fault,
+// Device without a display or a device, Failed where a script's expectation is not met.
+int view(const Options& options, std::ostream& out, std::ostream& err);
+
+}  // namespace glint::view

@@ -1,0 +1,31 @@
+// A scene as the window holds it.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+#include "scene/scene.h"
+#include "view/camera_control.h"
+
+namespace glint::view {
+
+struct ViewScene {
+    std::filesystem::path path;
+    Scene scene;
+    PackedScene packed;  // as loaded: every light on
+};
+
+// Loads and packs. The pipeline keeps what the panel may switch on again: mirrors, if a material reflects.
+// Throws Error(Scene) as loadScene does.
+std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
+                                               std::optional<int> samplesPerPixel);
+
+// Around everything that is finite; around eye and target if nothing is.
+Ball boundsOf(const ViewScene& scene);
+// Around an object; around `hit` (world), as large as a tenth of the way there, for one without end.
+Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, double distance);
+
+}  // namespace glint::view

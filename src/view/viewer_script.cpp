@@ -1,0 +1,286 @@
+// What a script does: the same events as a hand, and some looks behind the window.
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <ostream>
+
+#include "core/error.h"
+#include "core/image_io.h"
+#include "view/viewer.h"
+
+namespace glint::view {
+
+namespace {
+
+Event cursorAt(double x, double y) {
+    return {.type = Event::Type::Cursor, .x = x, .y = y};
+}
+
+Event press(Button button, bool down, int mods = 0) {
+    return {.type = Event::Type::Button, .code = static_cast<int>(button), .mods = mods, .down = down};
+}
+
+Event keyEvent(const KeyPress& k, bool down) {
+    return {.type = Event::Type::Key, .code = k.key, .mods = k.mods, .down = down};
+}
+
+KeyPress keyOf(const ScriptCommand& command) {
+    const std::optional<KeyPress> k = keyNamed(command.arguments[0]);
+    if (!k)
+        throw Error(ExitCode::Usage,
+                    command.place + ": no such key: '" + command.arguments[0] + "' (F1 lists them)");
+    return *k;
+}
+
+bool onOff(const ScriptCommand& command) {
+    const std::string& value = command.arguments[1];
+    if (value != "on" && value != "off") throw Error(ExitCode::Usage, command.place + ": expected on or off");
+    return value == "on";
+}
+
+}  // namespace
+
+void Viewer::failScript(const ScriptCommand& command, const std::string& what) {
+    throw Error(ExitCode::Failed, command.place + ": " + command.name + ": " + what);
+}
+
+bool Viewer::settled() const {
+    return !moving() && session_->finished() && !saving_.running() && !verifying_.running() &&
+           !loading_.running();
+}
+
+void Viewer::waitFrames(int frames) {
+    const uint64_t until = frames_ + static_cast<uint64_t>(std::max(frames, 0));
+    scriptWait_ = [this, until] { return frames_ >= until; };
+}
+
+// A command begins when the one before has been waited for and its events have been handled.
+void Viewer::runScript() {
+    if (!queue_.empty()) return;
+    if (scriptWait_) {
+        if (!scriptWait_()) return;
+        scriptWait_ = nullptr;
+    }
+    if (nextCommand_ < script_.size()) start(script_[nextCommand_++]);
+}
+
+void Viewer::start(const ScriptCommand& command) {
+    const std::string& name = command.name;
+    if (startInput(command) || startExpectation(command)) return;
+    if (name == "wait") {
+        waitFrames(wholeOf(command, 0));
+    } else if (name == "settle") {
+        scriptWait_ = [this] { return settled(); };
+    } else if (name == "resize") {
+        const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
+        window_.resize(wanted);
+        scriptWait_ = [this, wanted] {
+            return window_.size() == wanted && session_->width() == wanted.width;
+        };
+    } else if (name == "minimise") {
+        window_.setMinimised(true);
+        scriptWait_ = [this, left = wholeOf(command, 0)]() mutable {
+            if (left-- > 0) return false;
+            window_.setMinimised(false);
+            return true;
+        };
+    } else if (name == "aov") {
+        const std::optional<ViewLayer> layer = layerNamed(command.arguments[0]);
+        if (!layer)
+            throw Error(ExitCode::Usage, command.place + ": no such layer: '" + command.arguments[0] + "'");
+        model_.settings.layer = *layer;
+        takeSettings();
+    } else if (name == "set") {
+        set(command);
+    } else if (name == "reload") {
+        scriptWait_ = [this, before = reloads_] { return reloads_ > before; };
+    } else if (name == "verify") {
+        startVerifying();
+        scriptWait_ = [this, &command] {
+            if (verifying_.running()) return false;
+            if (!model_.verdictPassed) failScript(command, model_.verdict);
+            return true;
+        };
+    } else if (name == "pace") {
+        startPace(wholeOf(command, 0));
+    } else if (name == "idle") {
+        startIdling(numberOf(command, 0));
+    } else if (name == "lose-device") {
+        throw gpu::DeviceLost("lose-device: as if VK_ERROR_DEVICE_LOST");
+    } else if (name == "stay") {
+        scriptStays_ = true;
+    } else {
+        startFile(command);
+    }
+}
+
+bool Viewer::startInput(const ScriptCommand& command) {
+    const std::string& name = command.name;
+    const double x = session_->width() / 2, y = session_->height() / 2;
+    if (name == "orbit" || name == "pan") {
+        const int mods = name == "pan" ? kShift : 0;
+        push(cursorAt(x, y));
+        push(press(Button::Left, true, mods));
+        push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
+        push(press(Button::Left, false, mods));
+    } else if (name == "dolly") {
+        push(cursorAt(x, y));
+        push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
+    } else if (name == "key") {
+        push(keyEvent(keyOf(command), true));
+        push(keyEvent(keyOf(command), false));
+    } else if (name == "hold") {
+        push(keyEvent(keyOf(command), true));
+        scriptWait_ = [this, until = frames_ + static_cast<uint64_t>(wholeOf(command, 1)),
+                       k = keyOf(command)] {
+            if (frames_ < until) return false;
+            push(keyEvent(k, false));
+            return true;
+        };
+    } else if (name == "click") {
+        push(cursorAt(wholeOf(command, 0), wholeOf(command, 1)));
+        push(press(Button::Left, true));
+        push(press(Button::Left, false));
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool Viewer::startExpectation(const ScriptCommand& command) {
+    const std::string& name = command.name;
+    const std::string wanted = command.rest;
+    std::string found;
+    if (name == "expect-object") {
+        found = !pick_ ? "nothing picked" : pick_->hit() ? std::to_string(pick_->data.object) : "none";
+    } else if (name == "expect-size") {
+        const PixelSize size = window_.size();
+        found = std::to_string(size.width) + " " + std::to_string(size.height);
+    } else if (name == "expect-layer") {
+        found = layerName(session_->settings().layer);
+    } else if (name == "expect-error") {
+        if (model_.sceneError.find(wanted) == std::string::npos)
+            failScript(command, "the message is '" + model_.sceneError + "'");
+        return true;
+    } else if (name == "expect-no-error") {
+        found = model_.sceneError;
+    } else {
+        return false;
+    }
+    if (found != wanted) failScript(command, "it is '" + found + "'");
+    return true;
+}
+
+void Viewer::startFile(const ScriptCommand& command) {
+    const std::filesystem::path file = command.arguments[0];
+    if (command.name == "screenshot") {
+        if (!isWritableImagePath(file))
+            throw Error(ExitCode::Usage, command.place + ": expected a .png or .exr file");
+        startSaving(file);
+        scriptWait_ = [this, &command, file] {
+            if (saving_.running()) return false;
+            if (!std::filesystem::exists(file)) failScript(command, model_.message);
+            return true;
+        };
+    } else if (command.name == "window") {
+        scriptWait_ = [this, file, until = frames_ + 2] {
+            if (frames_ < until) return false;
+            writeImage(file, toImage(frame_));
+            return true;
+        };
+    } else if (command.name == "copy") {
+        std::error_code error;
+        std::filesystem::copy_file(file, command.arguments[1],
+                                   std::filesystem::copy_options::overwrite_existing, error);
+        if (error) failScript(command, error.message());
+    }
+}
+
+void Viewer::set(const ScriptCommand& command) {
+    const std::string& what = command.arguments[0];
+    PictureSettings& s = model_.settings;
+    if (what == "depth") {
+        s.maxDepth = std::max(wholeOf(command, 1), 0);
+    } else if (what == "shadows") {
+        s.shadows = onOff(command);
+    } else if (what == "reflections") {
+        s.reflections = onOff(command);
+    } else if (what == "samples") {
+        s.sampleLimit = std::max(wholeOf(command, 1), 1);
+    } else if (what == "exposure") {
+        model_.exposure = numberOf(command, 1);
+    } else if (what == "fov") {
+        control_.zoom(numberOf(command, 1) / control_.camera().fovY);
+        touchMotion();
+    } else if (what == "background" && command.arguments.size() == 4) {
+        for (int c = 0; c < 3; ++c)
+            s.background[c] = static_cast<float>(numberOf(command, static_cast<size_t>(c) + 1));
+    } else if (what == "light" && command.arguments.size() == 3) {
+        const int light = wholeOf(command, 1);
+        if (light < 0 || static_cast<size_t>(light) >= s.lights.size())
+            failScript(command, "there is no such light");
+        s.lights[static_cast<size_t>(light)].dim = static_cast<float>(numberOf(command, 2));
+    } else {
+        throw Error(ExitCode::Usage, command.place + ": cannot set '" + command.rest + "' (docs/viewer.md)");
+    }
+    takeSettings();
+}
+
+void Viewer::startIdling(double seconds) {
+    const auto processor = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+    scriptIdles_ = true;
+    scriptWait_ = [this, processor, watch = Stopwatch(), frames = frames_, before = processor(), seconds] {
+        if (watch.seconds() < seconds) return false;
+        char line[120];
+        std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %.3f s of processor time",
+                      watch.seconds(), static_cast<unsigned long long>(frames_ - frames),
+                      processor() - before);
+        out_ << line << std::endl;
+        scriptIdles_ = false;
+        return true;
+    };
+}
+
+void Viewer::startPace(int frames) {
+    struct Run {
+        std::vector<double> seconds;
+        Stopwatch frame;
+        uint64_t last = 0;
+        int leastWidth = 1 << 30, leastHeight = 0;
+    };
+    auto run = std::make_shared<Run>();
+    run->last = frames_;
+    scriptWait_ = [this, run, frames] {
+        if (frames_ != run->last) {
+            run->last = frames_;
+            run->seconds.push_back(run->frame.seconds());
+            run->frame.restart();
+            if (session_->facts().width < run->leastWidth) {
+                run->leastWidth = session_->facts().width;
+                run->leastHeight = session_->facts().height;
+            }
+        }
+        if (static_cast<int>(run->seconds.size()) < frames) {
+            control_.orbit(0.01745, 0);
+            touchMotion();
+            return false;
+        }
+        // The first frames find the pace, and compile.
+        std::vector<double> s(run->seconds.begin() + frames / 4, run->seconds.end());
+        std::sort(s.begin(), s.end());
+        double sum = 0;
+        for (double t : s) sum += t;
+        char line[200];
+        std::snprintf(line, sizeof(line),
+                      "pace: %zu frames, %.1f frames/s, median %.1f ms, 95th percentile %.1f ms, now %d x %d "
+                      "(least %d x %d)",
+                      s.size(), static_cast<double>(s.size()) / sum, s[s.size() / 2] * 1e3,
+                      s[s.size() * 95 / 100] * 1e3, session_->facts().width, session_->facts().height,
+                      run->leastWidth, run->leastHeight);
+        out_ << line << std::endl;
+        return true;
+    };
+}
+
+}  // namespace glint::view

@@ -1,0 +1,186 @@
+#include "view/window.h"
+
+// volk.h before GLFW, which declares its Vulkan part if it finds Vulkan's types.
+#include <volk.h>
+// (keep the order)
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+
+namespace glint::view {
+
+namespace {
+
+static_assert(key::kEscape == GLFW_KEY_ESCAPE && key::kEnter == GLFW_KEY_ENTER && key::kTab == GLFW_KEY_TAB &&
+              key::kBackspace == GLFW_KEY_BACKSPACE && key::kDelete == GLFW_KEY_DELETE);
+static_assert(key::kRight == GLFW_KEY_RIGHT && key::kLeft == GLFW_KEY_LEFT && key::kDown == GLFW_KEY_DOWN &&
+              key::kUp == GLFW_KEY_UP && key::kPageUp == GLFW_KEY_PAGE_UP &&
+              key::kPageDown == GLFW_KEY_PAGE_DOWN);
+static_assert(key::kHome == GLFW_KEY_HOME && key::kEnd == GLFW_KEY_END && key::kF1 == GLFW_KEY_F1 &&
+              key::kF5 == GLFW_KEY_F5 && key::kLeftShift == GLFW_KEY_LEFT_SHIFT &&
+              key::kLeftControl == GLFW_KEY_LEFT_CONTROL && key::kCount > GLFW_KEY_LAST);
+static_assert(kShift == GLFW_MOD_SHIFT && kControl == GLFW_MOD_CONTROL && kAlt == GLFW_MOD_ALT);
+
+std::string lastError;
+
+void keepError(int /*code*/, const char* text) {
+    lastError = text;
+}
+
+[[noreturn]] void fail(const std::string& what) {
+    throw Error(ExitCode::Device, what + (lastError.empty() ? "" : " (" + lastError + ")") +
+                                      "; glint render SCENE draws to a file and needs no window");
+}
+
+std::vector<Event>& eventsOf(GLFWwindow* window) {
+    return static_cast<Window*>(glfwGetWindowUserPointer(window))->events;
+}
+
+double pixelsPerUnit(GLFWwindow* window) {
+    int width = 0, units = 0;
+    glfwGetFramebufferSize(window, &width, nullptr);
+    glfwGetWindowSize(window, &units, nullptr);
+    return units > 0 && width > 0 ? static_cast<double>(width) / units : 1;
+}
+
+void installCallbacks(GLFWwindow* window) {
+    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+        const double ratio = pixelsPerUnit(w);
+        eventsOf(w).push_back({.type = Event::Type::Cursor, .x = x * ratio, .y = y * ratio});
+    });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+        if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
+        eventsOf(w).push_back(
+            {.type = Event::Type::Button, .code = button, .mods = mods, .down = action == GLFW_PRESS});
+    });
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
+        eventsOf(w).push_back({.type = Event::Type::Wheel, .x = x, .y = y});
+    });
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int code, int /*scancode*/, int action, int mods) {
+        if (code < 0) return;
+        eventsOf(w).push_back({.type = Event::Type::Key,
+                               .code = code,
+                               .mods = mods,
+                               .down = action != GLFW_RELEASE,
+                               .repeat = action == GLFW_REPEAT});
+    });
+    glfwSetCharCallback(window, [](GLFWwindow* w, unsigned point) {
+        eventsOf(w).push_back({.type = Event::Type::Text, .code = static_cast<int>(point)});
+    });
+    glfwSetFramebufferSizeCallback(
+        window, [](GLFWwindow* w, int, int) { eventsOf(w).push_back({.type = Event::Type::Resize}); });
+    glfwSetWindowRefreshCallback(window,
+                                 [](GLFWwindow* w) { eventsOf(w).push_back({.type = Event::Type::Redraw}); });
+    // Keys held while the focus goes are never released for this window.
+    glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
+        if (focused == GLFW_FALSE) {
+            for (int code = 0; code < key::kCount; ++code)
+                eventsOf(w).push_back({.type = Event::Type::Key, .code = code});
+            for (int button = 0; button < 3; ++button)
+                eventsOf(w).push_back({.type = Event::Type::Button, .code = button});
+        }
+        eventsOf(w).push_back({.type = Event::Type::Redraw});
+    });
+    glfwSetWindowIconifyCallback(
+        window, [](GLFWwindow* w, int) { eventsOf(w).push_back({.type = Event::Type::Redraw}); });
+    glfwSetWindowCloseCallback(window,
+                               [](GLFWwindow* w) { eventsOf(w).push_back({.type = Event::Type::Close}); });
+}
+
+}  // namespace
+
+Window::Window(PixelSize size, const std::string& title) {
+    lastError.clear();
+    glfwSetErrorCallback(keepError);
+    if (glfwInit() != GLFW_TRUE) fail("no display to open a window on");
+    if (glfwVulkanSupported() != GLFW_TRUE) {
+        glfwTerminate();
+        fail("no Vulkan driver here can draw in a window");
+    }
+    if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) {
+        int x = 0, y = 0, width = 0, height = 0;
+        glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+        if (width > 0 && height > 0) size = {std::min(size.width, width), std::min(size.height, height)};
+    }
+    glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+    if (window_ == nullptr) {
+        glfwTerminate();
+        fail("cannot open a window");
+    }
+    glfwSetWindowUserPointer(window_, this);
+    installCallbacks(window_);
+}
+
+Window::~Window() {
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+gpu::WindowSystem Window::system() {
+    gpu::WindowSystem result;
+    uint32_t count = 0;
+    const char** names = glfwGetRequiredInstanceExtensions(&count);
+    if (names == nullptr) fail("no Vulkan driver here can draw in a window");
+    result.instanceExtensions.assign(names, names + count);
+    result.makeSurface = [this](void* instance) {
+        VkSurfaceKHR surface = VK_NULL_HANDLE;
+        if (glfwCreateWindowSurface(static_cast<VkInstance>(instance), window_, nullptr, &surface) !=
+            VK_SUCCESS)
+            fail("the window takes no pictures from Vulkan");
+        return (uint64_t)surface;  // a pointer or a number, see gpu/swapchain.h
+    };
+    return result;
+}
+
+std::vector<Event> Window::poll() {
+    glfwPollEvents();
+    return std::exchange(events, {});
+}
+
+void Window::wait(double seconds) {
+    if (events.empty()) glfwWaitEventsTimeout(std::max(seconds, 1e-3));
+}
+
+void Window::wake() {
+    glfwPostEmptyEvent();
+}
+
+PixelSize Window::size() const {
+    PixelSize size;
+    glfwGetFramebufferSize(window_, &size.width, &size.height);
+    return size;
+}
+
+float Window::scale() const {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return std::clamp(std::max(x, y), 1.0f, 4.0f);
+}
+
+bool Window::minimised() const {
+    const PixelSize now = size();
+    return now.width == 0 || now.height == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+}
+
+void Window::resize(PixelSize size) {
+    const double ratio = pixelsPerUnit(window_);
+    glfwSetWindowSize(window_, static_cast<int>(std::lround(size.width / ratio)),
+                      static_cast<int>(std::lround(size.height / ratio)));
+}
+
+void Window::setMinimised(bool minimised) {
+    minimised ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_);
+}
+void Window::setTitle(const std::string& title) {
+    glfwSetWindowTitle(window_, title.c_str());
+}
+void Window::setClipboard(const std::string& text) {
+    glfwSetClipboardString(window_, text.c_str());
+}
+
+}  // namespace glint::view

@@ -1,0 +1,51 @@
+// The window itself: the only user of GLFW.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+#include "view/events.h"
+
+struct GLFWwindow;
+
+namespace glint::view {
+
+struct PixelSize {
+    int width = 0, height = 0;
+    bool operator==(const PixelSize&) const = default;
+};
+
+// One at a time, on the main thread (GLFW's rule).
+class Window {
+  public:
+    // A window whose picture has `size` pixels if the screen can hold it. Throws Error(Device) without a
+    // display or without Vulkan for windows, naming `glint render`.
+    Window(PixelSize size, const std::string& title);
+    ~Window();
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    gpu::WindowSystem system();
+
+    // What has happened since the last call. wait(): sleeps until something does, wake() is called, or
+    // `seconds` are over.
+    std::vector<Event> poll();
+    void wait(double seconds);
+    static void wake();  // from any thread
+
+    PixelSize size() const;  // of the picture; on a HiDPI screen more than the window system's units
+    float scale() const;     // of text and controls: 1, 2 on HiDPI
+    bool minimised() const;
+    void resize(PixelSize size);
+    void setMinimised(bool minimised);
+    void setTitle(const std::string& title);
+    void setClipboard(const std::string& text);
+
+    std::vector<Event> events;  // filled by GLFW's callbacks
+
+  private:
+    GLFWwindow* window_ = nullptr;
+};
+
+}  // namespace glint::view

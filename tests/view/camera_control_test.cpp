@@ -1,0 +1,127 @@
+#include "view/camera_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <nlohmann/json.hpp>
+
+#include "scene/load.h"
+
+namespace glint::view {
+namespace {
+
+constexpr double kPi = glm::pi<double>();
+
+Camera cameraAt(const glm::dvec3& eye) {
+    Camera camera;
+    camera.eye = eye;
+    camera.fovY = 60;
+    return camera;
+}
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-12) << "component " << c;
+}
+
+TEST(CameraControl, OrbitsAboutTheTarget) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.orbit(kPi / 2, 0);  // the hand takes the scene a quarter to the right
+    expectNear(control.camera().eye, {-5, 0, 0});
+    control.orbit(0, kPi / 6);
+    expectNear(control.camera().eye, {-5 * std::cos(kPi / 6), 5 * std::sin(kPi / 6), 0});
+    expectNear(control.camera().target, {0, 0, 0});
+}
+
+TEST(CameraControl, NeverReachesThePole) {
+    for (double y : {10.0, -10.0}) {
+        CameraControl control(cameraAt({0, 0, 5}));
+        control.orbit(0, y);
+        const double angle = std::acos(control.camera().eye.y / 5);
+        EXPECT_NEAR(angle, y > 0 ? kPi / 360 : kPi - kPi / 360, 1e-9);
+        EXPECT_NEAR(control.camera().eye.x, 0, 1e-12);  // not to the other side
+    }
+}
+
+TEST(CameraControl, LooksFromTheEye) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.look(kPi / 2, 0);  // to the right
+    expectNear(control.camera().target, {5, 0, 5});
+    control.look(0, kPi / 4);  // down
+    expectNear(control.camera().target, {5 * std::cos(kPi / 4), -5 * std::sin(kPi / 4), 5});
+    expectNear(control.camera().eye, {0, 0, 5});
+}
+
+// At the target's distance the picture is 2 d tan(fov / 2) high.
+TEST(CameraControl, PanFollowsTheHand) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.pan(0.5, -0.25);
+    const double height = 2 * 5 * std::tan(kPi / 6);
+    expectNear(control.camera().target, {-0.5 * height, -0.25 * height, 0});
+    expectNear(control.camera().eye, {-0.5 * height, -0.25 * height, 5});
+}
+
+TEST(CameraControl, DollyMoveZoomAndReset) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.dolly(0.5);
+    expectNear(control.camera().eye, {0, 0, 2.5});
+    control.move({1, 2, 3});
+    expectNear(control.camera().eye, {1, 2, -0.5});
+    control.zoom(0.5);
+    EXPECT_DOUBLE_EQ(control.camera().fovY, 30);
+    control.zoom(1e9);
+    EXPECT_DOUBLE_EQ(control.camera().fovY, 170);
+    control.reset();
+    expectNear(control.camera().eye, {0, 0, 5});
+    EXPECT_DOUBLE_EQ(control.camera().fovY, 60);
+}
+
+TEST(CameraControl, AWindowZoomsToo) {
+    Camera camera = cameraAt({0, 0, 5});
+    camera.window = ViewWindow{-1, 2, -0.5, 1};
+    CameraControl control(camera);
+    control.zoom(2);
+    EXPECT_DOUBLE_EQ(control.camera().window->right, 4);
+    EXPECT_DOUBLE_EQ(control.camera().window->bottom, -1);
+}
+
+// Half of 60 degrees has the sine 1/2: a ball of radius 2 fills the height from 4 away, and 1.1 times that is
+// kept.
+TEST(CameraControl, FramesABall) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.frame({{1, 2, 3}, 2});
+    expectNear(control.camera().eye, {1, 2, 3 + 4.4});
+    control.view(Side::Right, {{1, 2, 3}, 2});
+    expectNear(control.camera().eye, {1 + 4.4, 2, 3});
+}
+
+// From above, everything can still be turned: the view direction is not along `up`.
+TEST(CameraControl, EverySideIsAValidCamera) {
+    for (int side = 0; side < 6; ++side) {
+        CameraControl control(cameraAt({0, 0, 5}));
+        control.view(static_cast<Side>(side), {{1, 2, 3}, 2});
+        Scene scene;
+        scene.camera = control.camera();
+        EXPECT_NO_THROW(validateScene(scene, "side")) << side;
+        control.orbit(0.1, 0.1);
+        EXPECT_TRUE(std::isfinite(control.camera().eye.x + control.camera().eye.y)) << side;
+    }
+}
+
+TEST(CameraControl, JsonHoldsEveryDigit) {
+    Camera camera = cameraAt({0.1, 1e-17, 123456.789});
+    camera.nearT = 0.25;
+    camera.farT = 1e6;
+    const Scene scene = parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".");
+    EXPECT_EQ(scene.camera.eye, camera.eye);
+    EXPECT_EQ(scene.camera.fovY, camera.fovY);
+    EXPECT_EQ(scene.camera.nearT, camera.nearT);
+    EXPECT_EQ(scene.camera.farT, camera.farT);
+    EXPECT_FALSE(scene.camera.window);
+    camera.window = ViewWindow{-1, 2, -0.5, 1};
+    EXPECT_EQ(parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".").camera.window->right,
+              2);
+}
+
+}  // namespace
+}  // namespace glint::view

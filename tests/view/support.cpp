@@ -1,0 +1,88 @@
+#include "support.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "app/cli.h"
+#include "core/file_io.h"
+#include "core/quantize.h"
+
+namespace glint::view::test {
+
+Ran runGlint(const std::vector<std::string>& args) {
+    std::ostringstream out, err;
+    Ran ran;
+    ran.code = app::run(args, out, err);
+    ran.out = out.str();
+    ran.err = err.str();
+    return ran;
+}
+
+void writeText(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+std::vector<uint8_t> readBytes(const std::filesystem::path& path) {
+    return readFile(path);
+}
+
+std::string sceneText(double red) {
+    return R"({
+  "image": {"width": 240, "height": 180},
+  "camera": {"type": "perspective", "eye": [0, 1.5, 7], "target": [0, 0.8, 0], "fovY": 45},
+  "background": [0.3, 0.4, 0.6],
+  "ambient": 0.1,
+  "maxDepth": 3,
+  "lights": [{"type": "point", "position": [3, 5, 4], "intensity": 0.7},
+             {"type": "directional", "direction": [1, -2, -1], "intensity": 0.4}],
+  "materials": {"one": {"diffuse": [)" +
+           std::to_string(red) +
+           R"(, 0.2, 0.1]}, "mirror": {"diffuse": 0.1, "mirror": 0.8, "specular": 1, "shininess": 100},
+                "two": {"diffuse": [0.2, 0.7, 0.2]}, "floor": {"diffuse": 0.5}},
+  "objects": [{"type": "sphere", "center": [-1.6, 1, 0], "radius": 1, "material": "one"},
+              {"type": "sphere", "center": [0.6, 1, 0], "radius": 1, "material": "mirror"},
+              {"type": "triangle", "vertices": [[1.7, 0.2, 0], [3.2, 0.2, 0], [2.4, 1.9, 0]], "material": "two"},
+              {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "floor"}]
+})";
+}
+
+void FolderTest::SetUp() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() /
+              ("glint_view_" + std::to_string(getpid()) + "_" + info->name());
+    std::filesystem::create_directories(folder_);
+    before_ = std::filesystem::current_path();
+    std::filesystem::current_path(folder_);
+    writeText("scene.json", sceneText());
+}
+
+void FolderTest::TearDown() {
+    std::filesystem::current_path(before_);
+    std::filesystem::remove_all(folder_);
+}
+
+Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {
+    writeText("script.txt", script);
+    std::vector<std::string> args = {"view",         "scene.json", "--size",    "240x180",
+                                     "--validation", "--script",   "script.txt"};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran ran = runGlint(args);
+    EXPECT_EQ(ran.err.find("validation"), std::string::npos) << ran.err;
+    return ran;
+}
+
+void FolderTest::render(const std::string& scene, const std::string& output,
+                        const std::vector<std::string>& more) {
+    std::vector<std::string> args = {"render", scene, "--size", "240x180", "-o", output, "-q"};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran ran = runGlint(args);
+    ASSERT_EQ(ran.code, 0) << ran.err;
+}
+
+Rgb pixelOf(const Image& image, int x, int y) {
+    return {srgbByte(image.at(x, y, 0)), srgbByte(image.at(x, y, 1)), srgbByte(image.at(x, y, 2))};
+}
+
+}  // namespace glint::view::test

@@ -1,0 +1,54 @@
+// What the tests of the window share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint::view::test {
+
+struct Ran {
+    int code = -1;
+    std::string out, err;
+};
+
+// A command line, inside this process.
+Ran runGlint(const std::vector<std::string>& args);
+
+void writeText(const std::filesystem::path& path, const std::string& text);
+std::vector<uint8_t> readBytes(const std::filesystem::path& path);
+
+// Three things before a floor of one colour: a sphere (object 0), a mirror sphere (1), a triangle (2), a
+// plane (3); two lights. `red`: the first sphere's red reflectance, so that two scenes can differ.
+std::string sceneText(double red = 0.8);
+
+// A test in a folder of its own, which is the current one.
+class FolderTest : public ::testing::Test {
+  protected:
+    void SetUp() override;
+    void TearDown() override;
+
+    // `glint view scene.json --size 240x180 --validation --script ...` with `script`; fails on a validation
+    // message.
+    Ran view(const std::string& script, const std::vector<std::string>& more = {});
+    // `glint render NAME --size 240x180`, to `output`.
+    void render(const std::string& scene, const std::string& output,
+                const std::vector<std::string>& more = {});
+
+  private:
+    std::filesystem::path folder_, before_;
+};
+
+// The bytes of a colour picture's pixel, as a PNG holds them.
+struct Rgb {
+    int r = 0, g = 0, b = 0;
+    bool operator==(const Rgb&) const = default;
+};
+Rgb pixelOf(const Image& image, int x, int y);
+
+}  // namespace glint::view::test

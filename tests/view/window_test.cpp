@@ -1,0 +1,219 @@
+// The window itself, on a screen in memory: what `glint view --script` does is what hands would do.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/image_io.h"
+#include "support.h"
+#include "view/layers.h"
+
+namespace glint::view::test {
+namespace {
+
+class Window : public FolderTest {};
+
+TEST_F(Window, OpensDrawsAndCloses) {
+    const Ran ran = view("", {"--frames", "5"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "");
+}
+
+TEST_F(Window, ClosesByItsKey) {
+    const Ran ran = view("stay\nkey ctrl+q\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+// The picture behind the panel is the picture of `glint render`: the same bytes on the screen.
+TEST_F(Window, ShowsWhatRenderDraws) {
+    const Ran ran = view("key H\nset samples 1\nsettle\nwindow shown.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.png");
+    const Image shown = readImage("shown.png"), rendered = readImage("rendered.png");
+    ASSERT_EQ(shown.width, 240);
+    ASSERT_EQ(shown.height, 180);
+    int differ = 0;
+    for (int y = 0; y < 180; ++y) {
+        for (int x = 0; x < 240; ++x) differ += pixelOf(shown, x, y) == pixelOf(rendered, x, y) ? 0 : 1;
+    }
+    EXPECT_EQ(differ, 0);
+}
+
+TEST_F(Window, ScreenshotHasTheBytesOfRender) {
+    const Ran ran = view("wait 2\nscreenshot shot.png\nscreenshot shot.exr\n", {"--spp", "4"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.png", {"--spp", "4"});
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    render("scene.json", "rendered.exr",
+           {"--spp", "4", "--aov",
+            "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
+    EXPECT_EQ(readBytes("shot.exr"), readBytes("rendered.exr"));
+}
+
+// The key S takes a name that is free.
+TEST_F(Window, SavesBesideEarlierPictures) {
+    const Ran ran = view("key S\nsettle\nkey S\nsettle\nkey shift+S\nsettle\n", {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("scene-view-002.png"));
+    EXPECT_TRUE(std::filesystem::exists("scene-view-001.exr"));
+}
+
+nlohmann::json cameraOf(const Ran& ran) {
+    const size_t at = ran.out.find("\"camera\"");
+    if (at == std::string::npos) return {};
+    return nlohmann::json::parse("{" + ran.out.substr(at, ran.out.find('\n', at) - at) + "}")["camera"];
+}
+
+// A drag across the whole height turns the eye by 180 degrees, so 30 of 180 pixels to the right turn it by 30
+// degrees: to the left, about the y axis through the target.
+TEST_F(Window, DraggingOrbits) {
+    const Ran ran = view("orbit 30 0\nkey C\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json camera = cameraOf(ran);
+    const double angle = 30 * M_PI / 180;
+    EXPECT_NEAR(camera["eye"][0], -7 * std::sin(angle), 1e-4);
+    EXPECT_NEAR(camera["eye"][1], 1.5, 1e-9);
+    EXPECT_NEAR(camera["eye"][2], 7 * std::cos(angle), 1e-4);
+    EXPECT_EQ(camera["target"], nlohmann::json({0, 0.8, 0}));
+    // What C prints is a camera that the scene format takes.
+    nlohmann::json scene = nlohmann::json::parse(sceneText());
+    scene["camera"] = camera;
+    writeText("turned.json", scene.dump());
+    EXPECT_EQ(runGlint({"info", "turned.json"}).code, 0);
+}
+
+// The printed camera draws the picture that the window shows.
+TEST_F(Window, PrintedCameraDrawsTheSameView) {
+    const Ran ran =
+        view("orbit 37 -21\npan 10 12\ndolly 2\nkey ]\nkey C\nscreenshot shot.png\n", {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    nlohmann::json scene = nlohmann::json::parse(sceneText());
+    scene["camera"] = cameraOf(ran);
+    writeText("turned.json", scene.dump());
+    render("turned.json", "rendered.png");
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    render("scene.json", "before.png");
+    EXPECT_NE(readBytes("shot.png"), readBytes("before.png"));
+}
+
+TEST_F(Window, KeysOfTheCameraAndReset) {
+    const Ran moved = view("key 5\nkey Left\nkey PageUp\nkey [\nkey Tab\nhold W 4\nkey C\n");
+    EXPECT_NE(cameraOf(moved), cameraOf(view("key C\n")));
+    EXPECT_EQ(
+        cameraOf(view("key 5\nkey Left\nkey PageUp\nkey [\nkey Tab\nhold W 4\nkey Tab\nkey R\nkey C\n")),
+        cameraOf(view("key C\n")));
+}
+
+// The tangent from distance d to a sphere of radius 1 makes the angle asin(1 / d) with its axis, which is
+// half the field of view where the sphere fills the picture's height; a tenth is left as margin. The sphere
+// is at -1.6f in the packed scene.
+TEST_F(Window, FramesThePickedObject) {
+    const Ran ran = view("key H\nclick 70 90\nexpect-object 0\nkey F\nkey C\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json camera = cameraOf(ran);
+    EXPECT_EQ(camera["target"], nlohmann::json({static_cast<double>(-1.6f), 1.0, 0.0})) << camera;
+    double squared = 0;
+    for (int c = 0; c < 3; ++c)
+        squared += std::pow(camera["eye"][c].get<double>() - camera["target"][c].get<double>(), 2);
+    EXPECT_NEAR(std::sqrt(squared), 1.1 / std::sin(22.5 * M_PI / 180), 1e-6);
+}
+
+TEST_F(Window, PicksWhatTraceFinds) {
+    constexpr int kPlaces[][2] = {{70, 90}, {138, 80}, {185, 95}, {120, 170}, {5, 5}, {20, 120}};
+    std::string script = "key H\n";
+    std::string expected;
+    for (const auto& [x, y] : kPlaces) {
+        script += "key Esc\nclick " + std::to_string(x) + " " + std::to_string(y) + "\n";
+        const Ran traced = runGlint({"trace", "scene.json", "--size", "240x180", "--pixel",
+                                     std::to_string(x) + "," + std::to_string(y)});
+        expected += traced.out;
+        const std::vector<std::string> fields = [&] {
+            std::vector<std::string> list;
+            std::stringstream line(traced.out.substr(traced.out.find('\n') + 1));
+            for (std::string field; std::getline(line, field, ',');) list.push_back(field);
+            return list;
+        }();
+        script += "expect-object " + (fields[0] == "1" ? fields[4] : std::string("none")) + "\n";
+    }
+    const Ran ran = view(script);
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(ran.out, expected);
+}
+
+TEST_F(Window, FollowsItsSize) {
+    const Ran ran = view(
+        "wait 2\nresize 320 200\nexpect-size 320 200\nscreenshot wide.png\nclick 93 100\nresize 100 "
+        "240\nwait 3\n"
+        "screenshot tall.png\n",
+        {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(runGlint({"render", "scene.json", "--size", "320x200", "-o", "a.png", "-q"}).code, 0);
+    EXPECT_EQ(runGlint({"render", "scene.json", "--size", "100x240", "-o", "b.png", "-q"}).code, 0);
+    EXPECT_EQ(readBytes("wide.png"), readBytes("a.png"));
+    EXPECT_EQ(readBytes("tall.png"), readBytes("b.png"));
+}
+
+TEST_F(Window, SurvivesMinimising) {
+    const Ran ran = view("wait 2\nminimise 3\nwait 2\nexpect-size 240 180\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+TEST_F(Window, RestsAtNoCost) {
+    const Ran ran = view("set samples 1\nsettle\nwait 3\nidle 2\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    double seconds = 0, processor = 0;
+    unsigned long long frames = 0;
+    ASSERT_EQ(std::sscanf(ran.out.c_str(), "idle: %lf s, %llu frames, %lf s", &seconds, &frames, &processor),
+              3)
+        << ran.out;
+    EXPECT_LE(frames, 3u);  // what was still due when the rest began
+    EXPECT_LT(processor, 0.1 * seconds);
+}
+
+TEST_F(Window, VerifiesTheView) {
+    const Ran ran = view("orbit 20 10\nverify\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("verify passed: 43200 pixels"), std::string::npos) << ran.out;
+}
+
+TEST_F(Window, OpensALostDeviceAgainOnce) {
+    render("scene.json", "rendered.png");
+    const Ran once = view("wait 3\nlose-device\nwait 3\nscreenshot shot.png\n", {"--spp", "1"});
+    EXPECT_EQ(once.code, 0) << once.err;
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    const Ran twice = view("lose-device\nwait 3\nlose-device\n");
+    EXPECT_EQ(twice.code, 4);
+    EXPECT_NE(twice.err.find("lost again"), std::string::npos) << twice.err;
+}
+
+TEST_F(Window, PaceSaysHowFast) {
+    const Ran ran = view("pace 12\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(ran.out.rfind("pace: 9 frames, ", 0), 0u) << ran.out;
+}
+
+TEST_F(Window, EveryPresentModeWorks) {
+    for (const char* mode : {"fifo", "mailbox", "immediate"}) {
+        EXPECT_EQ(view("wait 3\norbit 30 0\nwait 3\n", {"--present", mode}).code, 0) << mode;
+    }
+}
+
+TEST_F(Window, AFailedExpectationFails) {
+    const Ran ran = view("key H\nclick 70 90\n# a comment\nexpect-object 3\n");
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(ran.err, "glint: script.txt:4: expect-object: it is '0'\n");
+}
+
+TEST_F(Window, WithoutADisplayNamesRender) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    const Ran ran = runGlint({"view", "scene.json"});
+    EXPECT_EQ(ran.code, 4);
+    EXPECT_NE(ran.err.find("glint render"), std::string::npos) << ran.err;
+    EXPECT_NE(ran.err.find("no display"), std::string::npos) << ran.err;
+}
+
+}  // namespace
+}  // namespace glint::view::test
