@@ -120,6 +120,20 @@ bool intersectPlane(Ray ray, Plane plane, out float t) {
     return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }
 
+// The plane's t, then the distance from the centre of the point there. Both parts of it are of the size of the ray's way to the disc, not
+// of the coordinates.
+bool intersectDisc(Ray ray, Disc disc, out float t) {
+    precise vec3 toCenter = disc.center - ray.origin;
+    precise float speed = dot(disc.normal, ray.direction);
+    precise float height = dot(disc.normal, toCenter);
+    precise float tHit = height / speed;
+    precise vec3 offset = tHit * ray.direction - toCenter;
+    precise float square = dot(offset, offset);
+    precise float limit = disc.radius * disc.radius;
+    t = tHit;
+    return speed != 0.0 && square <= limit && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
 // Takes the hit if it is closer, or as close with a lower id.
 void accept(inout Ray ray, inout Hit hit, float t, float u, float v, uint primitive, uint id) {
     bool better = hit.primitive == kNone || t < hit.t || id < hit.id;

@@ -79,6 +79,22 @@ void planeSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = plane.material;
 }
 
+// The point is moved back to the plane as an offset from the centre: the product with the normal errs by gamma_4 of the offset, the
+// subtraction and the centre's addition by a unit each.
+void discSurface(Ray ray, Hit hit, inout Surface surface) {
+    Disc disc = loadDisc(hit.primitive & kPrimitiveIndexMask);
+    precise vec3 offset = (ray.origin - disc.center) + hit.t * ray.direction;
+    precise vec3 projected = offset - dot(disc.normal, offset) * disc.normal;
+    precise vec3 position = disc.center + projected;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(disc.center));
+    surface.normal = disc.normal;
+    surface.shadingNormal = disc.normal;
+    surface.object = disc.object;
+    surface.primitive = disc.primitive;
+    surface.material = disc.material;
+}
+
 // hit.primitive must not be kNone.
 Surface surfaceAt(Ray ray, Hit hit) {
     Surface surface;
@@ -93,6 +109,7 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
+    if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     return surface;
 }
 

@@ -49,6 +49,12 @@
     V3U(normal, object)                \
     U4(primitive, material, reserved0, reserved1)
 
+// normal: unit. The disc is what of the plane through `center` lies no farther than `radius` from it.
+#define GLINT_DISC_ROWS(V3F, V3U, U4) \
+    V3U(center, id)                   \
+    V3F(normal, radius)               \
+    U4(object, primitive, material, reserved)
+
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, reserved0)               \
@@ -82,6 +88,7 @@
     X(VertexNormals, GLINT_VERTEX_NORMALS_ROWS)       \
     X(Sphere, GLINT_SPHERE_ROWS)                      \
     X(Plane, GLINT_PLANE_ROWS)                        \
+    X(Disc, GLINT_DISC_ROWS)                          \
     X(Material, GLINT_MATERIAL_ROWS)                  \
     X(Light, GLINT_LIGHT_ROWS)                        \
     X(Camera, GLINT_CAMERA_ROWS)                      \
@@ -136,6 +143,8 @@ GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
 GLINT_CONST_UINT(kKindTriangle, 0u);
 GLINT_CONST_UINT(kKindSphere, 1u);
 GLINT_CONST_UINT(kKindPlane, 2u);
+GLINT_CONST_UINT(kKindDisc, 3u);
+GLINT_CONST_UINT(kKindCount, 4u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);

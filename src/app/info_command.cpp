@@ -26,7 +26,7 @@ std::string arraySize(const PackedScene& packed) {
     const uint64_t bytes = bytesOf(packed.nodes) + bytesOf(packed.triangles) +
                            bytesOf(packed.triangleSurfaces) + bytesOf(packed.vertexNormals) +
                            bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
-                           bytesOf(packed.lights);
+                           bytesOf(packed.lights) + bytesOf(packed.discs);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
@@ -73,7 +73,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << counted(scene.maxDepth, "reflection") << '\n'
         << "  objects       " << scene.objects.size() << " (" << counted(packed.triangles.size(), "triangle")
         << ", " << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane")
-        << ")\n"
+        << ", " << counted(packed.discs.size(), "disc") << ")\n"
         << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';
     printGeometry(packed, out);

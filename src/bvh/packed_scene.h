@@ -22,6 +22,7 @@ struct SceneFeatures {
     bool directionalLights = false;
     bool specular = false;  // some material has a highlight
     bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool discs = false;
     bool operator==(const SceneFeatures&) const = default;
 };
 
@@ -46,6 +47,7 @@ struct PackedScene {
     std::vector<shared::VertexNormals> vertexNormals;
     std::vector<shared::Sphere> spheres;
     std::vector<shared::Plane> planes;
+    std::vector<shared::Disc> discs;
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;
     shared::Environment environment;

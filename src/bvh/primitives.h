@@ -84,6 +84,14 @@ shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
 // Encloses the rounded sphere, whatever its form.
 Box sphereBox(const shared::Sphere& sphere);
 
+shared::Disc roundDisc(const DiscShape& disc, const Frame& frame);
+Box discBox(const shared::Disc& disc);
+// How far a disc reaches from its centre along each axis. normal: any length but zero.
+glm::dvec3 discExtent(const glm::dvec3& normal, double radius);
+
+// shared::kKind... of the primitives that a shape is made of.
+uint8_t kindOf(const Shape& shape);
+
 // What goes into the BVH, in the order of ids.
 struct Primitives {
     struct Source {
@@ -92,7 +100,7 @@ struct Primitives {
     std::vector<Box> boxes;  // of the rounded primitives
     std::vector<uint8_t> kinds;
     std::vector<Source> sources;
-    uint32_t triangles = 0, spheres = 0;
+    std::array<uint32_t, shared::kKindCount> counts{};  // of each kind
 };
 
 // Leaves out planes and the triangles that cannot be hit, which are counted and warned of.

@@ -25,6 +25,11 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, size_t
             region.include(sphere->center - sphere->radius);
             region.include(sphere->center + sphere->radius);
         }
+        if (const auto* disc = std::get_if<DiscShape>(&o.shape)) {
+            const glm::dvec3 extent = discExtent(disc->normal, disc->radius);
+            region.include(disc->center - extent);
+            region.include(disc->center + extent);
+        }
         const TriangleSource source(o);
         if (!source.any()) return;
         for (uint32_t face = begin; face < end; ++face)

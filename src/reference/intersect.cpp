@@ -206,6 +206,40 @@ bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool 
     return accept(t0, ray, tMax, root) || accept(t1, ray, tMax, root);
 }
 
+// With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared
+// and multiplied by (n.d)^2: in the disc if |(n.w) d - (n.d) w|^2 <= r^2 (n.d)^2, decided without a division.
+template <class T>
+int discSide(const shared::Disc& disc, const PreparedRay& ray, double roundoff) {
+    const Vec<T> n = toVec<T>(disc.normal), d = toVec<T>(ray.direction);
+    const Vec<T> w = toVec<T>(disc.center) - toVec<T>(ray.origin);
+    const T nd = dot(n, d), nw = dot(n, w);
+    const Vec<T> q = nw * d - nd * w;
+    const T reach = static_cast<T>(disc.radius) * nd;
+    const T side = reach * reach - dot(q, q);
+    // n.w and n.d err by 4 u of their terms' magnitudes (w by one more), so each component of q by 8 u of its
+    // own two terms with these magnitudes in them; the squares double that.
+    const Vec<T> an = magnitudes(n), ad = magnitudes(d), aw = magnitudes(w);
+    const T ndTerms = dot(an, ad), nwTerms = dot(an, aw);
+    const Vec<T> terms = nwTerms * ad - (-ndTerms) * aw;
+    const T reachTerms = static_cast<T>(disc.radius) * ndTerms;
+    const T bound =
+        static_cast<T>(32 * roundoff) * (dot(magnitudes(q), terms) + magnitude(reach) * reachTerms) +
+        static_cast<T>(256 * roundoff * roundoff) * (dot(terms, terms) + reachTerms * reachTerms);
+    return side > bound ? 1 : side < -bound ? -1 : 0;
+}
+
+bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
+    root.u = root.v = 0;
+    const Vec<Extended> n = toVec<Extended>(disc.normal);
+    const Extended nd = dot(n, toVec<Extended>(ray.direction));
+    if (nd == 0) return false;
+    const int side = discSide<double>(disc, ray, kUnitRoundoff);
+    // What quadruple precision cannot tell from the rim is on it.
+    if (side < 0 || (side == 0 && discSide<Quad>(disc, ray, kQuadRoundoff) < 0)) return false;
+    const Vec<Extended> w = toVec<Extended>(disc.center) - toVec<Extended>(ray.origin);
+    return accept(dot(n, w) / nd, ray, tMax, root);
+}
+
 bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
     root.u = root.v = 0;
     const Vec<Extended> n = toVec<Extended>(plane.normal);

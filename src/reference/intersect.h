@@ -77,6 +77,8 @@ inline bool intersectTriangle(const shared::Triangle& triangle, const PreparedRa
 bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
                      Root& root);
 
+bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root);
+
 bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
 
 // True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/layout.h.

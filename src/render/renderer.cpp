@@ -37,14 +37,14 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some lane is live
 // counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 kMaxLeafSize + 2 is what one pass of the
-// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 3) inner loops once in every
-// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 3 (B + slack) more. The planes' loop
-// comes on top. So (S + 3)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
+// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 4) inner loops once in every
+// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 4 (B + slack) more. The planes' loop
+// comes on top. So (S + 4)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
     constexpr uint32_t kSlack = 2 * shared::kMaxLeafSize + 2;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 4) - kSlack;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 5) - kSlack;
 }
 
 struct Renderer::State {

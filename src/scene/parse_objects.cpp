@@ -13,6 +13,7 @@ namespace {
 const KeyTable& keysOf(std::string_view type) {
     if (type == "sphere") return keys::kSphere;
     if (type == "plane") return keys::kPlane;
+    if (type == "disc") return keys::kDisc;
     if (type == "triangle") return keys::kTriangle;
     return keys::kMeshObject;
 }
@@ -29,6 +30,11 @@ Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCurs
 }
 Shape applied(const PlaneShape& plane, const Affine& transform, const JsonCursor&) {
     return transformed(plane, transform);
+}
+Shape applied(const DiscShape& disc, const Affine& transform, const JsonCursor& where) {
+    if (!discFactor(disc.normal, transform.linear))
+        where.fail("a disc must stay round; in its plane it can only be scaled alike in all directions");
+    return transformed(disc, transform);
 }
 Shape applied(const TriangleShape& triangle, const Affine& transform, const JsonCursor&) {
     return transformed(triangle, transform);
@@ -97,6 +103,13 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         plane.point = object.require("point").vector3();
         plane.normal = object.require("normal").vector3();
         return plane;
+    }
+    if (type == "disc") {
+        DiscShape disc;
+        disc.center = object.require("center").vector3();
+        disc.normal = object.require("normal").vector3();
+        disc.radius = object.require("radius").number();
+        return disc;
     }
     const JsonCursor vertices = object.require("vertices");
     if (!vertices.value().array() || vertices.size() != 3)

@@ -82,13 +82,18 @@ struct PlaneShape {
     glm::dvec3 point{0};
     glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
 };
+struct DiscShape {
+    glm::dvec3 center{0};
+    glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
+    double radius = 1;           // > 0
+};
 struct TriangleShape {
     glm::dvec3 vertices[3];
 };
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
-using Shape = std::variant<SphereShape, PlaneShape, TriangleShape, MeshShape>;
+using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, MeshShape>;
 
 // `name` is where the object stands in its file ("/objects/3"), for messages.
 struct Object {

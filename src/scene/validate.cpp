@@ -51,6 +51,13 @@ void checkDirection(const Place& place, std::string_view key, const glm::dvec3& 
     if (greatest(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
 }
 
+void checkRadius(const Place& place, double radius) {
+    if (!(radius > 0)) place.fail("radius", "must be > 0" + got(radius));
+    if (radius < kMinRadius || radius > kMaxRadius)
+        place.fail("radius",
+                   "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) + got(radius));
+}
+
 void checkColor(const Place& place, std::string_view key, const Color& color) {
     if (!finite(color)) place.fail(key, "must be finite" + gotColor(color));
     if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
@@ -117,14 +124,16 @@ struct ShapeCheck {
 
     void operator()(const SphereShape& sphere) const {
         checkPoint(place, "center", sphere.center);
-        if (!(sphere.radius > 0)) place.fail("radius", "must be > 0" + got(sphere.radius));
-        if (sphere.radius < kMinRadius || sphere.radius > kMaxRadius)
-            place.fail("radius", "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) +
-                                     got(sphere.radius));
+        checkRadius(place, sphere.radius);
     }
     void operator()(const PlaneShape& plane) const {
         checkPoint(place, "point", plane.point);
         checkDirection(place, "normal", plane.normal);
+    }
+    void operator()(const DiscShape& disc) const {
+        checkPoint(place, "center", disc.center);
+        checkDirection(place, "normal", disc.normal);
+        checkRadius(place, disc.radius);
     }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);

@@ -56,6 +56,12 @@ class TreeMaker {
         for (uint32_t i = 0; i < from_.spheres.size(); ++i) {
             items.push_back({shared::kKindSphere, i, sphereBounds(from_.spheres[i])});
         }
+        for (uint32_t i = 0; i < from_.discs.size(); ++i) {
+            const shared::Disc& d = from_.discs[i];
+            const vec3 reach(std::nextafter(d.radius, std::numeric_limits<float>::infinity()));
+            items.push_back({shared::kKindDisc, i, {}});
+            items.back().box.include(d.center - 1.01f * reach, d.center + 1.01f * reach);
+        }
         if (items.empty()) return;
         to_.environment.root = 0;
         if (isLeaf(items.begin(), items.end())) {
@@ -97,7 +103,7 @@ class TreeMaker {
     Iterator split(Iterator first, Iterator last) const {
         if (last - first <= leafSize_) {
             const Iterator middle =
-                std::partition(first, last, [](const Item& i) { return i.kind == shared::kKindTriangle; });
+                std::partition(first, last, [kind = first->kind](const Item& i) { return i.kind == kind; });
             if (middle != first && middle != last) return middle;
         }
         Bounds centers;
@@ -115,14 +121,18 @@ class TreeMaker {
     }
 
     uint32_t makeLeaf(Iterator first, Iterator last) {
-        const bool triangles = first->kind == shared::kKindTriangle;
-        const size_t start = triangles ? to_.triangles.size() : to_.spheres.size();
+        const uint32_t kind = first->kind;
+        const size_t start = kind == shared::kKindTriangle ? to_.triangles.size()
+                             : kind == shared::kKindSphere ? to_.spheres.size()
+                                                           : to_.discs.size();
         for (Iterator i = first; i != last; ++i) {
-            if (triangles) {
+            if (kind == shared::kKindTriangle) {
                 to_.triangles.push_back(from_.triangles[i->index]);
                 to_.triangleSurfaces.push_back(from_.triangleSurfaces[i->index]);
-            } else {
+            } else if (kind == shared::kKindSphere) {
                 to_.spheres.push_back(from_.spheres[i->index]);
+            } else {
+                to_.discs.push_back(from_.discs[i->index]);
             }
         }
         return shared::kLeafFlag | first->kind << shared::kLeafKindShift |
@@ -202,6 +212,17 @@ uint32_t SceneMaker::plane(const vec3& point, const vec3& normal, uint32_t mater
     p.id = p.object = nextId_;
     p.material = material;
     scene_.planes.push_back(p);
+    return nextId_++;
+}
+
+uint32_t SceneMaker::disc(const vec3& center, const vec3& normal, float radius, uint32_t material) {
+    shared::Disc d;
+    d.center = center;
+    d.normal = normal;
+    d.radius = radius;
+    d.id = d.object = nextId_;
+    d.material = material;
+    scene_.discs.push_back(d);
     return nextId_++;
 }
 

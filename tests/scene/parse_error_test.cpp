@@ -23,6 +23,7 @@ TEST_P(ParseError, isOneExactLine) {
 }
 
 #define SPHERE(...) R"({"objects": [{"type": "sphere", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
+#define DISC(...) R"({"objects": [{"type": "disc", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
 #define TRANSFORM(...) SPHERE(R"("radius": 1, "transform": )" __VA_ARGS__)
 
 const Case kStructure[] = {
@@ -53,9 +54,9 @@ const Case kTypes[] = {
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
     {"laterObjectType", R"({"objects": [{"type": "cone"}]})",
-     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
+     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, disc, triangle, mesh))"},
     {"laterEllipsoid", R"({"objects": [{"type": "ellipsoid", "center": [0,0,0], "radii": [1,2,3]}]})",
-     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
+     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, disc, triangle, mesh))"},
     {"laterCamera", R"({"camera": {"type": "orthographic", "height": 4}})",
      R"(s.json: /camera/type: "orthographic" is not supported by this version (supported: perspective))"},
     {"laterCameraKey", R"({"camera": {"planeNormal": [0, 0, 1]}})",
@@ -127,6 +128,11 @@ const Case kValues[] = {
      "s.json: /lights/0/direction: must not be zero (got [0, 0, 0])"},
     {"intensity", R"({"lights": [{"type": "point", "position": [0, 0, 0], "intensity": -1}]})",
      "s.json: /lights/0/intensity: must be >= 0 (got -1)"},
+    {"discRadius", DISC(R"("normal": [0, 1, 0], "radius": -2)"),
+     "s.json: /objects/0/radius: must be > 0 (got -2)"},
+    {"discNormal", DISC(R"("normal": [0, 0, 0], "radius": 1)"),
+     "s.json: /objects/0/normal: must not be zero (got [0, 0, 0])"},
+    {"discWithoutNormal", DISC(R"("radius": 1)"), R"(s.json: /objects/0: missing key "normal")"},
     {"twoVertices", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}]})",
      "s.json: /objects/0/vertices: must be three points [[x, y, z], ...] (got [[0, 0, 0], [1, 0, 0]])"},
     {"vertexHuge",
@@ -176,6 +182,9 @@ const Case kTransforms[] = {
     {"ellipsoid", TRANSFORM(R"([{"scale": [1, 2, 1]}])"),
      "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come "
      "with a later version"},
+    {"ellipse", DISC(R"("normal": [0, 1, 0], "radius": 1, "transform": [{"scale": [1, 1, 2]}])"),
+     "s.json: /objects/0/transform: a disc must stay round; in its plane it can only be scaled alike in all "
+     "directions"},
 };
 
 std::string caseName(const testing::TestParamInfo<Case>& info) {

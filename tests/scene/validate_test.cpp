@@ -26,7 +26,8 @@ Scene validScene() {
     scene.objects = {{"/objects/0", SphereShape{}, 0},
                      {"/objects/1", PlaneShape{}, 0},
                      {"/objects/2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 0},
-                     {"/objects/3", MeshShape{triangleMesh()}, 0}};
+                     {"/objects/3", MeshShape{triangleMesh()}, 0},
+                     {"/objects/4", DiscShape{}, 0}};
     return scene;
 }
 
@@ -94,6 +95,10 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /objects/1/normal: must be finite (got [nan, 0, 0])");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<TriangleShape>(s.objects[2].shape).vertices[1].x = kNan; }),
               "s: /objects/2/vertices/1: must be finite (got [nan, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).radius = kNan; }),
+              "s: /objects/4/radius: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).normal.z = kInf; }),
+              "s: /objects/4/normal: must be finite (got [0, 1, inf])");
 }
 
 TEST(Validate, cameraGeometry) {
