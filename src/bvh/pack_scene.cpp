@@ -11,6 +11,7 @@
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "scene/polygon_plane.h"
 #include "shared/dispatch.h"
 
 namespace glint {
@@ -74,6 +75,11 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out) 
     return true;
 }
 
+// Length of a polygon's part of the vertex array: its edges and those without length that fill the last trip.
+uint32_t packedVertices(const PolygonShape& polygon) {
+    return polygonTrips(polygon.vertices.size()) * shared::kPolygonEdgesPerTrip + 1;
+}
+
 // Writes what is in the BVH to the arrays of its kinds in the order of the BVH's leaves.
 class LeafOrderWriter {
   public:
@@ -97,7 +103,7 @@ class LeafOrderWriter {
   private:
     struct Counts {
         std::array<uint32_t, shared::kKindCount> kinds{};
-        uint32_t normals = 0;
+        uint32_t normals = 0, polygonVertices = 0;
     };
     template <class Visit>
     void visitChunk(size_t chunk, Visit&& visit) const {
@@ -109,6 +115,7 @@ class LeafOrderWriter {
     void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals);
     void writeSphere(Primitives::Source source, uint32_t slot);
     void writeDisc(Primitives::Source source, uint32_t slot);
+    void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
 
     const Scene& scene_;
     const PrimitiveNumbers& numbers_;
@@ -130,11 +137,14 @@ void LeafOrderWriter::write(unsigned threads) {
         c = total;
         for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) total.kinds[kind] += here.kinds[kind];
         total.normals += here.normals;
+        total.polygonVertices += here.polygonVertices;
     }
     packed_.triangles.resize(total.kinds[shared::kKindTriangle]);
     packed_.triangleSurfaces.resize(total.kinds[shared::kKindTriangle]);
     packed_.spheres.resize(total.kinds[shared::kKindSphere]);
     packed_.discs.resize(total.kinds[shared::kKindDisc]);
+    packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
+    packed_.polygonVertices.resize(total.polygonVertices);
     packed_.vertexNormals.resize(total.normals);
     parallelFor(
         chunks, [&](size_t i) { writeChunk(i, first[i]); }, threads);
@@ -148,6 +158,8 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
         if (primitives_.kinds[primitive] == shared::kKindTriangle) {
             const TriangleSource triangles(scene_.objects[source.object]);
             counts.normals += vertexNormals(triangles.mesh(), source.face, normals);
+        } else if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
+            counts.polygonVertices += packedVertices(*polygon);
         }
     });
     return counts;
@@ -159,6 +171,11 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         const uint32_t slot = next.kinds[kind]++;
         if (kind == shared::kKindSphere) return writeSphere(source, slot);
         if (kind == shared::kKindDisc) return writeDisc(source, slot);
+        if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
+            writePolygon(source, slot, next.polygonVertices);
+            next.polygonVertices += packedVertices(*polygon);
+            return;
+        }
         const TriangleSource triangles(scene_.objects[source.object]);
         shared::VertexNormals normals;
         const bool smooth = vertexNormals(triangles.mesh(), source.face, normals);
@@ -208,6 +225,36 @@ void LeafOrderWriter::writeDisc(Primitives::Source source, uint32_t slot) {
     use(disc.material);
 }
 
+void LeafOrderWriter::writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex) {
+    const Object& object = scene_.objects[source.object];
+    const auto& shape = std::get<PolygonShape>(object.shape);
+    const std::vector<glm::vec3> vertices = roundPolygon(shape, frame_.origin).value();
+    const PolygonPlane plane = polygonPlane(widened(vertices)).value();
+    shared::Polygon& polygon = packed_.polygons[slot];
+    polygon.point = glm::vec3(plane.point);
+    polygon.normal = glm::vec3(plane.normal);
+    polygon.id = numbers_.firstId(source.object);
+    polygon.object = source.object;
+    polygon.material = object.material;
+    polygon.firstVertex = firstVertex;
+    polygon.trips = polygonTrips(vertices.size());
+    for (uint32_t i = 0; i < packedVertices(shape); ++i)
+        packed_.polygonVertices[firstVertex + i].position = vertices[i < vertices.size() ? i : 0];
+    use(polygon.material);
+}
+
+// A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
+void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
+    uint32_t trips = 0;
+    for (const Object& object : scene.objects)
+        if (const auto* polygon = std::get_if<PolygonShape>(&object.shape))
+            trips = std::max(trips, polygonTrips(polygon->vertices.size()));
+    if (trips == 0) return;
+    options.maxLeafSize = std::clamp(shared::kMaxPolygonTrips / trips, 1u, options.maxLeafSize);
+    // Two more for each polygon: the end of its loop and that of the leaf.
+    packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
+}
+
 void fillStatistics(const Bvh& bvh, double traversalCost, PackStatistics& statistics) {
     statistics.depth = bvh.depth;
     if (bvh.nodes.empty()) return;
@@ -229,6 +276,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
     f.planes = !packed.planes.empty();
     f.discs = !packed.discs.empty();
+    f.polygons = !packed.polygons.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights)
         (light.kind == shared::kLightDirectional ? f.directionalLights : f.pointLights) = true;
@@ -278,6 +326,7 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
                                      [](uint32_t count) { return count > 0; });
     if (kinds > 1) options.groups = &primitives.kinds;
+    limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
     Bvh bvh = buildBvh(primitives.boxes, options);
     packed.statistics.buildSeconds = stopwatch.seconds();

@@ -7,6 +7,8 @@
 #include "bvh/unit_vector.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "scene/limits.h"
+#include "scene/polygon_plane.h"
 
 namespace glint {
 namespace {
@@ -24,7 +26,8 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs"};
+constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs",
+                                                        "polygons"};
 
 // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a line
 // has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection tests
@@ -35,6 +38,16 @@ Fate judgeTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& ori
     return areaVector((*v)[0], (*v)[1], (*v)[2]) == glm::dvec3(0) ? Fate::NoArea : Fate::Kept;
 }
 
+Fate judge(const Object& object, uint32_t face, const glm::dvec3& origin) {
+    const TriangleSource source(object);
+    if (source.any()) return judgeTriangle(source.vertices(face), origin);
+    const auto* polygon = std::get_if<PolygonShape>(&object.shape);
+    if (polygon == nullptr) return Fate::Kept;
+    const auto vertices = roundPolygon(*polygon, origin);
+    if (!vertices) return Fate::NotFinite;
+    return polygonPlane(widened(*vertices)) ? Fate::Kept : Fate::NoArea;
+}
+
 ChunkCount judgeChunk(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
                       size_t chunk, std::vector<Fate>& fates) {
     ChunkCount count;
@@ -42,10 +55,9 @@ ChunkCount judgeChunk(const Scene& scene, const PrimitiveNumbers& numbers, const
         const uint8_t kind = kindOf(scene.objects[object].shape);
         if (kind == shared::kKindPlane) return;  // infinite: not in the BVH
         Fate* fate = &fates[numbers.firstId(object)];
-        const TriangleSource source(scene.objects[object]);
         Dropped dropped{object, 0, 0};
         for (uint32_t face = begin; face < end; ++face) {
-            fate[face] = source.any() ? judgeTriangle(source.vertices(face), origin) : Fate::Kept;
+            fate[face] = judge(scene.objects[object], face, origin);
             count.kept[kind] += fate[face] == Fate::Kept;
             dropped.noArea += fate[face] == Fate::NoArea;
             dropped.notFinite += fate[face] == Fate::NotFinite;
@@ -59,7 +71,8 @@ void warn(const Scene& scene, const PrimitiveNumbers& numbers, const Dropped& dr
           std::vector<std::string>& warnings) {
     const std::string& name = scene.objects[dropped.object].name;
     const std::string where = name.empty() ? "/objects/" + std::to_string(dropped.object) : name;
-    const std::string of = " of " + std::to_string(numbers.facesOf(dropped.object)) + " triangles dropped: ";
+    const std::string of = " of " + std::to_string(numbers.facesOf(dropped.object)) + " " +
+                           kKindNames[kindOf(scene.objects[dropped.object].shape)] + " dropped: ";
     if (dropped.noArea > 0)
         warnings.push_back(where + ": " + std::to_string(dropped.noArea) + of +
                            "no area after rounding to fp32");
@@ -89,6 +102,11 @@ Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
     if (const auto* sphere = std::get_if<SphereShape>(&object.shape))
         return sphereBox(roundSphere(*sphere, frame));
     if (const auto* disc = std::get_if<DiscShape>(&object.shape)) return discBox(roundDisc(*disc, frame));
+    if (const auto* polygon = std::get_if<PolygonShape>(&object.shape)) {
+        const auto vertices = roundPolygon(*polygon, frame.origin).value();
+        const PolygonPlane plane = polygonPlane(widened(vertices)).value();
+        return polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal));
+    }
     Box box;
     const Corners corners = roundTriangle(TriangleSource(object).vertices(face), frame.origin).value();
     for (const glm::vec3& p : corners) box.include(p);
@@ -108,6 +126,14 @@ void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
             out.sources[next++] = {object, face};
         }
     });
+}
+
+std::optional<glm::vec3> roundPoint(const glm::dvec3& p) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    // NaN compares false.
+    if (!(std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest))
+        return std::nullopt;
+    return glm::vec3(p);
 }
 
 // Outwards by the margin and one float.
@@ -138,14 +164,11 @@ void checkLimit(const char* what, uint64_t count, uint64_t limit) {
 }
 
 std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin) {
-    constexpr double kLargest = std::numeric_limits<float>::max();
     Corners corners{};
     for (size_t i = 0; i < 3; ++i) {
-        const glm::dvec3 p = world[i] - origin;
-        // NaN compares false.
-        if (!(std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest))
-            return std::nullopt;
-        corners[i] = glm::vec3(p);
+        const auto p = roundPoint(world[i] - origin);
+        if (!p) return std::nullopt;
+        corners[i] = *p;
     }
     return corners;
 }
@@ -214,12 +237,53 @@ Box discBox(const shared::Disc& disc) {
     return box;
 }
 
+std::optional<std::vector<glm::vec3>> roundPolygon(const PolygonShape& polygon, const glm::dvec3& origin) {
+    std::vector<glm::vec3> rounded;
+    rounded.reserve(polygon.vertices.size());
+    for (const glm::dvec3& vertex : polygon.vertices) {
+        const auto p = roundPoint(vertex - origin);
+        if (!p) return std::nullopt;
+        rounded.push_back(*p);
+    }
+    return rounded;
+}
+
+std::vector<glm::dvec3> widened(const std::vector<glm::vec3>& vertices) {
+    return {vertices.begin(), vertices.end()};
+}
+
+Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, const glm::vec3& normal) {
+    Box box;
+    const glm::dvec3 n(normal);
+    for (const glm::vec3& vertex : vertices) {
+        box.include(vertex);
+        const glm::dvec3 v(vertex);
+        const glm::dvec3 onPlane = v - glm::dot(n, v - glm::dvec3(point)) / glm::dot(n, n) * n;
+        if (onPlane == v) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            Box reach = box;
+            // Four roundings in double of coordinates and of the way between them.
+            setRounded(reach, axis, onPlane[axis], 0, 0x1p-50 * std::abs(onPlane[axis]));
+            if (onPlane[axis] < box.lo[axis]) box.lo[axis] = reach.lo[axis];
+            if (onPlane[axis] > box.hi[axis]) box.hi[axis] = reach.hi[axis];
+        }
+    }
+    return box;
+}
+
+uint32_t polygonTrips(size_t vertices) {
+    static_assert(kMaxPolygonVertices == shared::kMaxPolygonTrips * shared::kPolygonEdgesPerTrip);
+    constexpr uint32_t kEdges = shared::kPolygonEdgesPerTrip;
+    return (static_cast<uint32_t>(vertices) + kEdges - 1) / kEdges;
+}
+
 uint8_t kindOf(const Shape& shape) {
     struct Kind {
         uint32_t operator()(const SphereShape&) const { return shared::kKindSphere; }
         uint32_t operator()(const PlaneShape&) const { return shared::kKindPlane; }
         uint32_t operator()(const DiscShape&) const { return shared::kKindDisc; }
         uint32_t operator()(const TriangleShape&) const { return shared::kKindTriangle; }
+        uint32_t operator()(const PolygonShape&) const { return shared::kKindPolygon; }
         uint32_t operator()(const MeshShape&) const { return shared::kKindTriangle; }
     };
     return static_cast<uint8_t>(std::visit(Kind{}, shape));

@@ -30,6 +30,8 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, size_t
             region.include(disc->center - extent);
             region.include(disc->center + extent);
         }
+        if (const auto* polygon = std::get_if<PolygonShape>(&o.shape))
+            for (const glm::dvec3& vertex : polygon->vertices) region.include(vertex);
         const TriangleSource source(o);
         if (!source.any()) return;
         for (uint32_t face = begin; face < end; ++face)

@@ -42,6 +42,12 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
             const shared::Disc& disc = scene.discs[indexOf(primitive)];
             return greatestCoordinate(disc.center) + disc.radius;
         }
+        case shared::kKindPolygon: {
+            double greatest = 0;
+            for (const shared::PolygonVertex& v : outlineOf(scene, scene.polygons[indexOf(primitive)]))
+                greatest = std::max(greatest, greatestCoordinate(v.position));
+            return greatest;
+        }
         default:
             return greatestCoordinate(scene.planes[indexOf(primitive)].point);
     }
@@ -295,6 +301,11 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
         case shared::kKindDisc: {
             const shared::Disc& disc = scene_.discs[indexOf(hit.primitive)];
             fillFlat(disc, disc.center, point, surface);
+            break;
+        }
+        case shared::kKindPolygon: {
+            const shared::Polygon& polygon = scene_.polygons[indexOf(hit.primitive)];
+            fillFlat(polygon, polygon.point, point, surface);
             break;
         }
         default: {

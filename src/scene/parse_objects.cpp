@@ -15,6 +15,7 @@ const KeyTable& keysOf(std::string_view type) {
     if (type == "plane") return keys::kPlane;
     if (type == "disc") return keys::kDisc;
     if (type == "triangle") return keys::kTriangle;
+    if (type == "polygon") return keys::kPolygon;
     return keys::kMeshObject;
 }
 
@@ -38,6 +39,9 @@ Shape applied(const DiscShape& disc, const Affine& transform, const JsonCursor& 
 }
 Shape applied(const TriangleShape& triangle, const Affine& transform, const JsonCursor&) {
     return transformed(triangle, transform);
+}
+Shape applied(const PolygonShape& polygon, const Affine& transform, const JsonCursor&) {
+    return transformed(polygon, transform);
 }
 Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&) {
     return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
@@ -112,6 +116,13 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         return disc;
     }
     const JsonCursor vertices = object.require("vertices");
+    if (type == "polygon") {
+        if (!vertices.value().array() || vertices.size() < 3)
+            vertices.failWanted("must be three points or more [[x, y, z], ...]");
+        PolygonShape polygon;
+        for (size_t i = 0; i < vertices.size(); i++) polygon.vertices.push_back(vertices.item(i).vector3());
+        return polygon;
+    }
     if (!vertices.value().array() || vertices.size() != 3)
         vertices.failWanted("must be three points [[x, y, z], ...]");
     TriangleShape triangle;

@@ -90,10 +90,14 @@ struct DiscShape {
 struct TriangleShape {
     glm::dvec3 vertices[3];
 };
+// Planar, concave or not, its outline may cross itself: inside is what it goes round an odd number of times.
+struct PolygonShape {
+    std::vector<glm::dvec3> vertices;  // counter-clockwise seen from outside, see scene/polygon_plane.h
+};
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
-using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, MeshShape>;
+using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, MeshShape>;
 
 // `name` is where the object stands in its file ("/objects/3"), for messages.
 struct Object {

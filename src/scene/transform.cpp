@@ -162,6 +162,13 @@ DiscShape transformed(const DiscShape& disc, const Affine& transform) {
             disc.radius * discFactor(disc.normal, transform.linear).value()};
 }
 
+PolygonShape transformed(const PolygonShape& polygon, const Affine& transform) {
+    PolygonShape result = polygon;
+    for (glm::dvec3& vertex : result.vertices) vertex = apply(transform, vertex);
+    if (mirrors(transform.linear)) std::reverse(result.vertices.begin() + 1, result.vertices.end());
+    return result;
+}
+
 Mesh transformed(const Mesh& mesh, const Affine& transform) {
     Mesh result = mesh;
     for (glm::dvec3& position : result.positions) position = apply(transform, position);

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <span>
+#include <tuple>
 #include <unordered_set>
+#include <vector>
 
 #include "core/error.h"
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
+#include "scene/polygon_plane.h"
 
 namespace glint {
 
@@ -118,6 +123,41 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
         checkIndex("material", i, mesh.materials[i], materialCount);
 }
 
+// A computed number: more digits would say nothing.
+std::string sixDigits(double number) {
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.6g", number);
+    return rounded;
+}
+
+void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
+    if (vertices.size() > kMaxPolygonVertices)
+        place.fail("vertices", "must be at most " + std::to_string(kMaxPolygonVertices) + " points (got " +
+                                   std::to_string(vertices.size()) +
+                                   "); faces of a mesh are split into triangles and may have more");
+    for (size_t i = 0; i < vertices.size(); i++)
+        checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
+    std::vector<glm::dvec3> distinct(vertices.begin(), vertices.end());
+    std::sort(distinct.begin(), distinct.end(), [](const glm::dvec3& a, const glm::dvec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    if (distinct.size() < 3)
+        place.fail("vertices",
+                   "must have three distinct points or more" + got(std::to_string(distinct.size())));
+    const auto plane = polygonPlane(vertices);
+    if (!plane)
+        place.fail("vertices",
+                   "the polygon has no area: its points lie on a line, or its outline crosses itself so that "
+                   "equal areas lie to its left and right (make it two polygons)");
+    const double tolerance = planarTolerance(vertices);
+    if (plane->deviation > tolerance)
+        place.fail("vertices/" + std::to_string(plane->farthest),
+                   "the polygon is not planar: this point lies " + sixDigits(plane->deviation) +
+                       " off the plane of all, the limit is " + sixDigits(tolerance) +
+                       " (split the polygon into triangles)");
+}
+
 struct ShapeCheck {
     const Place& place;
     size_t materialCount;
@@ -138,6 +178,7 @@ struct ShapeCheck {
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
+    void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);

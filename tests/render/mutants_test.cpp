@@ -82,6 +82,7 @@ INSTANTIATE_TEST_SUITE_P(All, MutantTest,
                                          Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
                                          Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
                                          Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
+                                         Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
                                          Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
                          [](const auto& p) { return std::string(p.param.mutant); });
 

@@ -1,4 +1,5 @@
 #include "scene/transform.h"
+#include "scene/polygon_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -164,6 +165,18 @@ TEST(Transform, discsStayRoundOrAreRefused) {
     EXPECT_DOUBLE_EQ(discFactor({0, 1e9, 0}, scaling({1e-150, 1, 1e-150}).linear).value(), 1e-150);
     for (const dvec3 normal : {dvec3(1, 0, 0), dvec3(1, 1, 1), dvec3(-3, 2, 0.1)})
         EXPECT_NEAR(discFactor(normal, scaling(dvec3(3)).linear).value(), 3, 1e-14);
+}
+
+TEST(Transform, mirroringReversesOutlines) {
+    const PolygonShape square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+    const PolygonShape moved = transformed(square, then(scaling({2, 3, 1}), translation({1, 1, 1})));
+    EXPECT_EQ(moved.vertices[2], dvec3(3, 4, 1));
+    EXPECT_EQ(polygonPlane(moved.vertices)->normal, dvec3(0, 0, 1));
+    const PolygonShape mirrored = transformed(square, kMirror);
+    EXPECT_EQ(mirrored.vertices[0], dvec3(0, 0, 0));
+    EXPECT_EQ(mirrored.vertices[1], dvec3(0, 1, 0));
+    EXPECT_EQ(mirrored.vertices[3], dvec3(-1, 0, 0));
+    EXPECT_EQ(polygonPlane(mirrored.vertices)->normal, dvec3(0, 0, 1));
 }
 
 TEST(Transform, vertexThatIsNotFiniteStaysSo) {
