@@ -38,6 +38,16 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
             const shared::Sphere& s = scene.spheres[indexOf(primitive)];
             return greatestCoordinate(s.point) + (isAnchored(s) ? 0 : s.radius);
         }
+        case shared::kKindDisc: {
+            const shared::Disc& disc = scene.discs[indexOf(primitive)];
+            return greatestCoordinate(disc.center) + disc.radius;
+        }
+        case shared::kKindPolygon: {
+            double greatest = 0;
+            for (const shared::PolygonVertex& v : outlineOf(scene, scene.polygons[indexOf(primitive)]))
+                greatest = std::max(greatest, greatestCoordinate(v.position));
+            return greatest;
+        }
         default:
             return greatestCoordinate(scene.planes[indexOf(primitive)].point);
     }
@@ -120,13 +130,15 @@ void fillSphere(const shared::Sphere& sphere, const dvec3& point, Surface& surfa
     surface.shadingNormal = surface.geometricNormal;
 }
 
-void fillPlane(const shared::Plane& plane, const dvec3& point, Surface& surface) {
-    surface.object = plane.object;
-    surface.primitive = plane.primitive;
-    surface.material = plane.material;
-    surface.geometricNormal = glm::normalize(dvec3(plane.normal));
+// A plane, or a part of one: `anchor` is a point of it.
+template <class Flat>
+void fillFlat(const Flat& flat, const glm::vec3& anchor, const dvec3& point, Surface& surface) {
+    surface.object = flat.object;
+    surface.primitive = flat.primitive;
+    surface.material = flat.material;
+    surface.geometricNormal = glm::normalize(dvec3(flat.normal));
     surface.shadingNormal = surface.geometricNormal;
-    const double distance = glm::dot(surface.geometricNormal, point - dvec3(plane.point));
+    const double distance = glm::dot(surface.geometricNormal, point - dvec3(anchor));
     surface.position = point - distance * surface.geometricNormal;
 }
 
@@ -286,8 +298,20 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
         case shared::kKindSphere:
             fillSphere(scene_.spheres[indexOf(hit.primitive)], point, surface);
             break;
-        default:
-            fillPlane(scene_.planes[indexOf(hit.primitive)], point, surface);
+        case shared::kKindDisc: {
+            const shared::Disc& disc = scene_.discs[indexOf(hit.primitive)];
+            fillFlat(disc, disc.center, point, surface);
+            break;
+        }
+        case shared::kKindPolygon: {
+            const shared::Polygon& polygon = scene_.polygons[indexOf(hit.primitive)];
+            fillFlat(polygon, polygon.point, point, surface);
+            break;
+        }
+        default: {
+            const shared::Plane& plane = scene_.planes[indexOf(hit.primitive)];
+            fillFlat(plane, plane.point, point, surface);
+        }
     }
     return surface;
 }

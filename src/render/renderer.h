@@ -30,7 +30,7 @@ struct Options {
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
 // Loop trips that one ray may make in a dispatch.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device);
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0);
 
 struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture

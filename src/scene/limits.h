@@ -28,6 +28,10 @@ inline constexpr int kMaxBounces = 1000;
 // A transform whose linear part has a greater condition number loses 12 of a double's 16 digits.
 inline constexpr double kMaxCondition = 1e12;
 
+// The tracers follow a polygon's outline edge by edge for each ray, and the device cannot stop within one
+// (kMaxPolygonTrips in shaders/shared/layout.h).
+inline constexpr size_t kMaxPolygonVertices = 8192;
+
 // Against input that would exhaust the stack or the memory.
 inline constexpr size_t kMaxJsonDepth = 64;
 inline constexpr size_t kMaxJsonValues = size_t{1} << 24;

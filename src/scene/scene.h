@@ -82,13 +82,22 @@ struct PlaneShape {
     glm::dvec3 point{0};
     glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
 };
+struct DiscShape {
+    glm::dvec3 center{0};
+    glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
+    double radius = 1;           // > 0
+};
 struct TriangleShape {
     glm::dvec3 vertices[3];
+};
+// Planar, concave or not, its outline may cross itself: inside is what it goes round an odd number of times.
+struct PolygonShape {
+    std::vector<glm::dvec3> vertices;  // counter-clockwise seen from outside, see scene/polygon_plane.h
 };
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
-using Shape = std::variant<SphereShape, PlaneShape, TriangleShape, MeshShape>;
+using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, MeshShape>;
 
 // `name` is where the object stands in its file ("/objects/3"), for messages.
 struct Object {

@@ -27,7 +27,9 @@ inline constexpr auto kMaterialLater = names("transmission", "ior", "attenuation
 inline constexpr auto kMesh = names("file");
 inline constexpr auto kSphere = names("type", "center", "radius", "material", "transform");
 inline constexpr auto kPlane = names("type", "point", "normal", "material", "transform");
+inline constexpr auto kDisc = names("type", "center", "normal", "radius", "material", "transform");
 inline constexpr auto kTriangle = names("type", "vertices", "material", "transform");
+inline constexpr auto kPolygon = names("type", "vertices", "material", "transform");
 inline constexpr auto kMeshObject = names("type", "mesh", "material", "transform");
 inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
 }  // namespace detail
@@ -41,12 +43,15 @@ inline constexpr KeyTable kMaterial{"material", detail::kMaterial, detail::kMate
 inline constexpr KeyTable kMesh{"mesh", detail::kMesh, detail::kNothing};
 inline constexpr KeyTable kSphere{"objects/sphere", detail::kSphere, detail::kNothing};
 inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothing};
+inline constexpr KeyTable kDisc{"objects/disc", detail::kDisc, detail::kNothing};
 inline constexpr KeyTable kTriangle{"objects/triangle", detail::kTriangle, detail::kNothing};
+inline constexpr KeyTable kPolygon{"objects/polygon", detail::kPolygon, detail::kNothing};
 inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
-inline constexpr std::array kAllTables{kScene, kImage,  kCamera, kPoint,    kDirectional, kMaterial,
-                                       kMesh,  kSphere, kPlane,  kTriangle, kMeshObject,  kTransformStep};
+inline constexpr std::array kAllTables{kScene,    kImage,   kCamera,     kPoint,        kDirectional,
+                                       kMaterial, kMesh,    kSphere,     kPlane,        kDisc,
+                                       kTriangle, kPolygon, kMeshObject, kTransformStep};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {
@@ -60,9 +65,9 @@ inline constexpr auto kCameraTypes = names("perspective");
 inline constexpr auto kCameraTypesLater = names("orthographic", "oblique");
 inline constexpr auto kLightTypes = names("point", "directional");
 inline constexpr auto kLightTypesLater = names("spot");
-inline constexpr auto kObjectTypes = names("sphere", "plane", "triangle", "mesh");
+inline constexpr auto kObjectTypes = names("sphere", "plane", "disc", "triangle", "polygon", "mesh");
 inline constexpr auto kObjectTypesLater =
-    names("polygon", "disc", "quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
+    names("quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
 }  // namespace detail
 
 inline constexpr TypeTable kCameraTypes{"camera", detail::kCameraTypes, detail::kCameraTypesLater};

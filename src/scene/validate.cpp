@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <span>
+#include <tuple>
 #include <unordered_set>
+#include <vector>
 
 #include "core/error.h"
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
+#include "scene/polygon_plane.h"
 #include "scene/text_file.h"
 
 namespace glint {
@@ -50,6 +55,13 @@ void checkPoint(const Place& place, std::string_view key, const glm::dvec3& poin
 void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
     checkPoint(place, key, direction);
     if (greatest(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
+}
+
+void checkRadius(const Place& place, double radius) {
+    if (!(radius > 0)) place.fail("radius", "must be > 0" + got(radius));
+    if (radius < kMinRadius || radius > kMaxRadius)
+        place.fail("radius",
+                   "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) + got(radius));
 }
 
 void checkColor(const Place& place, std::string_view key, const Color& color) {
@@ -112,24 +124,62 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
         checkIndex("material", i, mesh.materials[i], materialCount);
 }
 
+// A computed number: more digits would say nothing.
+std::string sixDigits(double number) {
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.6g", number);
+    return rounded;
+}
+
+void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
+    if (vertices.size() > kMaxPolygonVertices)
+        place.fail("vertices", "must be at most " + std::to_string(kMaxPolygonVertices) + " points (got " +
+                                   std::to_string(vertices.size()) +
+                                   "); faces of a mesh are split into triangles and may have more");
+    for (size_t i = 0; i < vertices.size(); i++)
+        checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
+    std::vector<glm::dvec3> distinct(vertices.begin(), vertices.end());
+    std::sort(distinct.begin(), distinct.end(), [](const glm::dvec3& a, const glm::dvec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    if (distinct.size() < 3)
+        place.fail("vertices",
+                   "must have three distinct points or more" + got(std::to_string(distinct.size())));
+    const auto plane = polygonPlane(vertices);
+    if (!plane)
+        place.fail("vertices",
+                   "the polygon has no area: its points lie on a line, or its outline crosses itself so that "
+                   "equal areas lie to its left and right (make it two polygons)");
+    const double tolerance = planarTolerance(vertices);
+    if (plane->deviation > tolerance)
+        place.fail("vertices/" + std::to_string(plane->farthest),
+                   "the polygon is not planar: this point lies " + sixDigits(plane->deviation) +
+                       " off the plane of all, the limit is " + sixDigits(tolerance) +
+                       " (split the polygon into triangles)");
+}
+
 struct ShapeCheck {
     const Place& place;
     size_t materialCount;
 
     void operator()(const SphereShape& sphere) const {
         checkPoint(place, "center", sphere.center);
-        if (!(sphere.radius > 0)) place.fail("radius", "must be > 0" + got(sphere.radius));
-        if (sphere.radius < kMinRadius || sphere.radius > kMaxRadius)
-            place.fail("radius", "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) +
-                                     got(sphere.radius));
+        checkRadius(place, sphere.radius);
     }
     void operator()(const PlaneShape& plane) const {
         checkPoint(place, "point", plane.point);
         checkDirection(place, "normal", plane.normal);
     }
+    void operator()(const DiscShape& disc) const {
+        checkPoint(place, "center", disc.center);
+        checkDirection(place, "normal", disc.normal);
+        checkRadius(place, disc.radius);
+    }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
+    void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);

@@ -21,6 +21,8 @@ mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"
 mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
 mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
+mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
+mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
 mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)

@@ -23,6 +23,8 @@ TEST_P(ParseError, isOneExactLine) {
 }
 
 #define SPHERE(...) R"({"objects": [{"type": "sphere", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
+#define DISC(...) R"({"objects": [{"type": "disc", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
+#define POLYGON(VERTICES) R"({"objects": [{"type": "polygon", "vertices": [)" VERTICES "]}]}"
 #define TRANSFORM(...) SPHERE(R"("radius": 1, "transform": )" __VA_ARGS__)
 
 const Case kStructure[] = {
@@ -53,9 +55,9 @@ const Case kTypes[] = {
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
     {"laterObjectType", R"({"objects": [{"type": "cone"}]})",
-     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
+     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
     {"laterEllipsoid", R"({"objects": [{"type": "ellipsoid", "center": [0,0,0], "radii": [1,2,3]}]})",
-     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
+     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
     {"laterCamera", R"({"camera": {"type": "orthographic", "height": 4}})",
      R"(s.json: /camera/type: "orthographic" is not supported by this version (supported: perspective))"},
     {"laterCameraKey", R"({"camera": {"planeNormal": [0, 0, 1]}})",
@@ -127,6 +129,31 @@ const Case kValues[] = {
      "s.json: /lights/0/direction: must not be zero (got [0, 0, 0])"},
     {"intensity", R"({"lights": [{"type": "point", "position": [0, 0, 0], "intensity": -1}]})",
      "s.json: /lights/0/intensity: must be >= 0 (got -1)"},
+    {"discRadius", DISC(R"("normal": [0, 1, 0], "radius": -2)"),
+     "s.json: /objects/0/radius: must be > 0 (got -2)"},
+    {"discNormal", DISC(R"("normal": [0, 0, 0], "radius": 1)"),
+     "s.json: /objects/0/normal: must not be zero (got [0, 0, 0])"},
+    {"discWithoutNormal", DISC(R"("radius": 1)"), R"(s.json: /objects/0: missing key "normal")"},
+    {"polygonOfTwo", POLYGON("[0, 0, 0], [1, 0, 0]"),
+     "s.json: /objects/0/vertices: must be three points or more [[x, y, z], ...] (got [[0, 0, 0], [1, 0, "
+     "0]])"},
+    {"polygonOfTwoDistinct", POLYGON("[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]"),
+     "s.json: /objects/0/vertices: must have three distinct points or more (got 2)"},
+    {"polygonOnALine", POLYGON("[0, 0, 0], [0.1, 0.1, 0.2], [0.3, 0.3, 0.6], [0.7, 0.7, 1.4]"),
+     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
+     "itself so that equal areas lie to its left and right (make it two polygons)"},
+    {"polygonLikeABow", POLYGON("[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]"),
+     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
+     "itself so that equal areas lie to its left and right (make it two polygons)"},
+    // The plane of a square with one corner raised by 1 passes 1/4 away from each (the sum of their heights
+    // is 1, alternately up and down), over |(-1/2, -1/2, 1)| = sqrt(3/2): 0.204124. 2 sqrt(3) 5e-6
+    // = 1.73205e-5.
+    {"polygonNotPlanar", POLYGON("[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]"),
+     "s.json: /objects/0/vertices/0: the polygon is not planar: this point lies 0.204124 off the plane of "
+     "all, "
+     "the limit is 1.73205e-05 (split the polygon into triangles)"},
+    {"polygonVertexHuge", POLYGON("[0, 0, 0], [1, 0, 0], [0, 2e18, 0]"),
+     "s.json: /objects/0/vertices/2: coordinates must be below 1e+18 (got [0, 2e+18, 0])"},
     {"twoVertices", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}]})",
      "s.json: /objects/0/vertices: must be three points [[x, y, z], ...] (got [[0, 0, 0], [1, 0, 0]])"},
     {"vertexHuge",
@@ -176,6 +203,9 @@ const Case kTransforms[] = {
     {"ellipsoid", TRANSFORM(R"([{"scale": [1, 2, 1]}])"),
      "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come "
      "with a later version"},
+    {"ellipse", DISC(R"("normal": [0, 1, 0], "radius": 1, "transform": [{"scale": [1, 1, 2]}])"),
+     "s.json: /objects/0/transform: a disc must stay round; in its plane it can only be scaled alike in all "
+     "directions"},
 };
 
 std::string caseName(const testing::TestParamInfo<Case>& info) {

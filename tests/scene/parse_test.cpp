@@ -114,8 +114,16 @@ TEST(Parse, objects) {
         {"type": "sphere", "center": [1, 2, 3], "radius": 4, "material": "blue"},
         {"type": "plane", "point": [0, -1, 0], "normal": [0, 3, 0], "material": "red"},
         {"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]},
-        {"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
-    ASSERT_EQ(scene.objects.size(), 4u);
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1},
+        {"type": "disc", "center": [1, 2, 3], "normal": [0, 0, 4], "radius": 5, "material": "blue"},
+        {"type": "polygon", "vertices": [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 1, 0]]}]})");
+    ASSERT_EQ(scene.objects.size(), 6u);
+    ASSERT_EQ(shape<PolygonShape>(scene, 5).vertices.size(), 4u);
+    EXPECT_EQ(shape<PolygonShape>(scene, 5).vertices[2], dvec3(1, 2, 0));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).center, dvec3(1, 2, 3));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).normal, dvec3(0, 0, 4));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).radius, 5);
+    EXPECT_EQ(scene.objects[4].material, 1u);
     EXPECT_EQ(shape<SphereShape>(scene, 0).center, dvec3(1, 2, 3));
     EXPECT_EQ(shape<SphereShape>(scene, 0).radius, 4);
     EXPECT_EQ(scene.objects[0].name, "/objects/0");

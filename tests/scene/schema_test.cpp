@@ -26,7 +26,9 @@ const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"mesh", "/$defs/mesh"},
     {"objects/sphere", "/$defs/sphere"},
     {"objects/plane", "/$defs/plane"},
+    {"objects/disc", "/$defs/disc"},
     {"objects/triangle", "/$defs/triangle"},
+    {"objects/polygon", "/$defs/polygon"},
     {"objects/mesh", "/$defs/meshObject"},
     {"transformStep", "/$defs/transformStep"}};
 
@@ -111,6 +113,8 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": []}]})",
         R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]})",
         R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "transform": [{"scale": [1, 2, 3]}, {"rotate": [0, 1, 0, 30]}, {"translate": [1, 2, 3]}]}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 0, 9], "radius": 1e-14, "transform": [{"scale": 2}]}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "transform": [{"scale": [1, 2, 3]}]}]})",
         R"({"materials": {"a": {"mirror": [0, 0.5, 1], "shininess": 0}}})"};
     const char* const kBad[] = {
         R"([])",
@@ -143,6 +147,11 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0}]})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1e-15}]})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2e18}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "radius": 1}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 0}]})",
+        R"({"objects": [{"type": "disc", "point": [0, 0, 0], "normal": [0, 1, 0], "radius": 1}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0]]}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1]]}]})",
         R"({"objects": [{"type": "cone"}]})",
         R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0]]}]})",
         R"({"objects": [{"type": "mesh"}]})",
@@ -176,6 +185,8 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "transform": [{"scale": 2}]},
                     {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m",
                      "transform": [{"rotate": [0, 1, 0, 30]}]},
+                    {"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"},
+                    {"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "material": "m"},
                     {"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "m",
                      "transform": [{"translate": [0, 1, 0]}]}]})");
     ASSERT_EQ(parseError(scene.dump()), "");

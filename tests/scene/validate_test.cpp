@@ -26,7 +26,8 @@ Scene validScene() {
     scene.objects = {{"/objects/0", SphereShape{}, 0},
                      {"/objects/1", PlaneShape{}, 0},
                      {"/objects/2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 0},
-                     {"/objects/3", MeshShape{triangleMesh()}, 0}};
+                     {"/objects/3", MeshShape{triangleMesh()}, 0},
+                     {"/objects/4", DiscShape{}, 0}};
     return scene;
 }
 
@@ -94,6 +95,27 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /objects/1/normal: must be finite (got [nan, 0, 0])");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<TriangleShape>(s.objects[2].shape).vertices[1].x = kNan; }),
               "s: /objects/2/vertices/1: must be finite (got [nan, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).radius = kNan; }),
+              "s: /objects/4/radius: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).normal.z = kInf; }),
+              "s: /objects/4/normal: must be finite (got [0, 1, inf])");
+}
+
+TEST(Validate, polygons) {
+    const auto withPolygon = [](std::vector<glm::dvec3> vertices) {
+        return errorAfter([&](Scene& s) { s.objects[0].shape = PolygonShape{std::move(vertices)}; });
+    };
+    EXPECT_EQ(withPolygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, kNan, 0}}),
+              "s: /objects/0/vertices/3: must be finite (got [0.5, nan, 0])");
+    EXPECT_EQ(withPolygon({}), "s: /objects/0/vertices: must have three distinct points or more (got 0)");
+    std::vector<glm::dvec3> ring;
+    for (int i = 0; i < 8192; ++i) ring.emplace_back(std::cos(i / 1304.0), std::sin(i / 1304.0), 7);
+    EXPECT_EQ(withPolygon(ring), "no error");
+    ring.emplace_back(0, 0, 7);
+    EXPECT_EQ(
+        withPolygon(ring),
+        "s: /objects/0/vertices: must be at most 8192 points (got 8193); faces of a mesh are split into "
+        "triangles and may have more");
 }
 
 TEST(Validate, cameraGeometry) {
