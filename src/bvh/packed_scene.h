@@ -22,6 +22,8 @@ struct SceneFeatures {
     bool directionalLights = false;
     bool specular = false;  // some material has a highlight
     bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool spotLights = false;
+    bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
 };
 

@@ -22,6 +22,10 @@ mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;
 mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
 mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
+mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
+       "x * camera.originStepX - y * camera.originStepY" generate)
+mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
+mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
 mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)

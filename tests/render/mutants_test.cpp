@@ -82,7 +82,8 @@ INSTANTIATE_TEST_SUITE_P(All, MutantTest,
                                          Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
                                          Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
                                          Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
-                                         Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
+                                         Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
+                                         Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
                          [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace
