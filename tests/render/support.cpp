@@ -134,7 +134,8 @@ void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset, double size) {
     positions.reserve(size_t{n + 1} * (n + 1));
     corners.reserve(size_t{n} * n * 2);
     for (uint32_t y = 0; y <= n; ++y) {
-        for (uint32_t x = 0; x <= n; ++x) positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
+        for (uint32_t x = 0; x <= n; ++x)
+            positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
     }
     for (uint32_t y = 0; y < n; ++y) {
         for (uint32_t x = 0; x < n; ++x) {
@@ -174,7 +175,8 @@ testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
             if (a.data.empty()) continue;
             const size_t i = static_cast<size_t>(y) * a.color.width + x;
             if (const char* member = difference(a.data[i], b.data[i]))
-                return testing::AssertionFailure() << "pixel " << x << "," << y << ": the " << member << " differs";
+                return testing::AssertionFailure()
+                       << "pixel " << x << "," << y << ": the " << member << " differs";
         }
     }
     return testing::AssertionSuccess();
@@ -200,7 +202,8 @@ testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vecto
         if (differing++ == 0) first = text(rays[i]) + ": " + same.message();
     }
     if (differing == 0) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << differing << " of " << rays.size() << " rays differ, the first: " << first;
+    return testing::AssertionFailure()
+           << differing << " of " << rays.size() << " rays differ, the first: " << first;
 }
 
 RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction) {
@@ -217,7 +220,8 @@ RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool uni
 }
 
 size_t misses(const std::vector<RayHit>& hits) {
-    return static_cast<size_t>(std::count_if(hits.begin(), hits.end(), [](const RayHit& h) { return !h.hit; }));
+    return static_cast<size_t>(
+        std::count_if(hits.begin(), hits.end(), [](const RayHit& h) { return !h.hit; }));
 }
 
 std::string text(const RayInput& ray) {
