@@ -15,15 +15,17 @@
     X(6, DIRECTIONAL_LIGHTS, directionalLights)    \
     X(7, SPECULAR, specular)                       \
     X(8, MIRRORS, mirrors)                         \
-    X(9, DISCS, discs)                             \
-    X(10, POLYGONS, polygons)
+    X(9, SPOT_LIGHTS, spotLights)                  \
+    X(10, PARALLEL_CAMERA, parallelCamera)         \
+    X(11, DISCS, discs)                            \
+    X(12, POLYGONS, polygons)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by the stackless walk.
 #define GLINT_MODES(X)   \
-    X(11, AOVS, aovs)    \
-    X(12, COST, cost)    \
-    X(13, RESUME, resume)
+    X(13, AOVS, aovs)    \
+    X(14, COST, cost)    \
+    X(15, RESUME, resume)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                       \

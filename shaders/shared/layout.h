@@ -70,19 +70,25 @@
     V3F(specular, reserved1)              \
     V3F(mirror, reserved2)
 
-// kind: kLightPoint, kLightPointInverseSquare (position) or kLightDirectional (unit vector towards the light).
+// kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot light, unit, the way the
+// light travels. Its full light ends at the angle whose 1 - cos is `inner`, all light at that of `outer`: as differences from 1
+// they keep a narrow cone's digits. inner <= outer.
 #define GLINT_LIGHT_ROWS(V3F, V3U, U4) \
     V3U(position, kind)                \
-    V3F(intensity, reserved)
+    V3F(intensity, inner)              \
+    V3F(axis, outer)
 
-// Camera ray of the film point (x, y), in pixels from the top left corner:
-// direction = normalize(center + (x - width/2) stepX + (y - height/2) stepY), origin = eye.
-// near, far bound t, the distance from the eye; far may be kInfinity.
+// Camera ray of the film point (X, Y), in pixels from the top left corner, with x = X - width/2, y = Y - height/2:
+// origin = eye + x originStepX + y originStepY, direction = normalize(center + x stepX + y stepY).
+// The origin steps are 0 for a perspective camera, the direction's for a parallel one.
+// near, far bound t, the distance from the origin; far may be kInfinity.
 #define GLINT_CAMERA_ROWS(V3F, V3U, U4) \
     V3F(eye, nearT)                     \
     V3F(center, farT)                   \
     V3F(stepX, halfWidth)               \
-    V3F(stepY, halfHeight)
+    V3F(stepY, halfHeight)              \
+    V3F(originStepX, reserved0)         \
+    V3F(originStepY, reserved1)
 
 // Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
@@ -161,6 +167,8 @@ GLINT_CONST_UINT(kKindCount, 5u);
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
 GLINT_CONST_UINT(kLightDirectional, 2u);
+GLINT_CONST_UINT(kLightSpot, 3u);
+GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
 // Levels of the BVH below the root that the builder may use; a traversal pushes at most one entry per level.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);

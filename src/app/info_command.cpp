@@ -5,6 +5,7 @@
 #include "app/common.h"
 #include "core/error.h"
 #include "gpu/device.h"
+#include "scene/camera_frame.h"
 #include "shared/dispatch.h"
 
 namespace glint::app {
@@ -72,6 +73,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel, at most "
         << counted(scene.maxDepth, "reflection") << '\n'
+        << "  camera        " << cameraKind(scene.camera) << '\n'
         << "  objects       " << scene.objects.size() << " (" << counted(packed.triangles.size(), "triangle")
         << ", " << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane")
         << ", " << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon")

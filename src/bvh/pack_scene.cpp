@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bvh/area_vector.h"
 #include "bvh/flatten.h"
@@ -29,12 +30,25 @@ shared::Material roundMaterial(const Material& material) {
     return out;
 }
 
+// 1 - cos, without its cancellation for small angles.
+float oneMinusCosine(double degrees) {
+    const double half = std::sin(degrees * (std::numbers::pi / 360));
+    return static_cast<float>(2 * half * half);
+}
+
 shared::Light roundLight(const Light& light, const glm::dvec3& origin) {
     shared::Light out;
     if (const auto* point = std::get_if<PointLight>(&light)) {
         out.position = glm::vec3(point->position - origin);
         out.kind = point->inverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
         out.intensity = glm::vec3(point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        out.position = glm::vec3(spot->position - origin);
+        out.kind = spot->inverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
+        out.intensity = glm::vec3(spot->intensity);
+        out.axis = glm::vec3(unitVector(spot->direction).value());
+        out.inner = oneMinusCosine(spot->angle);
+        out.outer = oneMinusCosine(spot->angle + spot->penumbra);
     } else {
         const auto& directional = std::get<DirectionalLight>(light);
         out.position = glm::vec3(unitVector(-directional.direction).value());
@@ -268,6 +282,20 @@ void fillStatistics(const Bvh& bvh, double traversalCost, PackStatistics& statis
     }
 }
 
+void addLightKind(const shared::Light& light, SceneFeatures& features) {
+    switch (light.kind) {
+        case shared::kLightDirectional:
+            features.directionalLights = true;
+            break;
+        case shared::kLightSpot:
+        case shared::kLightSpotInverseSquare:
+            features.spotLights = true;
+            break;
+        default:
+            features.pointLights = true;
+    }
+}
+
 template <class Used>
 SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     SceneFeatures f;
@@ -278,8 +306,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.discs = !packed.discs.empty();
     f.polygons = !packed.polygons.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
-    for (const shared::Light& light : packed.lights)
-        (light.kind == shared::kLightDirectional ? f.directionalLights : f.pointLights) = true;
+    for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {
         if (!used(i)) continue;
         f.specular |= packed.materials[i].specular != glm::vec3(0);
@@ -344,6 +371,7 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     packEnvironment(scene, packed);
     for (const shared::Plane& plane : packed.planes) writer.use(plane.material);
     packed.features = featuresOf(packed, [&](size_t material) { return writer.used(material); });
+    packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     return packed;
 }
 

@@ -24,6 +24,8 @@ struct SceneFeatures {
     bool mirrors = false;   // some material reflects, and maxDepth > 0
     bool discs = false;
     bool polygons = false;
+    bool spotLights = false;
+    bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "core/stopwatch.h"
 #include "render/path_state.h"
@@ -327,6 +328,9 @@ uint64_t Renderer::deviceBytes() const {
 
 Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {
     State& s = *state_;
+    const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
+    if (parallel && s.options.leaveOut && !s.scene.features.parallelCamera)
+        throw std::invalid_argument("a parallel camera, but the scene's features have none");
     Picture picture;
     picture.region = wholeOrGiven(settings);
     const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();

@@ -70,7 +70,8 @@ class Renderer {
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
-    // A cancelled render returns with complete = false and what was finished by then.
+    // A cancelled render returns with complete = false and what was finished by then. Throws std::invalid_argument for a parallel
+    // camera if the scene's features leave it out.
     Picture render(const shared::Camera& camera, const RenderSettings& settings);
 
     // The closest hit of each ray, or with `any` whether there is a hit (then only RayHit::hit is filled).

@@ -20,6 +20,12 @@ inline constexpr double kMinLength = 1e-18;
 // The sine of the angle between up and the view direction: the camera frame's rounding error is about 2^-52 /
 // sine and must stay below half an ulp of the fp32 camera, 2^-25: sine > 2^-27 = 7.5e-9.
 inline constexpr double kMinUpSine = 1e-8;
+// The cosine of the angle between an oblique camera's plane normal and its view direction: rounding must not
+// decide on which side of the plane the viewer is.
+inline constexpr double kMinPlaneCosine = 1e-8;
+// Degrees from a spot light's axis to where its light ends. The shader knows the direction of a light to a
+// few 2^-24, which is 1 % of 0.001 degrees.
+inline constexpr double kMinSpotAngle = 1e-3;
 
 inline constexpr int kMaxImageSize = 65536;
 inline constexpr int kMaxSamplesPerPixel = 65536;

@@ -91,13 +91,46 @@ void checkWindow(const ViewWindow& window, const Place& place) {
 
 void checkView(const Camera& camera, const Place& place) {
     const glm::dvec3 view = camera.target - camera.eye;
-    const double distance = glm::length(view);
-    if (!(distance >= kMinLength))
+    if (!(glm::length(view) >= kMinLength))
         place.fail({}, "eye and target must differ (both " + text(camera.eye) + ")");
-    const double sine =
-        glm::length(glm::cross(glm::normalize(camera.up / greatest(camera.up)), view / distance));
-    if (!(sine >= kMinUpSine))
-        place.fail("up", "must not be parallel to the view direction " + text(view) + got(camera.up));
+    if (camera.planeNormal) {
+        checkDirection(place, "planeNormal", *camera.planeNormal);
+        if (!(std::abs(glm::dot(glm::normalize(*camera.planeNormal), glm::normalize(view))) >=
+              kMinPlaneCosine))
+            place.fail("planeNormal", "must not be perpendicular to the view direction " + text(view) +
+                                          got(*camera.planeNormal));
+    }
+    const glm::dvec3 axis = camera.planeNormal.value_or(view);
+    if (!(glm::length(glm::cross(glm::normalize(camera.up), glm::normalize(axis))) >= kMinUpSine))
+        place.fail("up", std::string("must not be parallel to the ") +
+                             (camera.planeNormal ? "planeNormal " : "view direction ") + text(axis) +
+                             got(camera.up));
+}
+
+void checkWindowSize(const Camera& camera, const Place& place) {
+    if (camera.window) {
+        checkWindow(*camera.window, place);
+    } else if (camera.projection == Projection::Orthographic) {
+        if (!(camera.height > 0)) place.fail("height", "must be > 0" + got(camera.height));
+        if (camera.height < kMinLength || camera.height > kMaxCoordinate)
+            place.fail("height", "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) +
+                                     got(camera.height));
+    } else if (!(camera.fovY > 0 && camera.fovY < 180)) {
+        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+    }
+}
+
+void checkSpot(const SpotLight& spot, const Place& place) {
+    checkPoint(place, "position", spot.position);
+    checkDirection(place, "direction", spot.direction);
+    if (!(spot.angle >= 0 && spot.angle <= 180))
+        place.fail("angle", "must be from 0 to 180 degrees" + got(spot.angle));
+    if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees" + got(spot.penumbra));
+    const double edge = spot.angle + spot.penumbra;
+    if (!(edge >= kMinSpotAngle && edge <= 180))
+        place.fail({}, "angle + penumbra must be from " + describe(kMinSpotAngle) + " to 180 degrees" +
+                           got(describe(spot.angle) + " + " + describe(spot.penumbra)));
+    checkColor(place, "intensity", spot.intensity);
 }
 
 void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount) {
@@ -210,10 +243,7 @@ void validateCamera(const Camera& camera, const Place& place) {
     checkPoint(place, "target", camera.target);
     checkDirection(place, "up", camera.up);
     checkView(camera, place);
-    if (camera.window)
-        checkWindow(*camera.window, place);
-    else if (!(camera.fovY > 0 && camera.fovY < 180))
-        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+    checkWindowSize(camera, place);
     if (!(camera.nearT >= 0 && std::isfinite(camera.nearT)))
         place.fail("near", "must be >= 0 and finite" + got(camera.nearT));
     if (!(camera.farT > camera.nearT))
@@ -224,6 +254,8 @@ void validateLight(const Light& light, const Place& place) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
         checkPoint(place, "position", point->position);
         checkColor(place, "intensity", point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        checkSpot(*spot, place);
     } else {
         const auto& directional = std::get<DirectionalLight>(light);
         checkDirection(place, "direction", directional.direction);

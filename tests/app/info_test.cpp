@@ -14,6 +14,7 @@ TEST_F(Info, EmptyScene) {
     EXPECT_TRUE(
         ran.out.starts_with("a.json\n"
                             "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
+                            "  camera        perspective\n"
                             "  objects       0 (0 triangles, 0 spheres, 0 planes)\n"
                             "  materials     0\n"
                             "  lights        0\n"
@@ -48,6 +49,23 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
                   .out.find("features used triangles, spheres, pointLights, specular\n"),
               std::string::npos)
         << "without reflections the mirror code is left out";
+}
+
+TEST_F(Info, KindOfCamera) {
+    const auto infoOf = [](const std::string& camera) {
+        writeText("a.json", "{\"camera\": {" + camera + "}}");
+        return runGlint({"info", "a.json"}).out;
+    };
+    const std::string tilted = R"("planeNormal": [0, 1, 1])", parallel = R"("type": "orthographic")";
+    const std::pair<std::string, std::string> kinds[] = {{tilted, "oblique perspective"},
+                                                         {parallel, "orthographic"},
+                                                         {parallel + ", " + tilted, "oblique parallel"}};
+    for (const auto& [camera, kind] : kinds) {
+        const std::string out = infoOf(camera);
+        EXPECT_NE(out.find("\n  camera        " + kind + "\n"), std::string::npos) << out;
+        const bool used = out.find("features used parallelCamera\n") != std::string::npos;
+        EXPECT_EQ(used, camera.starts_with(parallel)) << out;
+    }
 }
 
 TEST_F(Info, DroppedTrianglesAreCounted) {

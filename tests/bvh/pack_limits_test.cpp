@@ -55,7 +55,8 @@ TEST(PackFeatures, EmptySceneUsesNothing) {
 TEST(PackFeatures, AllAreOn) {
     const SceneFeatures f = allFeatures();
     EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
-                f.pointLights && f.directionalLights && f.specular && f.mirrors && f.discs && f.polygons);
+                f.pointLights && f.directionalLights && f.specular && f.mirrors && f.spotLights &&
+                f.parallelCamera && f.discs && f.polygons);
 }
 
 TEST(PackFeatures, Primitives) {
@@ -111,6 +112,22 @@ TEST(PackFeatures, Lights) {
     scene.lights[0] = DirectionalLight{};
     expected = {};
     expected.directionalLights = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+    for (const bool inverseSquare : {false, true}) {
+        scene.lights[0] = SpotLight{.inverseSquare = inverseSquare};
+        expected = {};
+        expected.spotLights = true;
+        EXPECT_EQ(featuresOf(scene), expected);
+    }
+}
+
+TEST(PackFeatures, ParallelCamera) {
+    Scene scene;
+    scene.camera.planeNormal = {0, 1, 1};
+    EXPECT_EQ(featuresOf(scene), SceneFeatures{});  // oblique perspective: rays from the eye
+    scene.camera.projection = Projection::Orthographic;
+    SceneFeatures expected;
+    expected.parallelCamera = true;
     EXPECT_EQ(featuresOf(scene), expected);
 }
 

@@ -278,6 +278,18 @@ void SceneMaker::light(uint32_t kind, const vec3& position, const vec3& intensit
     scene_.lights.push_back(l);
 }
 
+void SceneMaker::spot(const vec3& position, const vec3& axis, double angle, double penumbra, uint32_t kind,
+                      const vec3& intensity) {
+    light(kind, position, intensity);
+    const auto oneMinusCosine = [](double degrees) {
+        return static_cast<float>(1 - std::cos(degrees * std::numbers::pi / 180));
+    };
+    shared::Light& l = scene_.lights.back();
+    l.axis = axis;
+    l.inner = oneMinusCosine(angle);
+    l.outer = oneMinusCosine(angle + penumbra);
+}
+
 PackedScene SceneMaker::finish(uint32_t maxLeafSize) const {
     PackedScene scene;
     scene.planes = scene_.planes;

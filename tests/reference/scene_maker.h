@@ -33,6 +33,10 @@ class SceneMaker {
     void cube(const glm::vec3& center, float halfEdge);  // 12 triangles, outward
     void light(uint32_t kind, const glm::vec3& position, const glm::vec3& intensity = glm::vec3(1));
 
+    // Angles in degrees; see SpotLight.
+    void spot(const glm::vec3& position, const glm::vec3& axis, double angle, double penumbra,
+              uint32_t kind = shared::kLightSpot, const glm::vec3& intensity = glm::vec3(1));
+
     // The next primitive takes this id.
     void setNextId(uint32_t id) { nextId_ = id; }
 

@@ -22,7 +22,7 @@ std::shared_ptr<Mesh> triangleMesh() {
 Scene validScene() {
     Scene scene;
     scene.materials.emplace_back().name = "grey";
-    scene.lights = {PointLight{}, DirectionalLight{}};
+    scene.lights = {PointLight{}, DirectionalLight{}, SpotLight{}};
     scene.objects = {{"/objects/0", SphereShape{}, 0},
                      {"/objects/1", PlaneShape{}, 0},
                      {"/objects/2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 0},
@@ -54,9 +54,18 @@ TEST(Validate, acceptsTheEndsOfTheRanges) {
                   std::get<SphereShape>(s.objects[0].shape) = {{-9.9e17, 0, 0}, 1e-14};
                   s.camera.fovY = 179.9;
                   std::get<DirectionalLight>(s.lights[1]).direction = {0, 0, 1e-18};
+                  std::get<SpotLight>(s.lights[2]).angle = 180;
               }),
               "no error");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = 1e18; }),
+              "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.projection = Projection::Orthographic;
+                  s.camera.height = 1e-18;
+                  s.camera.fovY = 500;  // not used
+                  std::get<SpotLight>(s.lights[2]).angle = 0;
+                  std::get<SpotLight>(s.lights[2]).penumbra = 0.001;
+              }),
               "no error");
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects.clear(); }), "no error");
 }
@@ -83,6 +92,21 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /lights/0/position: must be finite (got [0, 0, nan])");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<DirectionalLight>(s.lights[1]).intensity.x = kNan; }),
               "s: /lights/1/intensity: must be finite (got [nan, 1, 1])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.planeNormal = {0, kInf, 1};
+              }),
+              "s: /camera/planeNormal: must be finite (got [0, inf, 1])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.projection = Projection::Orthographic;
+                  s.camera.height = kNan;
+              }),
+              "s: /camera/height: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).position.x = kInf; }),
+              "s: /lights/2/position: must be finite (got [inf, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).angle = kNan; }),
+              "s: /lights/2/angle: must be from 0 to 180 degrees (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).penumbra = kNan; }),
+              "s: /lights/2/penumbra: must be >= 0 degrees (got nan)");
     EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].shininess = kNan; }),
               "s: /materials/grey/shininess: must be from 0 to 1e+18 (got nan)");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kNan; }),
@@ -136,6 +160,20 @@ TEST(Validate, cameraGeometry) {
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.window = ViewWindow{};
                   s.camera.fovY = 500;  // not used
+              }),
+              "no error");
+    // 1e-6 radians off the plane through the view direction is enough, 1e-10 is not.
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = {1, 0, 1e-6}; }), "no error");
+    EXPECT_EQ(
+        errorAfter([](Scene& s) {
+            s.camera.planeNormal = {1, 0, 1e-10};
+        }),
+        "s: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, 0, "
+        "1e-10])");
+    // An oblique camera may look along up.
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.up = {0, 0, 1};
+                  s.camera.planeNormal = {0, 1, 1};
               }),
               "no error");
 }
