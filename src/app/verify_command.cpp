@@ -24,7 +24,8 @@ std::vector<std::filesystem::path> pictureNames(const VerifyCommand& command) {
     for (const std::filesystem::path& scene : command.scenes) {
         const std::string stem = scene.stem().string();
         const int use = ++uses[stem];
-        names.push_back(command.folder / (stem + (use > 1 ? "-" + std::to_string(use) : "") + ".verify.png"));
+        const std::string name = stem + (use > 1 ? "-" + std::to_string(use) : "") + ".verify.png";
+        names.push_back((command.folder / name).lexically_normal());
     }
     return names;
 }

@@ -1,6 +1,7 @@
 #include "bvh/flatten.h"
 
 #include <array>
+#include <cmath>
 
 namespace glint {
 namespace {
@@ -12,7 +13,22 @@ struct Pending {
     uint32_t escape;
 };
 
-void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& box, uint32_t child) {
+// How far a box reaches beyond its contents: one ulp, and enough that a ray that runs in one of its sides (a direction of 0, whose
+// inverse the shaders take for 2^125) is seen well inside.
+float margin(float x) {
+    return std::max(std::abs(x) * 0x1p-23f, 0x1p-100f);
+}
+
+Box widened(Box box) {
+    for (int i = 0; i < 3 && !box.empty(); ++i) {
+        box.lo[i] -= margin(box.lo[i]);
+        box.hi[i] += margin(box.hi[i]);
+    }
+    return box;
+}
+
+void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight, uint32_t child) {
+    const Box box = widened(tight);
     shared::Node& node = nodes[slot / 2];
     if (slot % 2 == 0) {
         node.lo0 = box.lo;

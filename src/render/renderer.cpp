@@ -19,6 +19,20 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 constexpr uint32_t kMaxSlicePaths = 1u << 20;
 constexpr uint32_t kFirstSliceTiles = 256;
 
+// Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
+uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
+    const uint64_t pathBytes = static_cast<uint64_t>(rows) * sizeof(RowEntry);
+    while (wanted > shared::kWorkgroupSize && (!gpu::fits(wanted * pathBytes, access, device.limits) ||
+                                               wanted * pathBytes > device.limits.memory / 4)) {
+        wanted /= 2;
+    }
+    return wanted;
+}
+
+size_t indexIn(const Region& region, const glm::ivec2& pixel) {
+    return static_cast<size_t>(pixel.y - region.y0) * region.width() + (pixel.x - region.x0);
+}
+
 Region wholeOrGiven(const RenderSettings& settings) {
     const Region& r = settings.region;
     if (r.width() > 0 && r.height() > 0) return r;
@@ -91,6 +105,8 @@ struct Renderer::State {
     bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings, const TraceModes& modes);
     void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
     void readData(const Slice& slice, Picture& picture) const;
+    void writeRays(std::span<const RayInput> rays) const;
+    void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
 };
 
 void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows) {
@@ -199,7 +215,7 @@ void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settin
     for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
         if (!slice.pixelOf(path, pixel)) continue;
-        const size_t index = static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() + (pixel.x - slice.region.x0);
+        const size_t index = indexIn(slice.region, pixel);
         float* color = &picture.color.pixels[index * 4];
         for (int c = 0; c < 3; ++c) color[c] = radiance[path].f[c] * scale;
         color[3] = static_cast<float>(radiance[path].u[3]) * scale;
@@ -212,39 +228,90 @@ void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settin
 
 namespace {
 
-void fillData(PixelData& data, const glm::dvec3& origin, const RowEntry& position, const RowEntry& normal,
-              const RowEntry& indices, const RowEntry& counts, const RowEntry& geometry) {
-    const bool hit = indices.u[2] != shared::kNone;
-    if (hit) data.position = origin + glm::dvec3(position.f[0], position.f[1], position.f[2]);
-    data.depth = hit ? position.f[3] : std::numeric_limits<double>::infinity();
-    data.normal = {normal.f[0], normal.f[1], normal.f[2]};
-    data.geometricNormal = {geometry.f[0], geometry.f[1], geometry.f[2]};
-    data.material = normal.u[3];
-    data.u = indices.f[0];
-    data.v = indices.f[1];
-    data.object = indices.u[2];
-    data.primitive = indices.u[3];
-    data.bounces = counts.u[0];
-    data.cost = counts.u[1];
-    data.shadowBits = counts.u[2];
-    data.pathHash = counts.u[3];
-}
+// The layers of the paths of a slice, as read back.
+struct AovRows {
+    std::vector<RowEntry> position, normal, indices, counts, geometry;
+
+    AovRows(const PathState& paths, const gpu::Device& device, uint32_t count)
+        : position(paths.readRow(device, shared::kRowAovPosition, count)),
+          normal(paths.readRow(device, shared::kRowAovNormal, count)),
+          indices(paths.readRow(device, shared::kRowAovIndices, count)),
+          counts(paths.readRow(device, shared::kRowAovCounts, count)),
+          geometry(paths.readRow(device, shared::kRowAovGeometry, count)) {}
+
+    PixelData at(uint32_t path, const glm::dvec3& origin) const {
+        PixelData data;
+        data.object = indices[path].u[2];
+        data.primitive = indices[path].u[3];
+        if (data.object != shared::kNone) {
+            data.position = origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
+            data.depth = position[path].f[3];
+        }
+        data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
+        data.geometricNormal = {geometry[path].f[0], geometry[path].f[1], geometry[path].f[2]};
+        data.material = normal[path].u[3];
+        data.u = indices[path].f[0];
+        data.v = indices[path].f[1];
+        data.bounces = counts[path].u[0];
+        data.cost = counts[path].u[1];
+        data.shadowBits = counts[path].u[2];
+        data.pathHash = counts[path].u[3];
+        return data;
+    }
+};
 
 }  // namespace
 
 void Renderer::State::readData(const Slice& slice, Picture& picture) const {
-    const uint32_t count = slice.paths();
-    const auto position = paths.readRow(device, shared::kRowAovPosition, count);
-    const auto normal = paths.readRow(device, shared::kRowAovNormal, count);
-    const auto indices = paths.readRow(device, shared::kRowAovIndices, count);
-    const auto counts = paths.readRow(device, shared::kRowAovCounts, count);
-    const auto geometry = paths.readRow(device, shared::kRowAovGeometry, count);
-    for (uint32_t path = 0; path < count; ++path) {
+    const AovRows rows(paths, device, slice.paths());
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
-        const size_t index = static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() + (pixel.x - slice.region.x0);
-        fillData(picture.data[index], scene.origin, position[path], normal[path], indices[path], counts[path], geometry[path]);
+        if (slice.pixelOf(path, pixel)) picture.data[indexIn(slice.region, pixel)] = rows.at(path, scene.origin);
     }
+}
+
+// What generate.comp would have written, for rays that the host brings.
+void Renderer::State::writeRays(std::span<const RayInput> rays) const {
+    const RowEntry zero = {{0, 0, 0, 0}};
+    std::vector<RowEntry> origin(paths.capacity(), zero), direction = origin, hit = origin, walk = origin;
+    for (uint32_t i = 0; i < paths.capacity(); ++i) {
+        const RayInput ray = i < rays.size() ? rays[i] : RayInput{.tMin = shared::kInfinity};
+        origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
+        origin[i].u[3] = shared::kNone;
+        direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
+        hit[i].f[0] = ray.tMax;
+        hit[i].u[3] = shared::kNone;
+        walk[i].u[0] = shared::kNone;
+    }
+    const std::vector<RowEntry> zeros(paths.capacity(), zero);
+    paths.writeRow(device, shared::kRowOrigin, origin);
+    paths.writeRow(device, shared::kRowDirection, direction);
+    paths.writeRow(device, shared::kRowHit, hit);
+    paths.writeRow(device, shared::kRowWalk, walk);
+    paths.writeRow(device, shared::kRowThroughput, zeros);
+    paths.writeRow(device, shared::kRowRadiance, zeros);
+}
+
+void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits) {
+    writeRays(rays);
+    const TraceModes modes = {.aovs = !any};
+    const uint32_t count = static_cast<uint32_t>(rays.size());
+    const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
+    Slice slice;
+    slice.region = {0, 0, 1, 1};
+    const shared::Dispatch dispatch = dispatchFor(slice);
+    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups);
+    const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        hits[i].hit = found[i].u[3] != shared::kNone;
+        hits[i].t = found[i].f[0];
+        hits[i].kindAndIndex = found[i].u[3];
+    }
+    if (any) return;
+    record(KernelId::Shade, modes, dispatch, groups);
+    submit();
+    const AovRows rows(paths, device, count);
+    for (uint32_t i = 0; i < count; ++i) hits[i].data = rows.at(i, scene.origin);
 }
 
 Renderer::Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options)
@@ -272,10 +339,12 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
-    const uint32_t limit = s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths;
+    const uint32_t rows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+    const uint32_t limit = fittingPaths(s.device.info(), s.access,
+                                        s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
     const uint32_t wanted = std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
-    s.reservePaths(maxTiles * shared::kWorkgroupSize, modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows);
+    s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
     s.buffers.setCamera(s.device, camera);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
@@ -300,55 +369,14 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
 }
 
 std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any) {
-    State& s = *state_;
+    constexpr size_t kBatch = 1u << 16;
     std::vector<RayHit> hits(rays.size());
-    const TraceModes modes = {.aovs = !any};
-    constexpr uint32_t kBatch = 1u << 16;
-    const uint32_t capacity = std::max(1u, std::min(kBatch, static_cast<uint32_t>(rays.size())));
-    const uint32_t groups = (capacity + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
-    s.reservePaths(groups * shared::kWorkgroupSize, shared::kPathRowsWithAovs);
+    const size_t batch = std::min(kBatch, rays.size());
+    const size_t groups = std::max<size_t>(1, (batch + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize);
+    state_->reservePaths(static_cast<uint32_t>(groups) * shared::kWorkgroupSize, shared::kPathRowsWithAovs);
     for (size_t first = 0; first < rays.size(); first += kBatch) {
-        const uint32_t count = static_cast<uint32_t>(std::min<size_t>(kBatch, rays.size() - first));
-        std::vector<RowEntry> origin(s.paths.capacity()), direction = origin, hit = origin, throughput = origin, walk = origin;
-        for (uint32_t i = 0; i < s.paths.capacity(); ++i) {
-            const RayInput ray = i < count ? rays[first + i] : RayInput{};
-            const float tMin = i < count ? ray.tMin : shared::kInfinity;
-            origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
-            origin[i].u[3] = shared::kNone;
-            direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, tMin}};
-            hit[i] = {{ray.tMax, 0, 0, 0}};
-            hit[i].u[3] = shared::kNone;
-            walk[i].u[0] = shared::kNone;
-            walk[i].u[1] = walk[i].u[2] = walk[i].u[3] = 0;
-            throughput[i] = {{0, 0, 0, 0}};
-        }
-        s.paths.writeRow(s.device, shared::kRowOrigin, origin);
-        s.paths.writeRow(s.device, shared::kRowDirection, direction);
-        s.paths.writeRow(s.device, shared::kRowHit, hit);
-        s.paths.writeRow(s.device, shared::kRowWalk, walk);
-        s.paths.writeRow(s.device, shared::kRowThroughput, throughput);
-        s.paths.writeRow(s.device, shared::kRowRadiance, throughput);
-        Slice slice;
-        slice.region = {0, 0, 1, 1};
-        const shared::Dispatch dispatch = s.dispatchFor(slice);
-        s.traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups);
-        const auto found = s.paths.readRow(s.device, shared::kRowHit, count);
-        for (uint32_t i = 0; i < count; ++i) {
-            hits[first + i].hit = found[i].u[3] != shared::kNone;
-            hits[first + i].t = found[i].f[0];
-            hits[first + i].kindAndIndex = found[i].u[3];
-        }
-        if (any) continue;
-        s.record(KernelId::Shade, modes, dispatch, groups);
-        s.submit();
-        const auto position = s.paths.readRow(s.device, shared::kRowAovPosition, count);
-        const auto normal = s.paths.readRow(s.device, shared::kRowAovNormal, count);
-        const auto indices = s.paths.readRow(s.device, shared::kRowAovIndices, count);
-        const auto counts = s.paths.readRow(s.device, shared::kRowAovCounts, count);
-        const auto geometry = s.paths.readRow(s.device, shared::kRowAovGeometry, count);
-        for (uint32_t i = 0; i < count; ++i) {
-            fillData(hits[first + i].data, s.scene.origin, position[i], normal[i], indices[i], counts[i], geometry[i]);
-        }
+        const size_t count = std::min(kBatch, rays.size() - first);
+        state_->traceBatch(std::span(rays).subspan(first, count), any, std::span(hits).subspan(first, count));
     }
     return hits;
 }

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "scene/near_names.h"
+#include "scene/text_file.h"
 
 namespace glint {
 
@@ -29,7 +30,7 @@ std::string JsonCursor::pointer() const {
 
 void JsonCursor::fail(const std::string& what) const {
     const std::string where = pointer();
-    throw Error(ExitCode::Scene, *file_ + ": " + (where.empty() ? "" : where + ": ") + what);
+    throw Error(ExitCode::Scene, printable(*file_ + ": " + (where.empty() ? "" : where + ": ") + what));
 }
 
 void JsonCursor::failWanted(const std::string& wanted) const {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "scene/limits.h"
+#include "scene/text_file.h"
 
 namespace glint {
 
@@ -140,8 +141,8 @@ class TreeBuilder {
         const std::string_view start = before.substr(before.rfind('\n') + 1);
         const auto column =
             1 + std::count_if(start.begin(), start.end(), [](char c) { return (c & 0xc0) != 0x80; });
-        throw Error(ExitCode::Scene,
-                    file_ + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + what);
+        throw Error(ExitCode::Scene, printable(file_ + ":" + std::to_string(line) + ":" +
+                                               std::to_string(column) + ": " + what));
     }
 
     JsonValue* place(JsonValue value) {

@@ -10,6 +10,10 @@ namespace glint {
 // file is empty" ...
 std::string readWholeFile(const std::filesystem::path& path);
 
+// Text of a file for use in a message: control characters, which would break the line or steer the terminal,
+// become '?'.
+std::string printable(std::string text);
+
 // The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 

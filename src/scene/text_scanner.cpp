@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "scene/text_file.h"
 
 namespace glint {
 
@@ -90,7 +91,7 @@ void TextScanner::failWord(const char* start, const char* owner, const char* kin
 }
 
 void TextScanner::failAt(size_t line, const std::string& what) const {
-    throw Error(ExitCode::Scene, file_ + ":" + std::to_string(line) + ": " + what);
+    throw Error(ExitCode::Scene, printable(file_ + ":" + std::to_string(line) + ": " + what));
 }
 
 }  // namespace glint

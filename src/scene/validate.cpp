@@ -13,6 +13,7 @@
 #include "scene/limits.h"
 #include "scene/load.h"
 #include "scene/polygon_plane.h"
+#include "scene/text_file.h"
 
 namespace glint {
 
@@ -195,7 +196,7 @@ struct ShapeCheck {
 void Place::fail(std::string_view key, const std::string& what) const {
     std::string where = pointer;
     if (!key.empty()) where += "/" + std::string(key);
-    throw Error(ExitCode::Scene, file + ": " + (where.empty() ? "" : where + ": ") + what);
+    throw Error(ExitCode::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
 }
 
 void validateImage(const ImageSettings& image, const Place& place) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "bvh/builder.h"
 #include "bvh/packed_scene.h"
 #include "scene_maker.h"
 
@@ -298,7 +299,7 @@ TEST(PackScene, SahCost) {
     const PackedScene packed = packScene(scene);
     EXPECT_EQ(packed.statistics.leaves, 2u);
     EXPECT_EQ(packed.statistics.depth, 1u);
-    EXPECT_DOUBLE_EQ(packed.statistics.sahCost, 1 + 2 * 3.0 / 21);
+    EXPECT_DOUBLE_EQ(packed.statistics.sahCost, BvhOptions().traversalCost + 2 * 3.0 / 21);
 }
 
 TEST(PackScene, ThreadsDoNotChangeThePacking) {

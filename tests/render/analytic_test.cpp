@@ -51,7 +51,8 @@ TEST_F(AnalyticTest, interiorOfTheUnitTriangle) {
     std::vector<RayInput> rays;
     std::vector<glm::dvec2> expected;
     while (rays.size() < 256) {
-        const float u = static_cast<float>(random.uniform(0, 1)), v = static_cast<float>(random.uniform(0, 1));
+        const float u = static_cast<float>(random.uniform(0, 1)),
+                    v = static_cast<float>(random.uniform(0, 1));
         if (u + v > 0.999f) continue;
         rays.push_back(rayOf({u, v, -1}, {0, 0, 1}));
         expected.emplace_back(u, v);
@@ -117,13 +118,31 @@ TEST_F(AnalyticTest, trianglesWithoutAreaAreMissed) {
     bad.triangle({-1113.45459f, -79.049614f, -56.2431908f}, {-1113.45459f, -87.0922699f, -56.2431908f},
                  {-1113.45459f, -79.2090149f, -56.2431908f});
     EXPECT_FALSE(hitOf(packedBy(bad), rayOf({-1081.47925f, 99.9999542f, 87.7701111f},
-                                            {-32.1072998f, -183.355865f, -144.607635f})).hit);
+                                            {-32.1072998f, -183.355865f, -144.607635f}))
+                     .hit);
     SceneMaker collinear;
     collinear.triangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0});
     EXPECT_FALSE(hitOf(packedBy(collinear), rayOf({.5f, 0, -1}, {0, 0, 1})).hit);
     SceneMaker point;
     point.triangle({1, 2, 3}, {1, 2, 3}, {1, 2, 3});
     EXPECT_FALSE(hitOf(packedBy(point), rayOf({0, 0, 0}, {1, 2, 3})).hit);
+}
+
+// Along the sides of the triangle's box, where the distance to the side is 0 and its inverse direction has no
+// size. The sign of the zero must not matter: the rays run in the triangle's edges, which belong to it.
+TEST_F(AnalyticTest, zerosOfEitherSignMeetTheSidesOfABox) {
+    for (const float zeroX : {0.0f, -0.0f}) {
+        for (const float zeroY : {0.0f, -0.0f}) {
+            for (const float z : {-1.0f, 1.0f}) {
+                const vec3 d(zeroX, zeroY, -z);
+                for (const glm::vec2 p :
+                     {glm::vec2(0, .5f), {.5f, 0}, {0, 0}, {1, 0}, {0, 1}, {.25f, .25f}}) {
+                    const RayHit hit = hitOf(unitTriangle(), rayOf({p, z}, d));
+                    EXPECT_TRUE(hit.hit && hit.t == 1) << text(rayOf({p, z}, d));
+                }
+            }
+        }
+    }
 }
 
 // ---- planes ----
@@ -159,12 +178,24 @@ TEST_F(PlaneTest, parallelRaysMiss) {
 
 // ---- intervals, ties, rays that are none ----
 
-// Surfaces that the ray (x, y, 4) + t (0, 0, -1) meets at exactly t = 4; every step of the arithmetic is exact.
+// Surfaces that the ray (x, y, 4) + t (0, 0, -1) meets at exactly t = 4; every step of the arithmetic is
+// exact.
 std::vector<void (*)(Scene&)> surfacesAtFour() {
-    return {[](Scene& s) { addTriangle(s, {-2, -2, 0}, {2, -2, 0}, {0, 2, 0}); },
-            [](Scene& s) { addSphere(s, {0, 0, -1}, 1); }, [](Scene& s) { addPlane(s, {0, 0, 0}, {0, 0, 1}); },
-            [](Scene& s) { addDisc(s, {1, 0, 0}, {0, 0, 1}, 2); },
-            [](Scene& s) { addPolygon(s, {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {-1, 0, 0}}); }};
+    return {[](Scene& s) {
+                addTriangle(s, {-2, -2, 0}, {2, -2, 0}, {0, 2, 0});
+            },
+            [](Scene& s) {
+                addSphere(s, {0, 0, -1}, 1);
+            },
+            [](Scene& s) {
+                addPlane(s, {0, 0, 0}, {0, 0, 1});
+            },
+            [](Scene& s) {
+                addDisc(s, {1, 0, 0}, {0, 0, 1}, 2);
+            },
+            [](Scene& s) {
+                addPolygon(s, {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {-1, 0, 0}});
+            }};
 }
 
 TEST_F(AnalyticTest, intervalIsOpenBelowAndClosedAbove) {
@@ -213,7 +244,8 @@ TEST_F(AnalyticTest, raysThatAreNoneMiss) {
     Scene scene = emptyScene();
     for (const auto add : surfacesAtFour()) add(scene);
     addSphere(scene, {0, 0, 0}, 100);  // around everything
-    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const float nan = std::numeric_limits<float>::quiet_NaN(),
+                infinity = std::numeric_limits<float>::infinity();
     std::vector<RayInput> rays = {rayOf({0, 0, 4}, {0, 0, 0}), rayOf({0, 0, 4}, {0, -0.0f, 0})};
     for (const float value : {nan, -nan, infinity, -infinity}) {
         for (int i = 0; i < 3; ++i) {
@@ -244,7 +276,8 @@ TEST_F(AnalyticTest, manyRaysComeBackInOrder) {
     Scene scene = emptyScene();
     addPlane(scene, {0, 0, 0}, {0, 0, 1});
     std::vector<RayInput> rays;
-    for (uint32_t i = 0; i < 150000; ++i) rays.push_back(rayOf({0, 0, 1.0f + static_cast<float>(i)}, {0, 0, -1}));
+    for (uint32_t i = 0; i < 150000; ++i)
+        rays.push_back(rayOf({0, 0, 1.0f + static_cast<float>(i)}, {0, 0, -1}));
     const PackedScene packed = packScene(scene);
     Renderer renderer(device(), packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);

@@ -19,8 +19,8 @@ struct Expected {
     size_t size = 0;
 };
 
-#define GLINT_EXPECT_MEMBER(member, type, Type)                    \
-    static_assert(std::is_same_v<decltype(S::member), Type>);      \
+#define GLINT_EXPECT_MEMBER(member, type, Type)               \
+    static_assert(std::is_same_v<decltype(S::member), Type>); \
     expected.members.push_back({#member, type, offsetof(S, member)});
 #define GLINT_EXPECT_V3F(a, b)                \
     GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
@@ -33,13 +33,13 @@ struct Expected {
     GLINT_EXPECT_MEMBER(b, "uint", uint32_t) \
     GLINT_EXPECT_MEMBER(c, "uint", uint32_t) \
     GLINT_EXPECT_MEMBER(d, "uint", uint32_t)
-#define GLINT_EXPECT_STRUCT(Name, ROWS)                              \
-    {                                                                \
-        using S = shared::Name;                                      \
-        Expected expected;                                           \
-        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4)    \
-        expected.size = sizeof(S);                                   \
-        all[#Name] = expected;                                       \
+#define GLINT_EXPECT_STRUCT(Name, ROWS)                           \
+    {                                                             \
+        using S = shared::Name;                                   \
+        Expected expected;                                        \
+        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4) \
+        expected.size = sizeof(S);                                \
+        all[#Name] = expected;                                    \
     }
 
 std::map<std::string, Expected> cppLayouts() {
@@ -83,7 +83,8 @@ TEST(Layout, pushConstantsAreTheLayoutOfCpp) {
 class WordSource {
   public:
     void fill(void* data, size_t bytes) {
-        for (size_t i = 0; i < bytes / 4; ++i, ++word_) std::memcpy(static_cast<char*>(data) + 4 * i, &word_, 4);
+        for (size_t i = 0; i < bytes / 4; ++i, ++word_)
+            std::memcpy(static_cast<char*>(data) + 4 * i, &word_, 4);
     }
 
   private:
@@ -99,9 +100,9 @@ class WordSource {
     GLINT_TAKE_VEC3(a)       \
     words.push_back(s.b);
 #define GLINT_TAKE_U4(a1, b1, c1, d1) words.insert(words.end(), {s.a1, s.b1, s.c1, s.d1});
-#define GLINT_TAKE_STRUCT(Name, ROWS)                          \
+#define GLINT_TAKE_STRUCT(Name, ROWS)                                \
     void take(const shared::Name& s, std::vector<uint32_t>& words) { \
-        ROWS(GLINT_TAKE_V3F, GLINT_TAKE_V3U, GLINT_TAKE_U4)    \
+        ROWS(GLINT_TAKE_V3F, GLINT_TAKE_V3U, GLINT_TAKE_U4)          \
     }
 GLINT_STRUCTS(GLINT_TAKE_STRUCT)
 GLINT_TAKE_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
@@ -109,10 +110,12 @@ GLINT_TAKE_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
 class LoaderTest : public RenderTest, public testing::WithParamInterface<gpu::Access> {
   protected:
     template <typename Struct>
-    void addArray(uint32_t binding, std::map<std::string, std::vector<uint32_t>>& words, const std::string& name) {
+    void addArray(uint32_t binding, std::map<std::string, std::vector<uint32_t>>& words,
+                  const std::string& name) {
         std::array<Struct, 2> items;
         source_.fill(items.data(), sizeof(items));
-        buffers_.at(binding) = gpu::Buffer(device(), name, sizeof(items), GetParam(), gpu::MemoryKind::Device);
+        buffers_.at(binding) =
+            gpu::Buffer(device(), name, sizeof(items), GetParam(), gpu::MemoryKind::Device);
         gpu::upload(device(), buffers_[binding], std::as_bytes(std::span(items)));
         take(items[1], words[name]);
     }
@@ -136,7 +139,8 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
     for (size_t i = 0; i < buffers_.size(); ++i) {
         const bool last = i + 1 == buffers_.size();
         if (!buffers_[i])
-            buffers_[i] = gpu::Buffer(device(), "probe", last ? count * 4 : 16, options.bindings[i], gpu::MemoryKind::Device);
+            buffers_[i] = gpu::Buffer(device(), "probe", last ? count * 4 : 16, options.bindings[i],
+                                      gpu::MemoryKind::Device);
         bound.push_back(&buffers_[i]);
     }
     gpu::Kernel kernel(device(), options);
@@ -155,9 +159,9 @@ TEST_P(LoaderTest, loadersReadWhatCppWrote) {
     GLINT_SCENE_ARRAYS(GLINT_ADD_ARRAY)
     std::vector<uint32_t> expected;
     std::vector<std::string> owner;
-#define GLINT_APPEND(Name, ROWS)                                                                  \
-    ASSERT_TRUE(byStruct.contains(#Name)) << "GLINT_SCENE_ARRAYS has no " #Name;                  \
-    expected.insert(expected.end(), byStruct[#Name].begin(), byStruct[#Name].end());              \
+#define GLINT_APPEND(Name, ROWS)                                                     \
+    ASSERT_TRUE(byStruct.contains(#Name)) << "GLINT_SCENE_ARRAYS has no " #Name;     \
+    expected.insert(expected.end(), byStruct[#Name].begin(), byStruct[#Name].end()); \
     owner.resize(expected.size(), #Name);
     GLINT_STRUCTS(GLINT_APPEND)
     shared::Dispatch dispatch;
@@ -169,7 +173,8 @@ TEST_P(LoaderTest, loadersReadWhatCppWrote) {
     for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(words[i], expected[i]) << owner[i];
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LoaderTest, testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
+INSTANTIATE_TEST_SUITE_P(All, LoaderTest,
+                         testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
                          [](const auto& p) {
                              return std::string(p.param == gpu::Access::StorageBuffer ? "storage" : "texel");
                          });

@@ -26,7 +26,8 @@ TEST(ChooseAccess, texelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
     using enum gpu::Access;
     EXPECT_EQ(choose(true, 16), TexelBuffer);
     EXPECT_EQ(choose(true, 2 * kStorage), TexelBuffer);
-    EXPECT_EQ(choose(true, 2 * kStorage + 16), StorageBuffer);  // neither fits: the message will name the storage buffer's range
+    EXPECT_EQ(choose(true, 2 * kStorage + 16),
+              StorageBuffer);  // neither fits: the message will name the storage buffer's range
     EXPECT_EQ(choose(false, 16), StorageBuffer);
     EXPECT_EQ(choose(false, kStorage), StorageBuffer);
     EXPECT_EQ(choose(false, kStorage + 16), TexelBuffer);
@@ -44,7 +45,8 @@ TEST(ChooseAccess, llvmpipeWithFewTexels) {
     EXPECT_EQ(chooseAccess(device, 65537 * 16), gpu::Access::StorageBuffer);
 }
 
-// lavapipe's limit is 65,535 trips of a subgroup; a budget that is no use for 8 lanes must not be chosen for 64.
+// lavapipe's limit is 65,535 trips of a subgroup; a budget that is no use for 8 lanes must not be chosen
+// for 64.
 TEST(TripBudget, leavesRoomForEveryLane) {
     for (const uint32_t lanes : {1u, 4u, 8u, 16u}) {
         gpu::DeviceInfo device = deviceWith(1 << 27, 1 << 27, true);
@@ -75,12 +77,14 @@ TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRefusedByName) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::Device);
         EXPECT_EQ(std::string(error.what()), "array \"triangles\" needs " + std::to_string(bytes) +
-                                                 " bytes, but this device binds at most " + std::to_string(range / 16 * 16) +
+                                                 " bytes, but this device binds at most " +
+                                                 std::to_string(range / 16 * 16) +
                                                  " bytes as a storage buffer");
     }
 }
 
-// The scene's own triangles lie behind so many others, which no leaf names, that their array passes the storage buffer range.
+// The scene's own triangles lie behind so many others, which no leaf names, that their array passes the
+// storage buffer range.
 PackedScene behindManyTriangles(PackedScene scene, uint32_t others) {
     const auto insert = [&](auto& array) { array.insert(array.begin(), others, {}); };
     insert(scene.triangles);

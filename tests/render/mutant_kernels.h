@@ -7,7 +7,8 @@
 
 namespace glint::render::test {
 
-// The renderer's kernels for texel buffers, some of them with the defect. Throws std::out_of_range for an unknown name.
+// The renderer's kernels for texel buffers, some of them with the defect. Throws std::out_of_range for an
+// unknown name.
 KernelCode mutantKernels(const std::string& name);
 
 }  // namespace glint::render::test

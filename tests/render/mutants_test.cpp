@@ -1,4 +1,5 @@
-// Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders themselves have none.
+// Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders themselves have
+// none.
 #include "mutant_kernels.h"
 #include "support.h"
 #include "verify/verify.h"
@@ -33,8 +34,8 @@ const char* const kMirrorScene = R"({
               {"type": "plane", "point": [0, -2, 0], "normal": [0, 1, 0]}]
 })";
 
-// Not one pixel of it is unexplained: under jitter the reference, too, takes either of two coincident surfaces for the first. What
-// convicts the shader is the share of pixels that hang on rounding.
+// Not one pixel of it is unexplained: under jitter the reference, too, takes either of two coincident
+// surfaces for the first. What convicts the shader is the share of pixels that hang on rounding.
 constexpr const char* kTieRule = "tie_rule";
 
 struct Defect {
@@ -44,7 +45,8 @@ struct Defect {
 
 Case caseOf(const Defect& defect) {
     constexpr int kWidth = 48, kHeight = 36;
-    return *defect.scene == '{' ? textCase(defect.scene, kWidth, kHeight) : fileCase(defect.scene, kWidth, kHeight);
+    return *defect.scene == '{' ? textCase(defect.scene, kWidth, kHeight)
+                                : fileCase(defect.scene, kWidth, kHeight);
 }
 
 class MutantTest : public RenderTest, public testing::WithParamInterface<Defect> {
@@ -69,7 +71,8 @@ TEST_P(MutantTest, isFound) {
     EXPECT_FALSE(broken.passed(verifyOptions_));
     ASSERT_FALSE(broken.worst.empty());
     if (GetParam().mutant == kTieRule) {
-        EXPECT_GT(static_cast<double>(broken.ties), verifyOptions_.maxExplainedShare * static_cast<double>(broken.pixels));
+        EXPECT_GT(static_cast<double>(broken.ties),
+                  verifyOptions_.maxExplainedShare * static_cast<double>(broken.pixels));
         EXPECT_EQ(broken.worst.front().reason, verify::Reason::Tie);
     } else {
         EXPECT_GT(broken.unexplained, 0u);
@@ -81,9 +84,12 @@ INSTANTIATE_TEST_SUITE_P(All, MutantTest,
                          testing::Values(Defect{"edge_sign", "triangles"}, Defect{"wrong_weight", "knot"},
                                          Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
                                          Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
-                                         Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
-                                         Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
-                                         Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
+                                         Defect{"short_shadows", kLampScene},
+                                         Defect{"long_shadows", kLampScene}, Defect{"disc_rim", "discs"},
+                                         Defect{"polygon_side", "polygons"},
+                                         Defect{"diffuse_gain", "spheres"},
+                                         Defect{"mirror_sign", kMirrorScene},
+                                         Defect{"not_finite", "spheres"}),
                          [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace

@@ -17,7 +17,8 @@ void addBall(Scene& scene, const dvec3& center, double radius) {
     for (uint32_t ring = 0; ring <= kRings; ++ring) {
         for (uint32_t side = 0; side < kSides; ++side) {
             const double theta = std::numbers::pi * ring / kRings, phi = 2 * std::numbers::pi * side / kSides;
-            positions.push_back(center + radius * dvec3(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)));
+            positions.push_back(center + radius * dvec3(std::sin(theta) * std::cos(phi), std::cos(theta),
+                                                        std::sin(theta) * std::sin(phi)));
         }
     }
     std::vector<glm::uvec3> corners;
@@ -40,8 +41,8 @@ struct Acne {
 
 class ShadowTest : public RenderTest {
   protected:
-    // The object at (offset, offset, offset), a camera two and a half sizes above it, a point light beside the camera and a
-    // directional one.
+    // The object at (offset, offset, offset), a camera two and a half sizes above it, a point light beside
+    // the camera and a directional one.
     static Case caseOf(const Acne& a) {
         Scene scene = emptyScene();
         const dvec3 center(a.offset);
@@ -68,18 +69,21 @@ TEST_F(ShadowTest, convexObjectsDoNotShadeThemselves) {
                     if (!moved && (offset == 0 || size < 4e-6 * offset)) continue;
                     const Case c = caseOf({kind, offset, size, moved});
                     const Picture picture = draw(device(), c);
-                    const reference::RenderResult truth = reference::render(c.packed, c.camera, c.width, c.height);
+                    const reference::RenderResult truth =
+                        reference::render(c.packed, c.camera, c.width, c.height);
                     int hits = 0, shaded = 0;
                     for (int y = 0; y < c.height; ++y) {
                         for (int x = 0; x < c.width; ++x) {
                             const PixelData& data = picture.at(x, y);
                             hits += data.object == 0;
-                            // Rounded corners far from the origin may make a mesh dented: the reference knows.
+                            // Rounded corners far from the origin may make a mesh dented: the reference
+                            // knows.
                             shaded += (data.shadowBits & ~truth.at(x, y).shadowBits) != 0;
                         }
                     }
                     const std::string where = "kind " + std::to_string(static_cast<int>(kind)) + " offset " +
-                                              std::to_string(offset) + " size " + std::to_string(size) + (moved ? " moved" : "");
+                                              std::to_string(offset) + " size " + std::to_string(size) +
+                                              (moved ? " moved" : "");
                     EXPECT_GT(hits, c.width * c.height / 5) << where;
                     EXPECT_EQ(shaded, 0) << where;
                 }
@@ -111,7 +115,8 @@ Case lidCase(const Lid& lid) {
 
 // NUMERICS T82: dark until the gap is less than 4 ulp of the coordinates.
 TEST_F(ShadowTest, thinGapsStayDark) {
-    for (const Lid& lid : {Lid{1, 1e-2}, Lid{1, 1e-3}, Lid{1, 1e-4}, Lid{1, 1e-5}, Lid{1e3, 1e-2}, Lid{1e3, 1e-3}}) {
+    for (const Lid& lid :
+         {Lid{1, 1e-2}, Lid{1, 1e-3}, Lid{1, 1e-4}, Lid{1, 1e-5}, Lid{1e3, 1e-2}, Lid{1e3, 1e-3}}) {
         const Case c = lidCase(lid);
         ASSERT_EQ(c.packed.origin, dvec3(0));
         const Picture picture = draw(device(), c);

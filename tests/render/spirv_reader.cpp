@@ -40,22 +40,35 @@ std::string literal(std::span<const uint32_t> words) {
 void Module::read(std::span<const uint32_t> words) {
     const auto operand = [&](size_t i) { return words[i]; };
     switch (operand(0) & 0xffffu) {
-        case OpName: names[operand(1)] = literal(words.subspan(2)); break;
-        case OpMemberName: memberNames[{operand(1), operand(2)}] = literal(words.subspan(3)); break;
-        case OpTypeInt: types[operand(1)] = operand(2) == 32 && operand(3) == 0 ? "uint" : "other"; break;
-        case OpTypeFloat: types[operand(1)] = operand(2) == 32 ? "float" : "other"; break;
+        case OpName:
+            names[operand(1)] = literal(words.subspan(2));
+            break;
+        case OpMemberName:
+            memberNames[{operand(1), operand(2)}] = literal(words.subspan(3));
+            break;
+        case OpTypeInt:
+            types[operand(1)] = operand(2) == 32 && operand(3) == 0 ? "uint" : "other";
+            break;
+        case OpTypeFloat:
+            types[operand(1)] = operand(2) == 32 ? "float" : "other";
+            break;
         case OpTypeVector:
             types[operand(1)] = types[operand(2)] == "float" && operand(3) == 3 ? "vec3" : "other";
             break;
-        case OpTypeRuntimeArray: elements[operand(1)] = operand(2); break;
-        case OpTypeStruct: structs[operand(1)].assign(words.begin() + 2, words.end()); break;
+        case OpTypeRuntimeArray:
+            elements[operand(1)] = operand(2);
+            break;
+        case OpTypeStruct:
+            structs[operand(1)].assign(words.begin() + 2, words.end());
+            break;
         case OpDecorate:
             if (operand(2) == kDecorationArrayStride) strides[operand(1)] = operand(3);
             break;
         case OpMemberDecorate:
             if (operand(3) == kDecorationOffset) offsets[{operand(1), operand(2)}] = operand(4);
             break;
-        default: break;
+        default:
+            break;
     }
 }
 
@@ -74,7 +87,8 @@ std::map<std::string, SpirvStruct> readStructs(std::span<const uint32_t> code) {
         if (!module.offsets.contains({id, 0})) continue;
         SpirvStruct& item = result[module.names[id]];
         for (uint32_t i = 0; i < memberTypes.size(); ++i) {
-            const std::string type = module.types.contains(memberTypes[i]) ? module.types[memberTypes[i]] : "other";
+            const std::string type =
+                module.types.contains(memberTypes[i]) ? module.types[memberTypes[i]] : "other";
             item.members.push_back({module.memberNames[{id, i}], type, module.offsets[{id, i}]});
         }
         for (const auto& [array, element] : module.elements) {

@@ -120,7 +120,8 @@ void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, u
     scene.objects.push_back({"plane", PlaneShape{point, normal}, material});
 }
 
-void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius, uint32_t material) {
+void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius,
+             uint32_t material) {
     scene.objects.push_back({"disc", DiscShape{center, normal, radius}, material});
 }
 
@@ -142,7 +143,8 @@ void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset, double size) {
     positions.reserve(size_t{n + 1} * (n + 1));
     corners.reserve(size_t{n} * n * 2);
     for (uint32_t y = 0; y <= n; ++y) {
-        for (uint32_t x = 0; x <= n; ++x) positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
+        for (uint32_t x = 0; x <= n; ++x)
+            positions.push_back(offset + size * glm::dvec3(x, y, 0) / double(n));
     }
     for (uint32_t y = 0; y < n; ++y) {
         for (uint32_t x = 0; x < n; ++x) {
@@ -182,7 +184,8 @@ testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
             if (a.data.empty()) continue;
             const size_t i = static_cast<size_t>(y) * a.color.width + x;
             if (const char* member = difference(a.data[i], b.data[i]))
-                return testing::AssertionFailure() << "pixel " << x << "," << y << ": the " << member << " differs";
+                return testing::AssertionFailure()
+                       << "pixel " << x << "," << y << ": the " << member << " differs";
         }
     }
     return testing::AssertionSuccess();
@@ -208,7 +211,8 @@ testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vecto
         if (differing++ == 0) first = text(rays[i]) + ": " + same.message();
     }
     if (differing == 0) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << differing << " of " << rays.size() << " rays differ, the first: " << first;
+    return testing::AssertionFailure()
+           << differing << " of " << rays.size() << " rays differ, the first: " << first;
 }
 
 RayInput rayOf(const glm::vec3& origin, const glm::vec3& direction) {
@@ -225,7 +229,8 @@ RayInput rayTowards(const glm::dvec3& origin, const glm::dvec3& target, bool uni
 }
 
 size_t misses(const std::vector<RayHit>& hits) {
-    return static_cast<size_t>(std::count_if(hits.begin(), hits.end(), [](const RayHit& h) { return !h.hit; }));
+    return static_cast<size_t>(
+        std::count_if(hits.begin(), hits.end(), [](const RayHit& h) { return !h.hit; }));
 }
 
 std::string text(const RayInput& ray) {

@@ -1,5 +1,5 @@
-// The tree must not change what a ray hits: the same scene with boxes that hold everything, so that each ray is tested against
-// each primitive, gives the same hits, bit by bit.
+// The tree must not change what a ray hits: the same scene with boxes that hold everything, so that each ray
+// is tested against each primitive, gives the same hits, bit by bit.
 #include <cmath>
 
 #include "support.h"
@@ -25,7 +25,9 @@ PackedScene withOpenBoxes(PackedScene scene) {
     return scene;
 }
 
-double logUniform(Random& random, double lo, double hi) { return std::exp(random.uniform(std::log(lo), std::log(hi))); }
+double logUniform(Random& random, double lo, double hi) {
+    return std::exp(random.uniform(std::log(lo), std::log(hi)));
+}
 
 void addRandomTriangles(Scene& scene, Random& random, int count) {
     for (int i = 0; i < count; ++i) {
@@ -46,7 +48,8 @@ void addGrids(Scene& scene) {
     std::vector<glm::uvec3> corners;
     for (uint32_t y = 0; y <= 12; ++y) {
         for (uint32_t x = 0; x <= 12; ++x)
-            positions.push_back(dvec3(-1, -2, -2) + x / 4.0 * dvec3(0.6, 0.8, 0) + y / 4.0 * dvec3(0.3, -0.2, 1));
+            positions.push_back(dvec3(-1, -2, -2) + x / 4.0 * dvec3(0.6, 0.8, 0) +
+                                y / 4.0 * dvec3(0.3, -0.2, 1));
     }
     for (uint32_t i = 0; i < 12 * 13; ++i) {
         if (i % 13 == 12) continue;
@@ -86,7 +89,8 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<std:
             return choice == 1 ? dvec3(t.v0) : glm::mix(dvec3(t.v1), dvec3(t.v2), random_.uniform(0, 1));
         }
         const shared::Sphere& sphere = s.spheres[random_.below(static_cast<uint32_t>(s.spheres.size()))];
-        return dvec3(sphere.point) + double(sphere.radius) * (choice == 1 ? random_.direction() : dvec3(0, 1, 0));
+        return dvec3(sphere.point) +
+               double(sphere.radius) * (choice == 1 ? random_.direction() : dvec3(0, 1, 0));
     }
     dvec3 boxCorner() {
         const shared::Node& node = packed_.nodes[random_.below(static_cast<uint32_t>(packed_.nodes.size()))];

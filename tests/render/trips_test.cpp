@@ -1,5 +1,6 @@
-// lavapipe ends all loops of a subgroup after 65,535 trips, without a word (LP_MAX_TGSI_LOOP_ITERATIONS, lp_bld_limits.h of Mesa 22.3).
-// These rays need more, so a kernel that does not know gives wrong answers on this driver, and ours must not.
+// lavapipe ends all loops of a subgroup after 65,535 trips, without a word (LP_MAX_TGSI_LOOP_ITERATIONS,
+// lp_bld_limits.h of Mesa 22.3). These rays need more, so a kernel that does not know gives wrong answers on
+// this driver, and ours must not.
 #include <algorithm>
 #include <numbers>
 
@@ -13,14 +14,17 @@ namespace {
 
 using glm::dvec3;
 
-// Enough primitives in boxes that all coincide for more trips than lavapipe allows: every leaf of four costs six and more.
+// Enough primitives in boxes that all coincide for more trips than lavapipe allows: every leaf of four costs
+// six and more.
 constexpr uint32_t kPages = 48000;
 
 class TripTest : public RenderTest {
   protected:
     static const char* lifted() {
-        return "the kernel that ignores the limit on loop trips is right on this driver. If the driver has lifted the limit, "
-               "glint no longer needs tripBudget there, and this test proves nothing: render a scene that needs more trips";
+        return "the kernel that ignores the limit on loop trips is right on this driver. If the driver has "
+               "lifted the limit, "
+               "glint no longer needs tripBudget there, and this test proves nothing: render a scene that "
+               "needs more trips";
     }
     // Never gives up, and would not say so.
     static Options naive(const KernelCode& code) {
@@ -57,8 +61,12 @@ TEST_F(TripTest, anyBudgetDrawsTheSamePicture) {
     Renderer renderer(device(), c.packed, plenty);
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(renderer.times().resumes, 0u);
-    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(), [](const PixelData& d) { return d.bounces > 0; }), 100);
-    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(), [](const PixelData& d) { return d.shadowBits; }), 20);
+    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(),
+                            [](const PixelData& d) { return d.bounces > 0; }),
+              100);
+    EXPECT_GT(std::count_if(picture.data.begin(), picture.data.end(),
+                            [](const PixelData& d) { return d.shadowBits; }),
+              20);
     for (const uint32_t budget : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 50u}) {
         Options options;
         options.tripBudget = budget;
@@ -98,8 +106,8 @@ TEST_F(TripTest, anyBudgetTracesTheSameRays) {
 
 // ---- rays that need more trips than lavapipe allows ----
 
-// The pages of a book opened all around: all triangles share the edge from (-1, -1, -1) to (1, 1, 1), so all have the box
-// between these points, and any ray inside it must be tested against all of them.
+// The pages of a book opened all around: all triangles share the edge from (-1, -1, -1) to (1, 1, 1), so all
+// have the box between these points, and any ray inside it must be tested against all of them.
 struct Book {
     dvec3 e1 = glm::normalize(dvec3(1, -1, 0)), e2 = glm::normalize(dvec3(1, 1, -2));
     // Where page number `page` is `radius` away from the spine; a fraction is between pages.
@@ -118,12 +126,14 @@ struct Book {
         addMesh(result, positions, corners);
         return result;
     }
-    // From the middle between two pages, near their tips, to page number `page`, which is thus the closest one. It is 6e-5 away: a
-    // t of less than 3e-5 could not be told from zero here (PBRT sec. 6.8.7 with corners up to 2 away).
+    // From the middle between two pages, near their tips, to page number `page`, which is thus the closest
+    // one. It is 6e-5 away: a t of less than 3e-5 could not be told from zero here (PBRT sec. 6.8.7 with
+    // corners up to 2 away).
     RayInput rayTo(uint32_t page) const { return rayTowards(at(page - 0.5, 0.9), at(page, 0.9), true); }
 };
 
-// Groups of 8, the width of llvmpipe's subgroups, so that each page of a group is missed should its leaf be cut short.
+// Groups of 8, the width of llvmpipe's subgroups, so that each page of a group is missed should its leaf be
+// cut short.
 std::vector<uint32_t> somePages() {
     std::vector<uint32_t> pages;
     for (uint32_t first = 0; first < kPages; first += 160) {
@@ -177,7 +187,8 @@ TEST_P(PileTest, lowestIdOfAPileWins) {
         return hit.hit && (spheres ? c.packed.spheres[index].id : c.packed.triangles[index].id) == 0;
     };
     std::vector<RayInput> rays;
-    for (int i = 0; i < 64; ++i) rays.push_back(rayTowards({0.1 * (i % 8), 0.1 * (i / 8), 3}, {0.01 * (i % 8), -0.02 * (i / 8), 0}));
+    for (int i = 0; i < 64; ++i)
+        rays.push_back(rayTowards({0.1 * (i % 8), 0.1 * (i / 8), 3}, {0.01 * (i % 8), -0.02 * (i / 8), 0}));
     Renderer renderer(device(), c.packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     EXPECT_EQ(std::count_if(hits.begin(), hits.end(), lowest), 64);
@@ -189,8 +200,9 @@ TEST_P(PileTest, lowestIdOfAPileWins) {
 INSTANTIATE_TEST_SUITE_P(All, PileTest, testing::Bool(),
                          [](const auto& p) { return std::string(p.param ? "spheres" : "triangles"); });
 
-// A roof of triangles over a floor, seen from between them. All have the roof's box; all but the last cover its one half, so
-// a shadow ray through the other half must go through all the boxes to find the one that shades.
+// A roof of triangles over a floor, seen from between them. All have the roof's box; all but the last cover
+// its one half, so a shadow ray through the other half must go through all the boxes to find the one that
+// shades.
 Scene roof() {
     Scene scene = emptyScene();
     const std::vector<dvec3> half = {{-3, -3, 2}, {3, -3, 2.5}, {-3, 3, 3}};
@@ -209,9 +221,11 @@ TEST_F(TripTest, shadowBehindManyBoxesIsFound) {
     Renderer renderer(device(), c.packed);
     const Picture picture = draw(renderer, c);
     EXPECT_GT(renderer.times().resumes, 0u);
-    // The whole roof shades the whole floor in view: up to 1.7 from the centre, seen from the light as up to 1.7 * 0.8 < 3.
+    // The whole roof shades the whole floor in view: up to 1.7 from the centre, seen from the light as up
+    // to 1.7 * 0.8 < 3.
     const auto lit = [](const Picture& p) {
-        return std::count_if(p.data.begin(), p.data.end(), [](const PixelData& d) { return d.shadowBits != 1; });
+        return std::count_if(p.data.begin(), p.data.end(),
+                             [](const PixelData& d) { return d.shadowBits != 1; });
     };
     EXPECT_EQ(lit(picture), 0);
     verify::Options options;
@@ -235,13 +249,15 @@ TEST_F(TripTest, twoHundredReflectionsAgreeWithTheReference) {
                   {"type": "plane", "point": [1, 0, 0], "normal": [-1, 0, 0], "material": "m"},
                   {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "f"},
                   {"type": "sphere", "center": [0, 0.3, 0], "radius": 0.3, "material": "s"}]
-    })", 80, 60);
+    })",
+                            80, 60);
     Renderer renderer(device(), c.packed);
     verify::Options options;
     options.width = c.width;
     options.height = c.height;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
-    EXPECT_TRUE(report.passed(options)) << report.unexplained << " unexplained, " << report.explained() << " explained";
+    EXPECT_TRUE(report.passed(options))
+        << report.unexplained << " unexplained, " << report.explained() << " explained";
     uint32_t deepest = 0;
     for (const PixelData& data : draw(renderer, c).data) deepest = std::max(deepest, data.bounces);
     EXPECT_EQ(deepest, 200u);

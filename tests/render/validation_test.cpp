@@ -32,7 +32,8 @@ TEST_P(ValidationTest, layerIsSilent) {
         if (scene == "knot") {
             EXPECT_GT(renderer.times().resumes, 0u);
         }
-        for (const std::string& message : device.validationMessages()) ADD_FAILURE() << scene << ": " << message;
+        for (const std::string& message : device.validationMessages())
+            ADD_FAILURE() << scene << ": " << message;
     }
     // The full pipeline binds a stand-in for every array that the scene has not.
     const Case c = fileCase("knot", 16, 16);
@@ -40,10 +41,12 @@ TEST_P(ValidationTest, layerIsSilent) {
     full.access = GetParam();
     full.leaveOut = false;
     EXPECT_TRUE(draw(device, c, full).complete);
-    for (const std::string& message : device.validationMessages()) ADD_FAILURE() << "full pipeline: " << message;
+    for (const std::string& message : device.validationMessages())
+        ADD_FAILURE() << "full pipeline: " << message;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ValidationTest, testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
+INSTANTIATE_TEST_SUITE_P(All, ValidationTest,
+                         testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
                          [](const auto& p) {
                              return std::string(p.param == gpu::Access::StorageBuffer ? "storage" : "texel");
                          });

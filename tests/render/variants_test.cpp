@@ -1,5 +1,5 @@
-// What must not change a picture by a single bit: leaving features out, how arrays are read, how the picture is cut into
-// slices and regions, who else has rendered before.
+// What must not change a picture by a single bit: leaving features out, how arrays are read, how the picture
+// is cut into slices and regions, who else has rendered before.
 #include <algorithm>
 
 #include "reference/render.h"
@@ -39,7 +39,8 @@ TEST_P(VariantTest, slicesAndRepetitionDrawTheSame) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
 
 class PictureTest : public RenderTest {};
 
@@ -53,7 +54,8 @@ TEST_F(PictureTest, oddSizesAgreeWithTheReference) {
         const reference::RenderResult expected = reference::render(c.packed, c.camera, size.x, size.y);
         int differing = 0;
         for (int y = 0; y < size.y; ++y) {
-            for (int x = 0; x < size.x; ++x) differing += picture.at(x, y).pathHash != expected.at(x, y).pathHash;
+            for (int x = 0; x < size.x; ++x)
+                differing += picture.at(x, y).pathHash != expected.at(x, y).pathHash;
         }
         EXPECT_LE(differing, size.x * size.y / 200) << size.x << "x" << size.y;
     }
@@ -63,7 +65,8 @@ TEST_F(PictureTest, regionsAreCutFromTheWholePicture) {
     const Case c = fileCase("lights", 65, 63);
     Renderer renderer(device(), c.packed);
     const Picture whole = draw(renderer, c);
-    for (const Region region : {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
+    for (const Region region :
+         {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
         RenderSettings settings;
         settings.width = c.width;
         settings.height = c.height;
@@ -76,7 +79,8 @@ TEST_F(PictureTest, regionsAreCutFromTheWholePicture) {
         cut.done.assign(static_cast<size_t>(region.width()) * region.height(), 1);
         for (int y = region.y0; y < region.y1; ++y) {
             for (int x = region.x0; x < region.x1; ++x) {
-                for (int i = 0; i < 4; ++i) cut.color.at(x - region.x0, y - region.y0, i) = whole.color.at(x, y, i);
+                for (int i = 0; i < 4; ++i)
+                    cut.color.at(x - region.x0, y - region.y0, i) = whole.color.at(x, y, i);
                 cut.data.push_back(whole.at(x, y));
             }
         }
@@ -94,7 +98,8 @@ TEST_F(PictureTest, samplesAreAveraged) {
     const Picture picture = renderer.render(c.camera, settings);
     reference::RenderOptions options;
     options.sampleOffsets = settings.sampleOffsets;
-    const reference::RenderResult expected = reference::render(c.packed, c.camera, c.width, c.height, options);
+    const reference::RenderResult expected =
+        reference::render(c.packed, c.camera, c.width, c.height, options);
     int differing = 0;
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {

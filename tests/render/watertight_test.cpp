@@ -1,5 +1,5 @@
-// Closed surfaces have no holes: a ray that meets one hits it. Random rays find nothing here, so the rays aim at edges and
-// vertices.
+// Closed surfaces have no holes: a ray that meets one hits it. Random rays find nothing here, so the rays aim
+// at edges and vertices.
 #include <functional>
 #include <numbers>
 
@@ -85,12 +85,14 @@ TEST_F(BumpySphereTest, raysAtEdgesHit) {
     const auto count = static_cast<uint32_t>(mesh_.triangles.size());
     EXPECT_EQ(missesAt([&] {
                   const glm::uvec3& t = mesh_.triangles[random_.below(count)];
-                  return glm::mix(dvec3(mesh_.vertices[t.x]), dvec3(mesh_.vertices[t.y]), random_.uniform(0, 1));
+                  return glm::mix(dvec3(mesh_.vertices[t.x]), dvec3(mesh_.vertices[t.y]),
+                                  random_.uniform(0, 1));
               }),
               0u);
 }
 
-// Unit squares far from the origin of the coordinates: a second grid opposite keeps the packing from moving it there.
+// Unit squares far from the origin of the coordinates: a second grid opposite keeps the packing from moving
+// it there.
 TEST_F(WatertightTest, distantGrids) {
     constexpr uint32_t kSquares = 16;
     Random random(18);
@@ -98,7 +100,8 @@ TEST_F(WatertightTest, distantGrids) {
         Scene scene = emptyScene();
         scene.camera.eye = {0, 0, 10};
         addGrid(scene, kSquares, {offset, offset, 0}, kSquares);
-        addTriangle(scene, {-offset - 1, -offset, -5}, {-offset - 2, -offset, -5}, {-offset - 1, -offset - 1, -5});
+        addTriangle(scene, {-offset - 1, -offset, -5}, {-offset - 2, -offset, -5},
+                    {-offset - 1, -offset - 1, -5});
         const PackedScene packed = packScene(scene);
         ASSERT_EQ(packed.origin, dvec3(0));
         std::vector<RayInput> rays;

@@ -219,6 +219,14 @@ INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms),
 
 }  // namespace
 
+TEST(ParseErrorText, controlCharactersStayOutOfMessages) {
+    EXPECT_EQ(parseErrorOf(R"({"a\nb\u001b[31m": 1})").substr(0, 26), "s.json: /a?b?[31m: unknown");
+    EXPECT_EQ(parseErrorOf(R"({"materials": {"m": {"diffuse": "\n"}}})"),
+              "s.json: /materials/m/diffuse: must be a number or [r, g, b] (got \"?\")");
+    EXPECT_EQ(parseErrorOf(R"({"materials": {"m\n": {"diffuse": -1}}})"),
+              "s.json: /materials/m?/diffuse: must be >= 0 (got -1)");
+}
+
 TEST(ParseErrorInFiles, aBadMeshNamesTheMeshFile) {
     const TemporaryFolder folder;
     const auto mesh = folder.write("bad.obj", "v 0 0 0\nf 1 2 3\n");

@@ -1,0 +1,137 @@
+#include "child.h"
+
+#include <poll.h>
+#include <pty.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <stdexcept>
+
+#include "core/stopwatch.h"
+
+namespace glint::app::test {
+
+namespace {
+
+constexpr double kPatience = 60;  // seconds; other programs may keep the machine busy
+
+// Reads what is there; closes and forgets a descriptor at its end. A terminal whose other side is closed
+// gives EIO.
+void drain(int& fd, std::string& text) {
+    char buffer[4096];
+    const ssize_t count = ::read(fd, buffer, sizeof(buffer));
+    if (count > 0) {
+        text.append(buffer, static_cast<size_t>(count));
+    } else {
+        ::close(fd);
+        fd = -1;
+    }
+}
+
+}  // namespace
+
+Child::Child(std::vector<std::string> args, const Environment& environment, bool terminal) {
+    std::vector<char*> argv = {const_cast<char*>(GLINT_PROGRAM)};
+    for (std::string& arg : args) argv.push_back(arg.data());
+    argv.push_back(nullptr);
+    int out[2] = {-1, -1}, err[2] = {-1, -1};
+    if (terminal) {
+        pid_ = forkpty(&errFd_, nullptr, nullptr, nullptr);
+    } else {
+        if (pipe(out) != 0 || pipe(err) != 0) throw std::runtime_error("pipe");
+        pid_ = fork();
+    }
+    if (pid_ < 0) throw std::runtime_error("fork");
+    if (pid_ == 0) {
+        if (!terminal) {
+            dup2(out[1], STDOUT_FILENO);
+            dup2(err[1], STDERR_FILENO);
+            for (const int fd : {out[0], out[1], err[0], err[1]}) ::close(fd);
+        }
+        // CTest runs in the background of some shells, which then have the child ignore Ctrl-C.
+        signal(SIGINT, SIG_DFL);
+        signal(SIGTERM, SIG_DFL);
+        for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+        execv(GLINT_PROGRAM, argv.data());
+        _exit(127);
+    }
+    if (terminal) return;
+    ::close(out[1]);
+    ::close(err[1]);
+    outFd_ = out[0];
+    errFd_ = err[0];
+}
+
+Child::~Child() {
+    if (pid_ > 0) {
+        kill(pid_, SIGKILL);
+        waitpid(pid_, nullptr, 0);
+    }
+    for (const int fd : {outFd_, errFd_}) {
+        if (fd >= 0) ::close(fd);
+    }
+}
+
+bool Child::read(int milliseconds) {
+    pollfd files[] = {{outFd_, POLLIN, 0}, {errFd_, POLLIN, 0}};  // poll leaves out negative ones
+    if (outFd_ < 0 && errFd_ < 0) return false;
+    if (poll(files, 2, milliseconds) > 0) {
+        if (outFd_ >= 0 && files[0].revents != 0) drain(outFd_, out_);
+        if (errFd_ >= 0 && files[1].revents != 0) drain(errFd_, err_);
+    }
+    return true;
+}
+
+bool Child::waitForPercent(int percent) {
+    static const std::regex kPercent("([0-9]+) %");
+    const Stopwatch watch;
+    do {
+        for (std::sregex_iterator match(err_.begin(), err_.end(), kPercent), end; match != end; ++match) {
+            if (std::stoi((*match)[1]) >= percent) return true;
+        }
+    } while (read(100) && watch.seconds() < kPatience);
+    return false;
+}
+
+bool Child::waitForWork(double seconds) {
+    const Stopwatch watch;
+    const double ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
+    while (read(20) && watch.seconds() < kPatience) {
+        // proc(5): after the name in parentheses, the 12th and 13th fields are the ticks in user and kernel
+        // mode.
+        std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
+        std::string text;
+        std::getline(file, text, ')');
+        for (int field = 0; field < 11; ++field) file >> text;
+        double user = 0, kernel = 0;
+        file >> user >> kernel;
+        if (file && (user + kernel) / ticks >= seconds) return true;
+    }
+    return false;
+}
+
+void Child::send(int signal) const {
+    kill(pid_, signal);
+}
+
+void Child::type(const std::string& keys) const {
+    if (::write(errFd_, keys.data(), keys.size()) < 0) throw std::runtime_error("write to the terminal");
+}
+
+int Child::wait() {
+    const Stopwatch watch;
+    while (read(100)) {
+        if (watch.seconds() > kPatience) return -1;
+    }
+    int status = 0;
+    if (waitpid(pid_, &status, 0) != pid_) return -1;
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace glint::app::test

@@ -1,0 +1,46 @@
+// The program as a child process.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace glint::app::test {
+
+class Child {
+  public:
+    using Environment = std::vector<std::pair<std::string, std::string>>;
+
+    // Starts glint with its output in pipes or, with `terminal`, on a pseudo-terminal (all of it then is
+    // err()).
+    explicit Child(std::vector<std::string> args, const Environment& environment = {}, bool terminal = false);
+    ~Child();  // kills what still runs
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    // Until standard error holds a percentage of at least `percent` ("render   7 %"). False if the child ends
+    // first, or after a minute.
+    bool waitForPercent(int percent);
+    // Until the child has used so much processor time. False if it ends first, or after a minute.
+    bool waitForWork(double seconds);
+
+    void send(int signal) const;
+    void type(const std::string& keys) const;  // on the terminal
+
+    // Waits for the end, up to a minute; the exit code, or -1 if there is none.
+    int wait();
+
+    const std::string& out() const { return out_; }
+    const std::string& err() const { return err_; }
+
+  private:
+    bool read(int milliseconds);  // what has come on the pipes; false once both are closed
+
+    pid_t pid_ = -1;
+    int outFd_ = -1, errFd_ = -1;
+    std::string out_, err_;
+};
+
+}  // namespace glint::app::test

@@ -1,0 +1,106 @@
+// `glint diff`: numbers from their definitions, exit codes 0 and 5, faults.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class Diff : public FolderTest {
+  protected:
+    // a is 0 everywhere; b has the sample 0.5 in pixel (1, 0) and 0.25 in pixel (0, 1), both in the green
+    // channel.
+    void SetUp() override {
+        FolderTest::SetUp();
+        Image a(2, 2, 3), b(2, 2, 3);
+        b.at(1, 0, 1) = 0.5f;
+        b.at(0, 1, 1) = 0.25f;
+        writeImage("a.pfm", a);
+        writeImage("b.pfm", b);
+    }
+};
+
+TEST_F(Diff, EqualPictures) {
+    const Ran ran = runGlint({"diff", "b.pfm", "b.pfm"});
+    EXPECT_EQ(ran.out,
+              "RMSE 0, PSNR inf dB, max 0, mean 0\n"
+              "0 of 4 pixels (0.0000 %) differ by more than 0, 0 not finite in one picture only\n");
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "");
+}
+
+// RMSE = sqrt((0.5^2 + 0.25^2) / 12) = 0.161374; PSNR = 20 log10(1 / RMSE) = 15.84 dB; mean B - A = 0.75
+// / 12.
+TEST_F(Diff, NumbersFollowTheirDefinitions) {
+    const Ran ran = runGlint({"diff", "a.pfm", "b.pfm"});
+    EXPECT_EQ(ran.out,
+              "RMSE 0.161374, PSNR 15.84 dB, max 0.5, mean 0.0625\n"
+              "2 of 4 pixels (50.0000 %) differ by more than 0, 0 not finite in one picture only\n"
+              "  pixel 1,0: 0.5\n"
+              "  pixel 0,1: 0.25\n");
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_NE(runGlint({"diff", "b.pfm", "a.pfm"}).out.find("mean -0.0625"), std::string::npos);
+}
+
+TEST_F(Diff, ToleranceDecidesTheExitCode) {
+    EXPECT_EQ(runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.5"}).code, 0);
+    const Ran ran = runGlint({"diff", "a.pfm", "b.pfm", "--tolerance", "0.25"});
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_NE(ran.out.find("1 of 4 pixels (25.0000 %) differ by more than 0.25"), std::string::npos)
+        << ran.out;
+}
+
+TEST_F(Diff, DifferencePictureIsTheAbsoluteDifference) {
+    const Ran ran = runGlint({"diff", "b.pfm", "a.pfm", "-o", "d.pfm"});
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_NE(ran.out.find("wrote d.pfm\n"), std::string::npos);
+    const Image d = readImage("d.pfm");
+    EXPECT_EQ(d.at(1, 0, 1), 0.5f);
+    EXPECT_EQ(d.at(0, 1, 1), 0.25f);
+    EXPECT_EQ(d.at(0, 0, 0), 0.0f);
+}
+
+TEST_F(Diff, FaultsAreOneLine) {
+    writeImage("c.pfm", Image(3, 2, 3));
+    writeText("text.png", "not a picture");
+    std::filesystem::create_directory("folder.png");
+    const std::pair<std::string, std::string> cases[] = {
+        {"c.pfm", "a.pfm, c.pfm: the pictures differ in size: 2x2 and 3x2"},
+        {"no.png", "no.png: cannot read: No such file or directory"},
+        {"folder.png", "folder.png: cannot read: Is a directory"},
+        {"text.png", "text.png: not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)"}};
+    for (const auto& [file, line] : cases) {
+        const Ran ran = runGlint({"diff", "a.pfm", file, "-o", "d.png"});
+        EXPECT_EQ(ran.err, "glint: " + line + "\n");
+        EXPECT_EQ(ran.out, "");
+        EXPECT_EQ(ran.code, 1);
+    }
+    EXPECT_FALSE(std::filesystem::exists("d.png"));
+}
+
+// NaN equals NaN; NaN in one picture only is a difference that no tolerance covers.
+TEST_F(Diff, NotFinitePictures) {
+    Image n(2, 2, 3);
+    n.at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
+    writeImage("n.pfm", n);
+    EXPECT_EQ(runGlint({"diff", "n.pfm", "n.pfm"}).code, 0);
+    const Ran ran = runGlint({"diff", "a.pfm", "n.pfm", "--tolerance", "1000", "-o", "d.pfm"});
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_NE(ran.out.find("1 not finite in one picture only\n"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("max inf"), std::string::npos) << ran.out;
+}
+
+// Between formats: the PNG's sRGB samples are decoded. 0.25 linear is 136.96 -> byte 137 -> 0.2502 (IEC
+// 61966-2-1).
+TEST_F(Diff, PngAndFloatPicturesCompareLinearly) {
+    writeImage("q.png", Image(2, 2, 3, 0.25f));
+    writeImage("q.exr", Image(2, 2, 3, 0.25f));
+    EXPECT_EQ(runGlint({"diff", "q.png", "q.exr", "--tolerance", "0.002"}).code, 0);
+    EXPECT_EQ(runGlint({"diff", "q.png", "q.exr"}).code, 5);
+}
+
+}  // namespace
+}  // namespace glint::app::test

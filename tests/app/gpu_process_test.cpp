@@ -1,0 +1,66 @@
+// Interrupts of the program itself, on a device.
+#include <csignal>
+
+#include "child.h"
+#include "core/image_io.h"
+#include "core/stopwatch.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class GpuProcess : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeSmallScene("a.json");
+    }
+};
+
+TEST_F(GpuProcess, InterruptSavesTheFinishedPart) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        Child child({"render", "a.json", "--size", "2000x2000", "--spp", "32", "-o", "out.png", "--progress",
+                     "plain"});
+        // The first slice has 256 tiles of 64 of the four million pixels, less than 1 %.
+        ASSERT_TRUE(child.waitForPercent(1)) << child.err();
+        child.send(signal);
+        const Stopwatch watch;
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_LT(watch.seconds(), 10) << "0.3 s on an idle machine";
+        EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos)
+            << child.err();
+        const Image image = readImage("out.png");
+        ASSERT_EQ(std::pair(image.width, image.height), std::pair(2000, 2000));
+        EXPECT_GT(image.at(0, 0, 2), 0.5f);
+        EXPECT_EQ(image.at(1999, 1999, 2), 0.0f);
+        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+        std::filesystem::remove("out.png");
+    }
+}
+
+TEST_F(GpuProcess, InterruptBeforeAnythingIsFinishedWritesNoFile) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        Child child({"render", "a.json", "--size", "3000x3000", "--spp", "65536", "-o", "out.png",
+                     "--progress", "plain"});
+        ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+        child.send(signal);
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_TRUE(child.err().ends_with(
+            "glint: interrupted before any part of the picture was finished; nothing written\n"))
+            << child.err();
+        EXPECT_EQ(child.out(), "");
+        EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    }
+}
+
+TEST_F(GpuProcess, InterruptEndsVerify) {
+    Child child({"verify", "a.json", "--size", "2000x2000", "--spp", "64", "--progress", "plain"});
+    ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_TRUE(child.err().ends_with("glint: interrupted while verifying a.json\n")) << child.err();
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+}  // namespace
+}  // namespace glint::app::test

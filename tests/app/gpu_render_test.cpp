@@ -1,0 +1,149 @@
+// What `glint render` writes from a device.
+#include <algorithm>
+
+#include "bvh/packed_scene.h"
+#include "core/image_io.h"
+#include "reference/render.h"
+#include "scene/load.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class GpuRender : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeSmallScene("a.json");
+    }
+
+    static void render(std::vector<std::string> options) {
+        options.insert(options.begin(), {"render", "a.json", "-q"});
+        const Ran ran = runGlint(options);
+        EXPECT_EQ(ran.code, 0);
+        EXPECT_EQ(ran.out + ran.err, "");
+    }
+};
+
+TEST_F(GpuRender, SameBytesOnEveryRun) {
+    render({"-o", "1.exr", "--aov", "color,depth,cost", "--spp", "3"});
+    render({"-o", "2.exr", "--aov", "color,depth,cost", "--spp", "3"});
+    EXPECT_FALSE(readBytes("1.exr").empty());
+    EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
+}
+
+TEST_F(GpuRender, CropIsThePartOfTheWhole) {
+    render({"-o", "whole.pfm"});
+    render({"-o", "part.pfm", "--crop", "5,7,41,32"});
+    const Image whole = readImage("whole.pfm"), part = readImage("part.pfm");
+    ASSERT_EQ(std::pair(part.width, part.height), std::pair(36, 25));
+    int different = 0;
+    for (int y = 0; y < part.height; ++y) {
+        for (int x = 0; x < part.width; ++x) {
+            for (int c = 0; c < 3; ++c) different += part.at(x, y, c) == whole.at(x + 5, y + 7, c) ? 0 : 1;
+        }
+    }
+    EXPECT_EQ(different, 0);
+}
+
+// The object under each pixel's centre moved by (dx, dy) pixels, as the reference sees it.
+std::vector<int> objectsAt(double dx, double dy) {
+    const Scene scene = loadScene("a.json");
+    const PackedScene packed = packScene(scene);
+    reference::RenderOptions options;
+    options.sampleOffsets = {{0.5 + dx, 0.5 + dy}};
+    const shared::Camera camera =
+        packCamera(scene.camera, scene.image.width, scene.image.height, packed.origin);
+    std::vector<int> objects;
+    for (const auto& pixel :
+         reference::render(packed, camera, scene.image.width, scene.image.height, options).pixels) {
+        objects.push_back(pixel.object);
+    }
+    return objects;
+}
+
+// No outline of this scene passes within a thousandth of a pixel of a pixel's centre, which is checked first;
+// fp32 moves it by a hundred-thousandth (2^-24 times some units, in pixels of 1/5 unit). So both backends
+// must see the same objects.
+TEST_F(GpuRender, IndicesEqualTheReferences) {
+    for (const double d : {-1e-3, 1e-3}) {
+        ASSERT_EQ(objectsAt(0, 0), objectsAt(d, d));
+        ASSERT_EQ(objectsAt(0, 0), objectsAt(d, -d));
+    }
+    const std::string layers = "color,object,primitive,material,bounces,alpha";
+    render({"-o", "gpu.pfm", "--aov", layers});
+    render({"-o", "cpu.pfm", "--aov", layers, "--backend", "cpu"});
+    for (const char* layer : {"object", "primitive", "material", "bounces", "alpha"}) {
+        EXPECT_EQ(readBytes(std::string("gpu.") + layer + ".pfm"),
+                  readBytes(std::string("cpu.") + layer + ".pfm"))
+            << layer;
+    }
+    const Image ids = readImage("gpu.object.pfm");
+    std::set<float> seen(ids.pixels.begin(), ids.pixels.end());
+    EXPECT_EQ(seen, (std::set<float>{-1, 0, 1, 2}));
+    EXPECT_EQ(runGlint({"diff", "gpu.pfm", "cpu.pfm", "--tolerance", "0.001"}).code, 0);
+}
+
+TEST_F(GpuRender, CostIsCountedAndChangesNothingElse) {
+    render({"-o", "with.pfm", "--aov", "color,cost,alpha"});
+    render({"-o", "without.pfm"});
+    EXPECT_EQ(readBytes("with.pfm"), readBytes("without.pfm"));
+    const Image cost = readImage("with.cost.pfm"), alpha = readImage("with.alpha.pfm");
+    ASSERT_EQ(alpha.pixels.size(), cost.pixels.size());
+    for (size_t i = 0; i < alpha.pixels.size(); ++i) {
+        const float least = alpha.pixels[i] > 0 ? 1.0f : 0.0f;  // the primitive that was hit
+        ASSERT_GE(cost.pixels[i], least) << i;
+    }
+}
+
+TEST_F(GpuRender, MaxDepthZeroRemovesReflections) {
+    render({"-o", "p.pfm", "--aov", "bounces,color"});
+    render({"-o", "q.pfm", "--aov", "bounces,color", "--max-depth", "0"});
+    const Image with = readImage("p.bounces.pfm"), without = readImage("q.bounces.pfm");
+    EXPECT_GT(*std::max_element(with.pixels.begin(), with.pixels.end()), 0.0f);
+    EXPECT_EQ(*std::max_element(without.pixels.begin(), without.pixels.end()), 0.0f);
+    EXPECT_NE(readBytes("p.pfm"), readBytes("q.pfm"));
+}
+
+TEST_F(GpuRender, DeviceThatDoesNotExist) {
+    for (const char* selector : {"none", "99", "-1"}) {
+        const Ran ran = runGlint({"render", "a.json", "--device", selector});
+        EXPECT_EQ(ran.code, 4);
+        EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+        EXPECT_TRUE(ran.err.starts_with("glint: no Vulkan device has ")) << ran.err;
+        EXPECT_NE(ran.err.find("; there is 0 \""), std::string::npos) << ran.err;
+        EXPECT_EQ(ran.out, "");
+    }
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+TEST_F(GpuRender, DeviceByIndexAndName) {
+    for (const char* selector : {"0", "llvmpipe", "LLVM", ""})
+        render({"--device", selector, "--size", "8x6"});
+}
+
+TEST_F(GpuRender, DevicesListsTheChosenOne) {
+    const Ran ran = runGlint({"devices"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "");
+    EXPECT_TRUE(ran.out.starts_with("0  llvmpipe")) << ran.out;
+    EXPECT_NE(ran.out.find("\n   chosen: "), std::string::npos) << ran.out;
+}
+
+TEST_F(GpuRender, BlackPictureComesWithAdviceToo) {
+    writeText("b.json",
+              sceneText(16, 12, R"("objects": [{"type": "sphere", "center": [0, 0, 20], "radius": 1}])"));
+    EXPECT_EQ(runGlint({"render", "b.json"}).err,
+              "glint: warning: b.json: the picture shows background only: everything lies behind the camera; "
+              "check its eye and target\n");
+}
+
+TEST_F(GpuRender, EmptyScene) {
+    writeText("b.json", "{\"image\": {\"width\": 9, \"height\": 7}, \"background\": 0.5}");
+    EXPECT_EQ(runGlint({"render", "b.json", "-o", "b.pfm", "-q"}).code, 0);
+    const Image image = readImage("b.pfm");
+    for (const float sample : image.pixels) ASSERT_EQ(sample, 0.5f);
+}
+
+}  // namespace
+}  // namespace glint::app::test

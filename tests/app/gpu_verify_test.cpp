@@ -1,0 +1,82 @@
+// `glint verify` as a command; what makes a pixel explained is tested with the module itself.
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class GpuVerify : public FolderTest {};
+
+TEST_F(GpuVerify, PassesAndWritesADifferencePicture) {
+    writeSmallScene("a.json");
+    writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    const Ran ran = runGlint({"verify", "a.json", "empty.json"});
+    EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+    EXPECT_EQ(ran.err, "");
+    EXPECT_TRUE(ran.out.starts_with("device: llvmpipe")) << ran.out;
+    EXPECT_NE(ran.out.find("\na.json: ok\n    3072 pixels; differing: "), std::string::npos)
+        << ran.out;  // 64 x 48
+    EXPECT_NE(ran.out.find("\nempty.json: ok\n    63 pixels; differing: "), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\n    wrote a.verify.png\n"), std::string::npos) << ran.out;
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "empty.json", "a.verify.png", "empty.verify.png"}));
+    const Image picture = readImage("a.verify.png");
+    EXPECT_EQ(std::pair(picture.width, picture.height), std::pair(64, 48));
+}
+
+TEST_F(GpuVerify, OptionsReplaceTheScenes) {
+    writeSmallScene("a.json");
+    std::filesystem::create_directory("out");
+    const Ran ran =
+        runGlint({"verify", "a.json", "--size", "20x10", "--spp", "4", "--max-depth", "1", "-o", "out"});
+    EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+    EXPECT_NE(ran.out.find("    800 pixels; "), std::string::npos) << "20 x 10 x 4 samples: " << ran.out;
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out"}));
+    EXPECT_EQ(readImage("out/a.verify.png").width, 20);
+}
+
+TEST_F(GpuVerify, ScenesOfTheSameNameGetPicturesOfTheirOwn) {
+    std::filesystem::create_directory("x");
+    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    writeText("x/a.json", "{\"image\": {\"width\": 5, \"height\": 4}}");
+    EXPECT_EQ(runGlint({"verify", "a.json", "x/a.json"}).code, 0);
+    EXPECT_EQ(readImage("a.verify.png").width, 9);
+    EXPECT_EQ(readImage("a-2.verify.png").width, 5);
+}
+
+// Two triangles of different colours in planes 1e-8 apart, seen from distance 5, where fp32 resolves 5e-7:
+// which one a ray meets first is a matter of rounding. Every pixel is explained, but there are too many.
+TEST_F(GpuVerify, TooManyExplainedPixelsFail) {
+    writeText("fight.json",
+              R"({"image": {"width": 64, "height": 64}, "ambient": 1, "camera": {"eye": [0.3, 0.2, 5]},
+        "materials": {"red": {"diffuse": [1, 0, 0]}, "green": {"diffuse": [0, 1, 0]}},
+        "objects": [{"type": "triangle", "vertices": [[-7, -5, 0], [5, -6, 0], [0.3, 5, 0]], "material": "red"},
+                    {"type": "triangle", "vertices": [[-6, -5, 1e-8], [5, -5.5, -2e-8], [0.1, 6, 1e-8]], "material": "green"}]})");
+    writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    const Ran ran = runGlint({"verify", "fight.json", "empty.json"});
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_EQ(ran.err, "glint: verify: 1 of 2 scenes failed\n");
+    EXPECT_NE(ran.out.find("fight.json: FAILED: too many pixels differ, though rounding explains each\n"),
+              std::string::npos);
+    EXPECT_NE(ran.out.find(", 0 unexplained\n"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\nempty.json: ok\n"), std::string::npos)
+        << "the scenes after a failed one are verified too";
+    const Image picture = readImage("fight.verify.png");
+    bool tie = false;  // blue
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) tie = tie || picture.at(x, y, 2) > 0.9f;
+    }
+    EXPECT_TRUE(tie);
+}
+
+TEST_F(GpuVerify, SceneAtFaultEndsTheRunWithItsOwnCode) {
+    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    writeText("b.json", "{\"objekts\": []}");
+    const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json"});
+    EXPECT_EQ(ran.code, 3);
+    EXPECT_EQ(ran.err, "glint: b.json: /objekts: unknown key (did you mean \"objects\"?)\n");
+    EXPECT_NE(ran.out.find("\na.json: ok\n"), std::string::npos);
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "a.verify.png"}));
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,74 @@
+// `glint info`: what it says of scenes whose contents are known.
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class Info : public FolderTest {};
+
+TEST_F(Info, EmptyScene) {
+    writeText("a.json", "{}");
+    const Ran ran = runGlint({"info", "a.json"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "");
+    EXPECT_TRUE(
+        ran.out.starts_with("a.json\n"
+                            "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
+                            "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons)\n"
+                            "  materials     0\n"
+                            "  lights        0\n"
+                            "  bounds        no geometry\n"
+                            "  BVH           none\n"))
+        << ran.out;
+    EXPECT_NE(ran.out.find("  features used nothing\n"), std::string::npos) << ran.out;
+}
+
+TEST_F(Info, PlaneOnly) {
+    writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
+    const std::string out = runGlint({"info", "a.json"}).out;
+    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons)\n"),
+              std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  bounds        infinite (planes only)\n  BVH           none\n"), std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  features used planes\n"), std::string::npos) << out;
+}
+
+TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
+    writeSmallScene("a.json");
+    const std::string out =
+        runGlint({"info", "a.json", "--size", "10x20", "--spp", "4", "--max-depth", "1"}).out;
+    EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel, at most 1 reflection\n"),
+              std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons)\n"),
+              std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
+              std::string::npos)
+        << out;
+    EXPECT_NE(out.find("  left out      "), std::string::npos);
+    EXPECT_NE(runGlint({"info", "a.json", "--max-depth", "0"})
+                  .out.find("features used triangles, spheres, pointLights, specular\n"),
+              std::string::npos)
+        << "without reflections the mirror code is left out";
+}
+
+TEST_F(Info, DroppedTrianglesAreCounted) {
+    writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
+    const std::string out = runGlint({"info", "a.obj"}).out;
+    EXPECT_NE(out.find("  dropped       1 primitive without area, 1 not finite\n"), std::string::npos) << out;
+}
+
+TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
+    writeSmallScene("a.json");
+    const auto withoutTime = [] {
+        const std::string out = runGlint({"info", "a.json"}).out;
+        const size_t built = out.find(", built in ");
+        return out.substr(0, built) + out.substr(out.find('\n', built));
+    };
+    EXPECT_EQ(withoutTime(), withoutTime());
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,112 @@
+// Where a picture cannot be written or does not fit into memory: said before rendering, exit code 1, nothing
+// left behind.
+#include "app/output_check.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "core/error.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+std::string messageOf(const std::function<void()>& call, ExitCode code = ExitCode::Failed) {
+    try {
+        call();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), code);
+        return error.what();
+    }
+    return "nothing thrown";
+}
+
+class OutputCheck : public FolderTest {};
+
+TEST_F(OutputCheck, SaysWhatIsInTheWay) {
+    writeText("file", "x");
+    std::filesystem::create_directory("folder.png");
+    EXPECT_EQ(messageOf([] { checkPicturePath("no/a.png"); }),
+              "no/a.png: cannot write: there is no folder no");
+    EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }),
+              "file/a.png: cannot write: file is not a folder");
+    EXPECT_EQ(messageOf([] { checkPicturePath("folder.png"); }), "folder.png: cannot write: it is a folder");
+    EXPECT_EQ(messageOf([] { checkOutputFolder("no"); }), "no: cannot write: there is no such folder");
+    EXPECT_EQ(messageOf([] { checkOutputFolder("file"); }), "file: cannot write: not a folder");
+    EXPECT_EQ(names(), (std::set<std::string>{"file", "folder.png"}));
+}
+
+TEST_F(OutputCheck, AllowsWhatCanBeWritten) {
+    writeText("old.png", "x");
+    std::filesystem::create_directory("sub");
+    std::filesystem::create_symlink("/dev/null", "null.png");
+    std::filesystem::create_symlink("nowhere.png", "dangling.png");
+    for (const char* path :
+         {"new.png", "new.EXR", "old.png", "sub/a.pfm", "./a.hdr", "null.png", "dangling.png"}) {
+        EXPECT_EQ(messageOf([&] { checkPicturePath(path); }), "nothing thrown") << path;
+    }
+    EXPECT_EQ(messageOf([] { checkOutputFolder("sub"); }), "nothing thrown");
+}
+
+TEST_F(OutputCheck, ReadOnlyFolderAndFile) {
+    if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+    std::filesystem::create_directory("sub");
+    writeText("old.png", "x");
+    std::filesystem::permissions("sub",
+                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    std::filesystem::permissions("old.png", std::filesystem::perms::owner_read);
+    EXPECT_EQ(messageOf([] { checkPicturePath("sub/a.png"); }), "sub/a.png: cannot write: Permission denied");
+    EXPECT_EQ(messageOf([] { checkPicturePath("old.png"); }), "old.png: cannot write: Permission denied");
+    EXPECT_EQ(messageOf([] { checkOutputFolder("sub"); }), "sub: cannot write: Permission denied");
+    std::filesystem::permissions("sub", std::filesystem::perms::owner_all);
+}
+
+// A folder in /proc refuses files to everyone, root included.
+TEST_F(OutputCheck, FolderThatRefusesAtTheEndLeavesNothing) {
+    writeSmallScene("a.json");
+    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "/proc/self/a.png"});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_TRUE(ran.err.starts_with("glint: /proc/self/a.png: cannot write: ")) << ran.err;
+    EXPECT_EQ(ran.out, "");
+}
+
+TEST_F(OutputCheck, ComesBeforeTheSceneIsRead) {
+    const Ran ran = runGlint({"render", "no.json", "-o", "no/a.png"});
+    EXPECT_EQ(ran.err, "glint: no/a.png: cannot write: there is no folder no\n");
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(runGlint({"verify", "no.json", "-o", "no"}).err,
+              "glint: no: cannot write: there is no such folder\n");
+    EXPECT_EQ(runGlint({"diff", "no.png", "no.png", "-o", "no/d.png"}).err,
+              "glint: no/d.png: cannot write: there is no folder no\n");
+}
+
+TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {
+    constexpr uint64_t kGibibyte = uint64_t{1} << 30;
+    EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1024, kGibibyte); }), "nothing thrown");
+    EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1025, kGibibyte); }),
+              "a picture of 1024x1024 pixels takes 1.0 GiB of memory, 1.0 GiB are free; ask for a smaller "
+              "--size, or for parts with "
+              "glint render --crop");
+    EXPECT_EQ(messageOf([] { checkMemory(65536, 65536, 1000, std::numeric_limits<uint64_t>::max()); }),
+              "nothing thrown");
+    EXPECT_GT(availableMemory(), uint64_t{1} << 20);
+}
+
+// 65536^2 pixels with all layers: 4 GiB of pixels times more than 200 bytes are beyond any machine that runs
+// this test.
+TEST_F(OutputCheck, HugePictureIsRefused) {
+    if (availableMemory() > uint64_t{800} << 30) GTEST_SKIP() << "this machine has memory enough for it";
+    writeSmallScene("a.json");
+    const Ran ran = runGlint({"render", "a.json", "--size", "65536x65536", "--backend", "cpu", "--aov",
+                              "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
+    EXPECT_TRUE(ran.err.starts_with("glint: a picture of 65536x65536 pixels takes ")) << ran.err;
+    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1);
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,192 @@
+// The program itself, on the reference: interrupts, progress, terminals, a machine without Vulkan.
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "child.h"
+#include "core/image_io.h"
+#include "core/stopwatch.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class Process : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeSmallScene("a.json");
+    }
+};
+
+// Minutes of work, in rows of a fraction of a second.
+const std::vector<std::string> kLong = {"render",    "a.json", "--backend", "cpu", "--size",
+                                        "1000x4000", "--spp",  "64",        "-o",  "out.png"};
+// Minutes of work for each row.
+const std::vector<std::string> kLongRows = {"render",  "a.json", "--backend", "cpu", "--size",
+                                            "60000x8", "--spp",  "4096",      "-o",  "out.png"};
+
+std::vector<std::string> with(std::vector<std::string> args, const std::vector<std::string>& more) {
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+}
+
+TEST_F(Process, ExitCodesAndStreams) {
+    Child fine({"render", "a.json", "--backend", "cpu"});
+    EXPECT_EQ(fine.wait(), 0);
+    EXPECT_TRUE(fine.out().starts_with("wrote a.png (64x48)\n")) << fine.out();
+    EXPECT_EQ(fine.err(), "");
+    Child usage({"rendr"});
+    EXPECT_EQ(usage.wait(), 2);
+    EXPECT_EQ(usage.out(), "");
+    EXPECT_EQ(usage.err(), "glint: unknown command \"rendr\" (did you mean \"render\"?); see glint --help\n");
+    Child scene({"render", "no.json"});
+    EXPECT_EQ(scene.wait(), 3);
+    EXPECT_EQ(scene.err(), "glint: no.json: no such file\n");
+    Child folder({"render", "a.json", "-o", "no/a.png"});
+    EXPECT_EQ(folder.wait(), 1);
+    Child nothing({});
+    EXPECT_EQ(nothing.wait(), 2);
+}
+
+TEST_F(Process, InterruptSavesTheFinishedPart) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        Child child(with(kLong, {"--progress", "plain"}));
+        ASSERT_TRUE(child.waitForPercent(0)) << child.err();  // said only once a row is finished
+        child.send(signal);
+        const Stopwatch watch;
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_LT(watch.seconds(), 10) << "0.1 s on an idle machine";
+        EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos)
+            << child.err();
+        const Image image = readImage("out.png");
+        ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
+        // The sky above and below the objects is bright: a row is black if and only if it was not reached.
+        EXPECT_GT(image.at(0, 0, 2), 0.5f);
+        EXPECT_EQ(image.at(0, 3999, 2), 0.0f);
+        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+        std::filesystem::remove("out.png");
+    }
+}
+
+TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        Child child(kLongRows);
+        ASSERT_TRUE(child.waitForWork(0.5));
+        child.send(signal);
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_EQ(child.err(),
+                  "glint: interrupted before any part of the picture was finished; nothing written\n");
+        EXPECT_EQ(child.out(), "");
+        EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    }
+}
+
+// Waiting for rays on standard input is not rendering: there is nothing to save.
+TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
+    Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
+    const Stopwatch watch;
+    while (watch.seconds() < 1) usleep(10000);
+    child.type("\x03");  // Ctrl-C
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_NE(child.err().find("glint: interrupted"), std::string::npos) << child.err();
+}
+
+TEST_F(Process, RaysFromStandardInput) {
+    Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
+    child.type("0,0,5,0,0,-1\n\x04");  // end of the file
+    EXPECT_EQ(child.wait(), 0);
+    EXPECT_NE(child.err().find("1,4,0,0,0,0,0,0,1,0,0,1"), std::string::npos) << child.err();
+}
+
+TEST_F(Process, PlainProgressGoesToStandardError) {
+    Child child(with(kLong, {"--progress", "plain"}));
+    ASSERT_TRUE(child.waitForPercent(0));
+    child.send(SIGINT);
+    child.wait();
+    EXPECT_TRUE(child.err().starts_with("render")) << child.err();
+    EXPECT_EQ(child.out().find('%'), std::string::npos) << child.out();
+    EXPECT_TRUE(child.out().starts_with("wrote out.png")) << child.out();
+}
+
+TEST_F(Process, NoProgressUnlessAskedForOrOnATerminal) {
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{}, {"--progress", "none"}, {"-q", "--progress", "plain"}}) {
+        Child child(with(kLong, options));
+        ASSERT_TRUE(child.waitForWork(0.1));
+        usleep(1500000);  // progress starts after a second
+        child.send(SIGINT);
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_TRUE(child.err().starts_with("glint: interrupted")) << child.err();
+    }
+}
+
+// A real Ctrl-C: the terminal turns it into SIGINT.
+TEST_F(Process, BarOnATerminalIsClearedAtTheEnd) {
+    Child child(kLong, {}, true);
+    ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+    child.type("\x03");
+    EXPECT_EQ(child.wait(), 130);
+    const std::string& text = child.err();
+    const size_t bar = text.find("\rrender  [");
+    ASSERT_NE(bar, std::string::npos) << text;
+    // The last thing before the program's words are as many spaces as the bar was long, between two returns.
+    const size_t words = text.find("wrote out.png");
+    ASSERT_NE(words, std::string::npos) << text;
+    ASSERT_EQ(text[words - 1], '\r');
+    const size_t blank = text.rfind('\r', words - 2);
+    EXPECT_GT(words - blank, 40u);
+    EXPECT_EQ(text.substr(blank + 1, words - blank - 2), std::string(words - blank - 2, ' '));
+    EXPECT_NE(text.find("glint: interrupted: out.png holds the "), std::string::npos) << text;
+}
+
+TEST_F(Process, FullDiskOnStandardOutputIsAnError) {
+    writeText("r.csv", "0,0,5,0,0,-1\n");
+    const std::string command =
+        std::string(GLINT_PROGRAM) + " trace a.json --rays r.csv --backend cpu > /dev/full 2> err.txt";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+    const auto text = readBytes("err.txt");
+    EXPECT_EQ(std::string(text.begin(), text.end()), "glint: cannot write to standard output\n");
+}
+
+const Child::Environment kNoDriver = {{"VK_DRIVER_FILES", "/nonexistent"},
+                                      {"VK_ICD_FILENAMES", "/nonexistent"}};
+
+void expectNoVulkan(const Child::Environment& environment, const std::string& line) {
+    Child cpu({"render", "a.json", "--backend", "cpu", "-o", "cpu.png"}, environment);
+    EXPECT_EQ(cpu.wait(), 0) << cpu.err();
+    EXPECT_EQ(readImage("cpu.png").width, 64);
+    for (const std::vector<std::string>& args :
+         {std::vector<std::string>{"render", "a.json", "-o", "gpu.png"},
+          {"verify", "a.json"},
+          {"trace", "a.json", "--pixel", "0,0"},
+          {"devices"}}) {
+        Child gpu(args, environment);
+        EXPECT_EQ(gpu.wait(), 4) << args[0];
+        EXPECT_EQ(gpu.err(), "glint: " + line + "\n") << args[0];
+        EXPECT_EQ(gpu.out(), "") << args[0];
+    }
+    EXPECT_FALSE(std::filesystem::exists("gpu.png"));
+}
+
+TEST_F(Process, WithoutVulkanDriver) {
+    expectNoVulkan(
+        kNoDriver,
+        "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
+}
+
+// The first libvulkan.so.1 on the search path is no library.
+TEST_F(Process, WithoutVulkanLoader) {
+    std::filesystem::create_directory("lib");
+    writeText("lib/libvulkan.so.1", "");
+    writeText("lib/libvulkan.so", "");
+    expectNoVulkan({{"LD_LIBRARY_PATH", (folder_ / "lib").string()}},
+                   "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as "
+                   "mesa-vulkan-drivers, or use "
+                   "--backend cpu");
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,182 @@
+// What `glint render --backend cpu` writes.
+#include <array>
+#include <cmath>
+
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class Render : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeSmallScene("a.json");
+    }
+
+    static void render(std::vector<std::string> options) {
+        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "-q"});
+        const Ran ran = runGlint(options);
+        EXPECT_EQ(ran.code, 0);
+        EXPECT_EQ(ran.out + ran.err, "");
+    }
+};
+
+bool samePixel(const Image& a, int ax, int ay, const Image& b, int bx, int by) {
+    for (int c = 0; c < a.channels; ++c) {
+        if (a.at(ax, ay, c) != b.at(bx, by, c)) return false;
+    }
+    return true;
+}
+
+TEST_F(Render, DefaultNameIsTheScenesInTheCurrentFolder) {
+    std::filesystem::create_directory("scenes");
+    std::filesystem::rename("a.json", "scenes/my scene.v2.json");
+    const Ran ran = runGlint({"render", "scenes/my scene.v2.json", "--backend", "cpu", "-q"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(names(), (std::set<std::string>{"scenes", "my scene.v2.png"}));
+}
+
+TEST_F(Render, SameBytesOnEveryRun) {
+    render({"-o", "1.png"});
+    render({"-o", "2.png"});
+    render({"-o", "1.exr", "--aov", "color,depth,cost", "--spp", "3"});
+    render({"-o", "2.exr", "--aov", "color,depth,cost", "--spp", "3"});
+    EXPECT_FALSE(readBytes("1.png").empty());
+    EXPECT_EQ(readBytes("1.png"), readBytes("2.png"));
+    EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
+}
+
+TEST_F(Render, CropIsThePartOfTheWhole) {
+    render({"-o", "whole.pfm"});
+    render({"-o", "part.pfm", "--crop", "5,7,41,32"});
+    const Image whole = readImage("whole.pfm"), part = readImage("part.pfm");
+    ASSERT_EQ(std::pair(part.width, part.height), std::pair(36, 25));
+    int different = 0;
+    for (int y = 0; y < part.height; ++y) {
+        for (int x = 0; x < part.width; ++x) different += samePixel(part, x, y, whole, x + 5, y + 7) ? 0 : 1;
+    }
+    EXPECT_EQ(different, 0);
+}
+
+TEST_F(Render, SizeIsThePictures) {
+    render({"-o", "a.pfm", "--size", "31x17"});
+    const Image image = readImage("a.pfm");
+    EXPECT_EQ(std::pair(image.width, image.height), std::pair(31, 17));
+}
+
+// Samples lie inside the pixel, so a pixel whose eight neighbours see the same sphere through their centres
+// as it does lies inside the sphere's convex outline with all its samples. Ambient light alone makes the
+// sphere one colour.
+TEST_F(Render, MoreSamplesChangeEdgesOnly) {
+    writeText("a.json", sceneText(64, 48, R"("background": [0.1, 0.3, 0.7], "ambient": 1,
+        "materials": {"m": {"diffuse": [0.5, 0.25, 0.125]}},
+        "objects": [{"type": "sphere", "center": [0.3, 0.2, 0], "radius": 2.3, "material": "m"}])"));
+    render({"-o", "1.pfm", "--aov", "color,object"});
+    render({"-o", "4.pfm", "--spp", "4"});
+    const Image one = readImage("1.pfm"), four = readImage("4.pfm"), ids = readImage("1.object.pfm");
+    int interior = 0, edges = 0;
+    for (int y = 1; y + 1 < one.height; ++y) {
+        for (int x = 1; x + 1 < one.width; ++x) {
+            int same = 0;
+            for (int dy = -1; dy <= 1; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx) same += ids.at(x + dx, y + dy, 0) == ids.at(x, y, 0) ? 1 : 0;
+            }
+            const bool equal = samePixel(one, x, y, four, x, y);
+            if (same == 9) {
+                ++interior;
+                EXPECT_TRUE(equal) << x << ',' << y;
+            } else if (!equal) {
+                ++edges;
+            }
+        }
+    }
+    EXPECT_GT(interior, 1000);
+    EXPECT_GT(edges, 20);
+}
+
+// A perfect mirror that faces the camera shows the background behind the camera; with --max-depth 0 it shows
+// its own colour, black.
+TEST_F(Render, MaxDepthZeroRemovesReflections) {
+    writeText(
+        "a.json",
+        sceneText(3, 3, R"("background": [0.25, 0.5, 0.75], "materials": {"m": {"diffuse": 0, "mirror": 1}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}])"));
+    render({"-o", "1.pfm", "--max-depth", "1"});
+    EXPECT_EQ(
+        runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "0.pfm", "--max-depth", "0"}).code, 0);
+    const Image with = readImage("1.pfm"), without = readImage("0.pfm");
+    const std::array<float, 3> background = {0.25f, 0.5f, 0.75f};
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(with.at(1, 1, c), background[c]);
+        EXPECT_EQ(without.at(1, 1, c), 0.0f);
+        EXPECT_EQ(without.at(0, 0, c), background[c]);
+    }
+}
+
+TEST_F(Render, LayersAreSeparateFilesButForExr) {
+    const std::string all = "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost";
+    render({"-o", "p.pfm", "--aov", all});
+    render({"-o", "p.png", "--aov", all});
+    render({"-o", "p.exr", "--aov", all});
+    std::set<std::string> expected = {"a.json", "p.pfm", "p.alpha.pfm", "p.png", "p.exr"};
+    for (const char* layer :
+         {"depth", "position", "normal", "uv", "object", "primitive", "material", "bounces", "cost"}) {
+        expected.insert(std::string("p.") + layer + ".pfm");
+        expected.insert(std::string("p.") + layer + ".png");
+    }
+    EXPECT_EQ(names(), expected);
+    EXPECT_EQ(readImage("p.png").channels, 4) << "alpha is the PNG's own";
+    const std::vector<uint8_t> exr = readBytes("p.exr");
+    const std::string text(exr.begin(), exr.end());
+    for (const char* channel : {"R", "G", "B", "A", "depth.Y", "position.X", "normal.Z", "uv.U", "uv.V",
+                                "object.Y", "primitive.Y", "material.Y", "bounces.Y", "cost.Y"}) {
+        EXPECT_NE(text.find(std::string(channel) + '\0' + std::string("\2\0\0\0", 4)), std::string::npos)
+            << channel;  // 2: FLOAT
+    }
+}
+
+// The middle pixel of 3 x 3 looks along -z at the unit sphere round the origin; the corner one sees nothing.
+TEST_F(Render, LayersHoldWhatTheirNamesSay) {
+    writeText("a.json", sceneText(3, 3, R"("ambient": 1, "objects": [
+        {"type": "plane", "point": [0, 0, 50], "normal": [0, 0, 1]}, {"type": "sphere", "center": [0, 0, 0], "radius": 1}])"));
+    render(
+        {"-o", "p.pfm", "--aov", "color,alpha,depth,position,normal,object,primitive,material,bounces,cost"});
+    const auto pixel = [](const char* layer, int x, int y) {
+        const Image image = readImage(std::string("p.") + layer + ".pfm");
+        std::vector<float> samples;
+        for (int c = 0; c < image.channels; ++c) samples.push_back(image.at(x, y, c));
+        return samples;
+    };
+    using Samples = std::vector<float>;
+    EXPECT_EQ(pixel("alpha", 1, 1)[0], 1.0f);
+    EXPECT_EQ(pixel("depth", 1, 1)[0], 4.0f);
+    EXPECT_EQ(pixel("position", 1, 1), (Samples{0, 0, 1}));
+    EXPECT_EQ(pixel("normal", 1, 1), (Samples{0, 0, 1}));
+    EXPECT_EQ(pixel("object", 1, 1)[0], 1.0f);
+    EXPECT_EQ(pixel("primitive", 1, 1)[0], 0.0f);
+    EXPECT_EQ(pixel("bounces", 1, 1)[0], 0.0f);
+    EXPECT_GT(pixel("cost", 1, 1)[0], 0.0f);
+    EXPECT_EQ(pixel("alpha", 0, 0)[0], 0.0f);
+    EXPECT_TRUE(std::isinf(pixel("depth", 0, 0)[0]));
+    EXPECT_EQ(pixel("object", 0, 0)[0], -1.0f);
+    EXPECT_EQ(pixel("material", 0, 0)[0], -1.0f);
+    EXPECT_EQ(pixel("position", 0, 0), (Samples{0, 0, 0}));
+}
+
+TEST_F(Render, SingleDataLayerIsAFileOfItsOwn) {
+    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "--aov", "depth", "-o", "p.png"});
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "p.depth.png"}));
+    EXPECT_TRUE(ran.out.starts_with("wrote p.depth.png (64x48)\n")) << ran.out;
+}
+
+TEST_F(Render, ReplacesAnOldPicture) {
+    writeText("a.png", "old");
+    render({});
+    EXPECT_EQ(readImage("a.png").width, 64);
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.png"}));
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,107 @@
+// Scenes and models that are at fault: one line that says where, exit code 3, no file left behind.
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+struct Bad {
+    const char* name;
+    const char* file;
+    const char* text;
+    const char* line;  // after "glint: " and the file's name
+};
+
+class BadScene : public FolderTest, public ::testing::WithParamInterface<Bad> {};
+
+TEST_P(BadScene, IsOneLineAndExitCode3) {
+    const Bad& bad = GetParam();
+    writeText(bad.file, bad.text);
+    for (const char* command : {"render", "info", "trace"}) {
+        std::vector<std::string> args = {command, bad.file};
+        if (args[0] == "render") args.insert(args.end(), {"--backend", "cpu", "-o", "out.png"});
+        if (args[0] == "trace") args.insert(args.end(), {"--backend", "cpu", "--pixel", "0,0"});
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.err, std::string("glint: ") + bad.file + bad.line + "\n") << command;
+        EXPECT_EQ(ran.code, 3) << command;
+        EXPECT_EQ(ran.out, "") << command;
+    }
+    EXPECT_EQ(names(), std::set<std::string>{bad.file});
+}
+
+const Bad kScenes[] = {
+    {"empty", "a.json", "", ": the file is empty"},
+    {"syntax", "a.json", "{\n  \"objects\": [1,}", ":2:17: expected a value (got '}')"},
+    {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
+    {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
+     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
+     "mesh)"},
+    {"unsupportedType", "a.json",
+     R"({"objects": [{"type": "cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1}]})",
+     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, disc, "
+     "triangle, "
+     "polygon, mesh)"},
+    {"unsupportedLight", "a.json",
+     R"({"lights": [{"type": "spot", "position": [0,1,0], "direction": [0,-1,0], "angle": 30}]})",
+     ": /lights/0/type: \"spot\" is not supported by this version (supported: point, directional)"},
+    {"radius", "a.json", R"({"objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]})",
+     ": /objects/0/radius: must be > 0 (got -1)"},
+    {"missingMesh", "a.json",
+     R"({"meshes": {"m": {"file": "no.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}]})",
+     ": /meshes/m/file: no such file: no.obj"},
+    {"zeroSize", "a.json", R"({"image": {"width": 0, "height": 5}})",
+     ": /image/width: must be a whole number from 1 to 65536 (got 0)"},
+    {"objIndex", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ":4: face uses vertex 9, the file has 3"},
+    {"emptyObj", "a.obj", "", ": the file is empty"},
+    {"truncatedPly", "a.ply",
+     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+     "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n",
+     ":11: the file ends after 2 of 3 elements \"vertex\""},
+    {"unknownKind", "a.gltf", "{}",
+     ": unknown kind of file (a scene is .json, a model .obj or .ply in this version)"},
+};
+INSTANTIATE_TEST_SUITE_P(All, BadScene, ::testing::ValuesIn(kScenes),
+                         [](const auto& test) { return test.param.name; });
+
+class SceneFile : public FolderTest {};
+
+TEST_F(SceneFile, MissingOrAFolder) {
+    std::filesystem::create_directory("folder.json");
+    const std::pair<const char*, const char*> cases[] = {{"no.json", "no such file"},
+                                                         {"no/no.json", "no such file"},
+                                                         {"no.ply", "no such file"},
+                                                         {"folder.json", "is a folder, not a file"}};
+    for (const auto& [file, reason] : cases) {
+        const Ran ran = runGlint({"render", file, "--backend", "cpu", "-o", "out.png"});
+        EXPECT_EQ(ran.err, std::string("glint: ") + file + ": " + reason + "\n");
+        EXPECT_EQ(ran.code, 3);
+    }
+    EXPECT_EQ(names(), std::set<std::string>{"folder.json"});
+}
+
+// Models that can be rendered, with a warning each.
+TEST_F(SceneFile, NotFiniteVerticesAreAWarning) {
+    writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 1 0\nf 1 2 3\nf 1 2 4\n");
+    const Ran ran = runGlint({"render", "a.obj", "--backend", "cpu", "--size", "16x12"});
+    EXPECT_EQ(ran.err,
+              "glint: warning: a.obj: /objects/0: 1 of 2 triangles dropped: a vertex is not finite or beyond "
+              "the range of fp32\n");
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_TRUE(std::filesystem::exists("a.png"));
+}
+
+TEST_F(SceneFile, TexturesAndMissingMaterialFilesAreWarnings) {
+    writeText("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    writeText("a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd no.png\n");
+    writeText("b.obj", "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const Ran a = runGlint({"render", "a.obj", "--backend", "cpu", "--size", "16x12"});
+    EXPECT_EQ(a.err,
+              "glint: warning: a.mtl: map_Kd is ignored, textures are not supported by this version\n");
+    EXPECT_EQ(a.code, 0);
+    const Ran b = runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12"});
+    EXPECT_EQ(b.err, "glint: warning: b.obj:1: no material file \"no.mtl\"\n");
+    EXPECT_EQ(b.code, 0);
+    EXPECT_EQ(runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12", "-q"}).err, "");
+}
+
+}  // namespace
+}  // namespace glint::app::test

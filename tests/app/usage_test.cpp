@@ -1,0 +1,209 @@
+// What the command line says when it is not understood: exact text, exit code 2, nothing on standard output,
+// no file.
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+struct Case {
+    const char* name;
+    std::vector<std::string> args;
+    const char* line;  // without "glint: " and the line's end
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name;
+}
+
+class Usage : public FolderTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(Usage, OneLineAndExitCode2) {
+    writeSmallScene("a.json");
+    const Ran ran = runGlint(GetParam().args);
+    EXPECT_EQ(ran.err, std::string("glint: ") + GetParam().line + "\n");
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+const Case kCommands[] = {
+    {"unknown",
+     {"paint"},
+     "unknown command \"paint\" (there are: render, verify, trace, diff, info, devices); see glint --help"},
+    {"misspelt",
+     {"rendr", "a.json"},
+     "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
+    {"empty",
+     {""},
+     "unknown command \"\" (there are: render, verify, trace, diff, info, devices); see glint --help"},
+    {"file", {"a.json"}, "\"a.json\" is no command; did you mean: glint render a.json"},
+    {"optionFirst",
+     {"--size", "3x3", "render", "a.json"},
+     "the command comes first, then its options (got \"--size\"); see glint --help"},
+    {"helpOfUnknown",
+     {"help", "verfy"},
+     "unknown command \"verfy\" (did you mean \"verify\"?); see glint --help"},
+    {"view",
+     {"view", "a.json"},
+     "view: not in this version (there are render, verify, trace, diff, info and devices)"},
+    {"report",
+     {"report", "a.json", "-o", "x"},
+     "report: not in this version (there are render, verify, trace, diff, info and devices)"},
+    {"bench",
+     {"bench", "a.json", "--stats", "json"},
+     "bench: not in this version (there are render, verify, trace, diff, info and devices)"},
+    {"renderAlone", {"render"}, "render: SCENE is missing; see glint render --help"},
+    {"verifyAlone", {"verify"}, "verify: SCENE is missing; see glint verify --help"},
+    {"traceAlone", {"trace"}, "trace: SCENE is missing; see glint trace --help"},
+    {"infoAlone", {"info"}, "info: SCENE is missing; see glint info --help"},
+    {"diffAlone", {"diff"}, "diff: A is missing; see glint diff --help"},
+    {"diffOne", {"diff", "a.png"}, "diff: B is missing; see glint diff --help"},
+    {"devicesArgument", {"devices", "gpu"}, "devices: unexpected argument \"gpu\"; see glint devices --help"},
+    {"extra",
+     {"render", "a.json", "b.json"},
+     "render: unexpected argument \"b.json\"; see glint render --help"},
+    {"emptyScene", {"render", ""}, "SCENE is empty; give a file name"},
+    {"emptySceneInfo", {"info", ""}, "SCENE is empty; give a file name"},
+};
+INSTANTIATE_TEST_SUITE_P(Commands, Usage, ::testing::ValuesIn(kCommands),
+                         [](const auto& test) { return test.param.name; });
+
+const Case kOptions[] = {
+    {"unknown", {"render", "a.json", "--foo"}, "render: unknown option \"--foo\"; see glint render --help"},
+    {"unknownWithoutScene", {"render", "--foo"}, "render: unknown option \"--foo\"; see glint render --help"},
+    {"unknownShort", {"render", "a.json", "-z"}, "render: unknown option \"-z\"; see glint render --help"},
+    {"misspelt",
+     {"render", "a.json", "--siez", "3x3"},
+     "render: unknown option \"--siez\" (did you mean \"--size\"?); see glint render --help"},
+    {"misspeltEquals",
+     {"render", "a.json", "--max-dept=3"},
+     "render: unknown option \"--max-dept\" (did you mean \"--max-depth\"?); see glint render --help"},
+    {"ofAnotherCommand",
+     {"info", "a.json", "--crop", "0,0,1,1"},
+     "info: unknown option \"--crop\"; see glint info --help"},
+    {"noValue", {"render", "a.json", "--size"}, "render: --size needs a value: WxH; see glint render --help"},
+    {"noOutput", {"render", "a.json", "-o"}, "render: --output needs a value: FILE; see glint render --help"},
+    {"optionForValue",
+     {"render", "a.json", "--size", "-q"},
+     "--size: expected WxH such as 640x480, got \"-q\""},
+    {"twice",
+     {"render", "a.json", "--size", "3x3", "--size", "4x4"},
+     "render: --size is given more than once; see glint render --help"},
+    {"flagValue",
+     {"render", "a.json", "--quiet=no"},
+     "render: --quiet takes no value; see glint render --help"},
+    {"seed",
+     {"render", "a.json", "--seed", "7"},
+     "--seed: this version samples each pixel on a fixed pattern, which has no seed; leave --seed out"},
+    {"cpuDevice", {"render", "a.json", "--backend", "cpu", "--device", "0"}, "--device: needs --backend gpu"},
+    {"cpuValidation",
+     {"render", "a.json", "--backend", "cpu", "--validation"},
+     "--validation: needs --backend gpu"},
+    {"traceNeither", {"trace", "a.json"}, "trace: give either --rays FILE.csv or --pixel x,y"},
+    {"traceBoth",
+     {"trace", "a.json", "--rays", "r.csv", "--pixel", "1,2"},
+     "trace: give either --rays FILE.csv or --pixel x,y"},
+    {"emptyOutput", {"render", "a.json", "-o", ""}, "--output: the file name is empty"},
+    {"emptyFolder", {"verify", "a.json", "-o", ""}, "--output: the folder's name is empty"},
+    {"emptyRays", {"trace", "a.json", "--rays", ""}, "--rays: the file name is empty"},
+    {"unknownFormat",
+     {"render", "a.json", "-o", "a.jpg"},
+     "a.jpg: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"noExtension",
+     {"render", "a.json", "-o", "out"},
+     "out: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"onlyExtension",
+     {"render", "a.json", "-o", ".png"},
+     ".png: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"devNull",
+     {"render", "a.json", "-o", "/dev/null"},
+     "/dev/null: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"folder",
+     {"render", "a.json", "-o", "/tmp"},
+     "/tmp: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+    {"diffFormat",
+     {"diff", "a", "b", "-o", "d.txt"},
+     "d.txt: unknown picture format (use .png, .exr, .pfm or .hdr)"},
+};
+INSTANTIATE_TEST_SUITE_P(Options, Usage, ::testing::ValuesIn(kOptions),
+                         [](const auto& test) { return test.param.name; });
+
+const Case kLateValues[] = {
+    {"cropBeyond",
+     {"render", "a.json", "--backend", "cpu", "--crop", "0,0,65,48"},
+     "--crop: reaches beyond the picture of 64x48 pixels"},
+    {"cropFarBeyond",
+     {"render", "a.json", "--backend", "cpu", "--crop", "0,0,99999999999999999999,48"},
+     "--crop: reaches beyond the picture of 64x48 pixels"},
+    {"cropOutside",
+     {"render", "a.json", "--backend", "cpu", "--crop", "64,48,65,49"},
+     "--crop: reaches beyond the picture of 64x48 pixels"},
+    {"pixelBeyond",
+     {"trace", "a.json", "--backend", "cpu", "--pixel", "64,0"},
+     "--pixel: 64,0 is outside the picture of 64x48 pixels"},
+    {"pixelNegative",
+     {"trace", "a.json", "--backend", "cpu", "--pixel", "0,-1"},
+     "--pixel: 0,-1 is outside the picture of 64x48 pixels"},
+    {"pixelOfGpu",
+     {"trace", "a.json", "--pixel", "0,48"},
+     "--pixel: 0,48 is outside the picture of 64x48 pixels"},
+};
+INSTANTIATE_TEST_SUITE_P(LateValues, Usage, ::testing::ValuesIn(kLateValues),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(Help, WithoutArgumentsGoesToStandardErrorWithExitCode2) {
+    const Ran ran = runGlint({});
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_EQ(ran.out, "");
+    EXPECT_NE(ran.err.find("Usage: glint COMMAND [OPTIONS]"), std::string::npos);
+}
+
+TEST(Help, IsTheSameWhereverItIsAskedFor) {
+    const std::string help = runGlint({"--help"}).out;
+    EXPECT_EQ(runGlint({"--help"}).code, 0);
+    EXPECT_EQ(runGlint({"--help"}).err, "");
+    EXPECT_EQ(runGlint({"-h"}).out, help);
+    EXPECT_EQ(runGlint({"help"}).out, help);
+    EXPECT_EQ(runGlint({}).err, help);
+    EXPECT_EQ(runGlint({"help", "render"}).out, runGlint({"render", "--help"}).out);
+}
+
+TEST(Help, NamesEveryCommandAndExitCode) {
+    const std::string help = runGlint({"--help"}).out;
+    for (const char* word : {"render", "verify", "trace", "diff", "info", "devices", "0 done",
+                             "1 could not render or write", "2 usage", "3 the scene is at fault",
+                             "4 no usable device", "5 difference found", "130 interrupted"}) {
+        EXPECT_NE(help.find(word), std::string::npos) << word;
+    }
+    for (const char* word : {"view", "report", "bench"})
+        EXPECT_EQ(help.find(word), std::string::npos) << word;
+}
+
+// The stable contract: scripts depend on these names.
+TEST(Help, NamesEveryOptionOfTheContract) {
+    const std::pair<const char*, std::vector<std::string>> commands[] = {
+        {"render",
+         {"-o", "--size", "--spp", "--max-depth", "--backend", "--device", "--aov", "--crop", "--seed",
+          "--stats", "--progress", "-q"}},
+        {"verify", {"SCENE ..."}},
+        {"trace", {"--rays", "--pixel", "--any", "--backend"}},
+        {"diff", {"-o", "--tolerance"}},
+        {"info", {"SCENE"}},
+        {"devices", {"-h,--help"}}};
+    for (const auto& [command, options] : commands) {
+        const Ran ran = runGlint({command, "--help"});
+        EXPECT_EQ(ran.code, 0);
+        for (const std::string& option : options)
+            EXPECT_NE(ran.out.find("  " + option), std::string::npos) << command << option;
+    }
+}
+
+TEST(Help, VersionIsOneLine) {
+    const Ran ran = runGlint({"--version"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_TRUE(ran.out.starts_with("glint ")) << ran.out;
+    EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
+}
+
+}  // namespace
+}  // namespace glint::app::test

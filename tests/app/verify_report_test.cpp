@@ -1,0 +1,102 @@
+// The words of `glint verify`, from reports made by hand.
+#include "app/verify_report.h"
+
+#include <sstream>
+
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+std::string reportText(const verify::Report& report, const verify::Options& options = {}) {
+    std::ostringstream out;
+    printReport("a.json", report, options, glm::dvec3(100, 0, 0), out);
+    return out.str();
+}
+
+verify::Report cleanReport() {
+    verify::Report report;
+    report.pixels = 1000;
+    report.rmse = 1e-7;
+    report.rmseSamePath = 1e-7;
+    report.maxSamePath = 2.5e-6;
+    return report;
+}
+
+TEST(VerifyReport, Ok) {
+    EXPECT_EQ(
+        reportText(cleanReport()),
+        "a.json: ok\n"
+        "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 0 unexplained\n"
+        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n");
+}
+
+TEST(VerifyReport, ExplainedPixelsUpToTheShare) {
+    verify::Report report = cleanReport();
+    report.edges = 3;
+    report.ties = 2;
+    EXPECT_TRUE(reportText(report).starts_with(
+        "a.json: ok\n    1000 pixels; differing: 3 edge, 2 tie (0.5000 % explained"));
+    ++report.ties;
+    EXPECT_TRUE(reportText(report).starts_with(
+        "a.json: FAILED: too many pixels differ, though rounding explains each\n"));
+}
+
+TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
+    verify::Report report = cleanReport();
+    report.unexplained = 1;
+    verify::DifferingPixel pixel;
+    pixel.x = 12;
+    pixel.y = 34;
+    pixel.difference = 0.5;
+    pixel.deviceColor = {0.25f, 0.5f, 0.75f};
+    pixel.device.object = 3;
+    pixel.device.primitive = 7;
+    pixel.device.depth = 2.5;
+    pixel.device.position = {101, 2, 3};
+    pixel.device.bounces = 2;
+    pixel.device.pathHash = 0xabc;
+    pixel.reference.color = {0.25, 0, 0.75};
+    pixel.reference.pathHash = 0xdef;
+    report.worst.push_back(pixel);
+    EXPECT_EQ(
+        reportText(report),
+        "a.json: FAILED: pixels differ for no reason that rounding explains\n"
+        "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 1 unexplained\n"
+        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
+        "    pixel 12,34: difference 0.5, unexplained\n"
+        "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
+        "00000abc\n"
+        "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
+}
+
+// The reference's positions are local; the report adds the origin. With several samples the sample is named.
+TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
+    verify::Report report = cleanReport();
+    report.edges = 1;
+    verify::DifferingPixel pixel;
+    pixel.reason = verify::Reason::Edge;
+    pixel.ulps = 2;
+    pixel.sample = 3;
+    pixel.difference = 1;
+    pixel.reference.hit = reference::Hit{};
+    pixel.reference.hit->t = 4;
+    pixel.reference.surface = reference::Surface{};
+    pixel.reference.surface->position = {1, 2, 3};
+    report.worst.push_back(pixel);
+    verify::Options options;
+    options.sampleOffsets.resize(4);
+    const std::string text = reportText(report, options);
+    EXPECT_NE(text.find("    pixel 0,0 sample 3: difference 1, edge (rays moved by 2 x 2^-24)\n"),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find("reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)"), std::string::npos)
+        << text;
+}
+
+TEST(VerifyReport, WithoutPixels) {
+    EXPECT_NE(reportText({}).find("0 pixels; differing"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace glint::app::test
