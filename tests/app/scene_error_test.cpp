@@ -33,11 +33,13 @@ const Bad kScenes[] = {
     {"syntax", "a.json", "{\n  \"objects\": [1,}", ":2:17: expected a value (got '}')"},
     {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
     {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
-     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, triangle, mesh)"},
+     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
+     "mesh)"},
     {"unsupportedType", "a.json",
      R"({"objects": [{"type": "cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1}]})",
-     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, triangle, "
-     "mesh)"},
+     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, disc, "
+     "triangle, "
+     "polygon, mesh)"},
     {"unsupportedMaterial", "a.json", R"({"materials": {"glass": {"transmission": 1}}})",
      ": /materials/glass/transmission: \"transmission\" is not supported by this version"},
     {"spot", "a.json",

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "bvh/builder.h"
 #include "bvh/packed_scene.h"
 #include "scene_maker.h"
 

@@ -120,7 +120,8 @@ void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, u
     scene.objects.push_back({"plane", PlaneShape{point, normal}, material});
 }
 
-void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius, uint32_t material) {
+void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius,
+             uint32_t material) {
     scene.objects.push_back({"disc", DiscShape{center, normal, radius}, material});
 }
 
