@@ -114,6 +114,66 @@ bool intersectPlane(Ray ray, Plane plane, out float t) {
     return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }
 
+// The plane's t, then the distance from the centre of the point there. Both parts of it are of the size of the ray's way to the disc, not
+// of the coordinates.
+bool intersectDisc(Ray ray, Disc disc, out float t) {
+    precise vec3 toCenter = disc.center - ray.origin;
+    precise float speed = dot(disc.normal, ray.direction);
+    precise float height = dot(disc.normal, toCenter);
+    precise float tHit = height / speed;
+    precise vec3 offset = tHit * ray.direction - toCenter;
+    precise float square = dot(offset, offset);
+    precise float limit = disc.radius * disc.radius;
+    t = tHit;
+    return speed != 0.0 && square <= limit && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+// A vertex as the ray sees it: sheared as the corners of triangles are, z its t.
+vec3 shearedVertex(Ray ray, RayFrame frame, uint index) {
+    precise vec3 v = turnToZ(loadPolygonVertex(index).position - ray.origin, frame.axis);
+    precise vec2 xy = v.xy - frame.shear.xy * v.z;
+    precise float t = frame.shear.z * v.z;
+    return vec3(xy, t);
+}
+
+// True if the edge crosses the half line x > 0, y = 0. Half open: of two edges that meet on the line, one above and one below it, a
+// single one counts, and both or neither if they are on the same side. Exchanging a and b exchanges nothing: the two products are
+// the same, so polygons that share an edge never disagree on which side of it a ray passes.
+bool crosses(vec3 a, vec3 b) {
+    precise float edge = a.x * b.y - a.y * b.x;
+    bool up = b.y > 0.0;
+    return up != (a.y > 0.0) && (up ? edge > 0.0 : edge < 0.0);
+}
+
+// Even-odd rule on the outline as seen along the ray, projected along the direction's largest component, not the normal's: every edge
+// contributes a bit of its own and the ray's alone, so the parities of polygons that meet add up to that of their common outline, without
+// gaps, whatever rounding does. t is the plane's, kept among those of the vertices, which it leaves by rounding only.
+bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
+    precise float speed = dot(polygon.normal, ray.direction);
+    precise float height = dot(polygon.normal, polygon.point - ray.origin);
+    precise float tPlane = height / speed;
+    bool inside = false;
+    uint vertex = polygon.firstVertex;
+    uint end = vertex + polygon.trips * kPolygonEdgesPerTrip;
+    vec3 a = shearedVertex(ray, frame, vertex);
+    float least = a.z;
+    float greatest = a.z;
+    while (vertex < end) {
+        vec3 b = shearedVertex(ray, frame, vertex + 1u);
+        vec3 c = shearedVertex(ray, frame, vertex + 2u);
+        vec3 d = shearedVertex(ray, frame, vertex + 3u);
+        vec3 e = shearedVertex(ray, frame, vertex + 4u);
+        bool odd = (crosses(a, b) != crosses(b, c)) != (crosses(c, d) != crosses(d, e));
+        inside = inside != odd;
+        least = min(least, min(min(b.z, c.z), min(d.z, e.z)));
+        greatest = larger(greatest, larger(larger(b.z, c.z), larger(d.z, e.z)));
+        a = e;
+        vertex += kPolygonEdgesPerTrip;
+    }
+    t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
+    return inside && speed != 0.0 && t > ray.tMin && t <= ray.tMax;
+}
+
 // Takes the hit if it is closer, or as close with a lower id.
 void accept(inout Ray ray, inout Hit hit, float t, float u, float v, uint primitive, uint id) {
     bool better = hit.primitive == kNone || t < hit.t || id < hit.id;

@@ -126,6 +126,21 @@ GLINT_READ_ARRAY(11, cameraArray)
 GLINT_LOADER(Camera, GLINT_CAMERA_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(12, discsArray)
+#define GLINT_ARRAY_NAME discsArray
+GLINT_LOADER(Disc, GLINT_DISC_ROWS)
+#undef GLINT_ARRAY_NAME
+
+GLINT_READ_ARRAY(13, polygonsArray)
+#define GLINT_ARRAY_NAME polygonsArray
+GLINT_LOADER(Polygon, GLINT_POLYGON_ROWS)
+#undef GLINT_ARRAY_NAME
+
+GLINT_READ_ARRAY(14, polygonVerticesArray)
+#define GLINT_ARRAY_NAME polygonVerticesArray
+GLINT_LOADER(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

@@ -79,6 +79,34 @@ void planeSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = plane.material;
 }
 
+// Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from `anchor`: the product with the
+// normal errs by gamma_4 of the offset, the subtraction and the anchor's addition by a unit each.
+void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
+    precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
+    precise vec3 projected = offset - dot(normal, offset) * normal;
+    precise vec3 position = anchor + projected;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(anchor));
+    surface.normal = normal;
+    surface.shadingNormal = normal;
+}
+
+void discSurface(Ray ray, Hit hit, inout Surface surface) {
+    Disc disc = loadDisc(hit.primitive & kPrimitiveIndexMask);
+    flatSurface(ray, hit, disc.center, disc.normal, surface);
+    surface.object = disc.object;
+    surface.primitive = disc.primitive;
+    surface.material = disc.material;
+}
+
+void polygonSurface(Ray ray, Hit hit, inout Surface surface) {
+    Polygon polygon = loadPolygon(hit.primitive & kPrimitiveIndexMask);
+    flatSurface(ray, hit, polygon.point, polygon.normal, surface);
+    surface.object = polygon.object;
+    surface.primitive = polygon.primitive;
+    surface.material = polygon.material;
+}
+
 // hit.primitive must not be kNone.
 Surface surfaceAt(Ray ray, Hit hit) {
     Surface surface;
@@ -93,6 +121,8 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
+    if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
+    if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
     return surface;
 }
 

@@ -62,6 +62,35 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             if (MODE_COST) ++traversal.cost;
         }
     }
+    if (FEATURE_DISCS) {
+        uint index = kind == kKindDisc ? first : end;
+        while (index < end) {
+            Disc disc = loadDisc(index);
+            uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
+            float t;
+            if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
+                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, disc.id);
+            }
+            ++index;
+            ++traversal.trips;
+            if (MODE_COST) ++traversal.cost;
+        }
+    }
+    if (FEATURE_POLYGONS) {
+        uint index = kind == kKindPolygon ? first : end;
+        while (index < end) {
+            Polygon polygon = loadPolygon(index);
+            uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
+            float t;
+            if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
+                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, polygon.id);
+            }
+            ++index;
+            // This loop's, the edges', and the one that ends theirs.
+            traversal.trips += polygon.trips + 2u;
+            if (MODE_COST) ++traversal.cost;
+        }
+    }
 }
 
 void testPlanes(inout Traversal traversal, uint planeCount) {
@@ -147,7 +176,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot) {
     traversal.frame = makeFrame(traversal.ray.direction);
     if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);
     return traverse(traversal, inTree ? environment.root : kNone);
 }
 

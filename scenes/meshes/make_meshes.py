@@ -4,6 +4,7 @@
 knot.obj    (2,3) torus knot, 240 x 24 quads, vertex normals
 gem.obj     icosahedron whose faces are raised to a point (a small stellated dodecahedron's cousin), flat
 floor.obj   checkered floor of 24 x 24 quads in two materials (floor.mtl), from -12 to 12
+cube.obj    the unit cube from (0, 0, 0) to (1, 1, 1), 6 quads
 """
 import math
 
@@ -99,6 +100,18 @@ def floor(n=24, half=12.0):
                         "newmtl dark", "Kd 0.10 0.12 0.16", "Ka 0.10 0.12 0.16", "Ks 0.22 0.22 0.22", "Ns 80", "illum 3"])
 
 
+def cube():
+    lines = ["# unit cube"]
+    lines += ["v %d %d %d" % (i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
+    for k in range(3):  # the faces across axis k: a, b the other two in cyclic order
+        a, b = 1 << (k + 1) % 3, 1 << (k + 2) % 3
+        for side in (0, 1 << k):
+            corners = [side, side + a, side + a + b, side + b]
+            lines.append("f %d %d %d %d" % tuple(c + 1 for c in (corners if side else corners[::-1])))
+    write("cube.obj", lines)
+
+
 knot()
 gem()
 floor()
+cube()

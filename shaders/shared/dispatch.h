@@ -14,16 +14,20 @@
     X(5, POINT_LIGHTS, pointLights)                \
     X(6, DIRECTIONAL_LIGHTS, directionalLights)    \
     X(7, SPECULAR, specular)                       \
-    X(8, MIRRORS, mirrors)
+    X(8, MIRRORS, mirrors)                         \
+    X(9, SPOT_LIGHTS, spotLights)                  \
+    X(10, PARALLEL_CAMERA, parallelCamera)         \
+    X(11, DISCS, discs)                            \
+    X(12, POLYGONS, polygons)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by the stackless walk.
 // shadowless: lights shine through everything; no picture of `glint render` has it, the window may ask for it.
 #define GLINT_MODES(X)   \
-    X(9, AOVS, aovs)     \
-    X(10, COST, cost)    \
-    X(11, RESUME, resume)  \
-    X(12, SHADOWLESS, shadowless)
+    X(13, AOVS, aovs)    \
+    X(14, COST, cost)    \
+    X(15, RESUME, resume) \
+    X(16, SHADOWLESS, shadowless)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                       \
@@ -36,9 +40,12 @@
     X(8, materials, Material)                       \
     X(9, lights, Light)                             \
     X(10, environment, Environment)                 \
-    X(11, camera, Camera)
+    X(11, camera, Camera)                           \
+    X(12, discs, Disc)                              \
+    X(13, polygons, Polygon)                        \
+    X(14, polygonVertices, PolygonVertex)
 
-#define GLINT_BINDING_COUNT 12
+#define GLINT_BINDING_COUNT 15
 
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its threads an

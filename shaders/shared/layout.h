@@ -49,25 +49,46 @@
     V3U(normal, object)                \
     U4(primitive, material, reserved0, reserved1)
 
+// normal: unit. The disc is what of the plane through `center` lies no farther than `radius` from it.
+#define GLINT_DISC_ROWS(V3F, V3U, U4) \
+    V3U(center, id)                   \
+    V3F(normal, radius)               \
+    U4(object, primitive, material, reserved)
+
+// normal: unit; point: in the plane. The outline's vertices stand from firstVertex on, the first one again at the end and as often as it
+// takes to make `trips` times kPolygonEdgesPerTrip edges: an edge without length crosses nothing.
+#define GLINT_POLYGON_ROWS(V3F, V3U, U4) \
+    V3U(point, id)                       \
+    V3U(normal, object)                  \
+    U4(primitive, material, firstVertex, trips)
+
+#define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
+
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, reserved0)               \
     V3F(specular, reserved1)              \
     V3F(mirror, reserved2)
 
-// kind: kLightPoint, kLightPointInverseSquare (position) or kLightDirectional (unit vector towards the light).
+// kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot light, unit, the way the
+// light travels. Its full light ends at the angle whose 1 - cos is `inner`, all light at that of `outer`: as differences from 1
+// they keep a narrow cone's digits. inner <= outer.
 #define GLINT_LIGHT_ROWS(V3F, V3U, U4) \
     V3U(position, kind)                \
-    V3F(intensity, reserved)
+    V3F(intensity, inner)              \
+    V3F(axis, outer)
 
-// Camera ray of the film point (x, y), in pixels from the top left corner:
-// direction = normalize(center + (x - width/2) stepX + (y - height/2) stepY), origin = eye.
-// near, far bound t, the distance from the eye; far may be kInfinity.
+// Camera ray of the film point (X, Y), in pixels from the top left corner, with x = X - width/2, y = Y - height/2:
+// origin = eye + x originStepX + y originStepY, direction = normalize(center + x stepX + y stepY).
+// The origin steps are 0 for a perspective camera, the direction's for a parallel one.
+// near, far bound t, the distance from the origin; far may be kInfinity.
 #define GLINT_CAMERA_ROWS(V3F, V3U, U4) \
     V3F(eye, nearT)                     \
     V3F(center, farT)                   \
     V3F(stepX, halfWidth)               \
-    V3F(stepY, halfHeight)
+    V3F(stepY, halfHeight)              \
+    V3F(originStepX, reserved0)         \
+    V3F(originStepY, reserved1)
 
 // Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
@@ -82,6 +103,9 @@
     X(VertexNormals, GLINT_VERTEX_NORMALS_ROWS)       \
     X(Sphere, GLINT_SPHERE_ROWS)                      \
     X(Plane, GLINT_PLANE_ROWS)                        \
+    X(Disc, GLINT_DISC_ROWS)                          \
+    X(Polygon, GLINT_POLYGON_ROWS)                    \
+    X(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)       \
     X(Material, GLINT_MATERIAL_ROWS)                  \
     X(Light, GLINT_LIGHT_ROWS)                        \
     X(Camera, GLINT_CAMERA_ROWS)                      \
@@ -136,16 +160,25 @@ GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
 GLINT_CONST_UINT(kKindTriangle, 0u);
 GLINT_CONST_UINT(kKindSphere, 1u);
 GLINT_CONST_UINT(kKindPlane, 2u);
+GLINT_CONST_UINT(kKindDisc, 3u);
+GLINT_CONST_UINT(kKindPolygon, 4u);
+GLINT_CONST_UINT(kKindCount, 5u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
 GLINT_CONST_UINT(kLightDirectional, 2u);
+GLINT_CONST_UINT(kLightSpot, 3u);
+GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
 // Levels of the BVH below the root that the builder may use; a traversal pushes at most one entry per level.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
 // Infinite planes are tested one by one, outside the BVH; the bound keeps that loop far below the 65,535 trips
 // after which lavapipe ends every loop.
 GLINT_CONST_UINT(kMaxPlanes, 1024u);
+// The outline of a polygon is followed by so many edges in one loop trip, for as many trips at the most: with a leaf of 2^11 trips and 16
+// lanes lavapipe's 65,535 still leave a ray some 700 trips before it has to be resumed (renderer.cpp).
+GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
+GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);

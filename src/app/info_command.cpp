@@ -5,6 +5,7 @@
 #include "app/common.h"
 #include "core/error.h"
 #include "gpu/device.h"
+#include "scene/camera_frame.h"
 #include "shared/dispatch.h"
 
 namespace glint::app {
@@ -26,7 +27,8 @@ std::string arraySize(const PackedScene& packed) {
     const uint64_t bytes = bytesOf(packed.nodes) + bytesOf(packed.triangles) +
                            bytesOf(packed.triangleSurfaces) + bytesOf(packed.vertexNormals) +
                            bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
-                           bytesOf(packed.lights);
+                           bytesOf(packed.lights) + bytesOf(packed.discs) + bytesOf(packed.polygons) +
+                           bytesOf(packed.polygonVertices);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
@@ -56,7 +58,7 @@ void printGeometry(const PackedScene& packed, std::ostream& out) {
         out << line;
     }
     if (s.droppedZeroArea + s.droppedNotFinite > 0) {
-        out << "  dropped       " << counted(s.droppedZeroArea, "triangle") << " without area, "
+        out << "  dropped       " << counted(s.droppedZeroArea, "primitive") << " without area, "
             << s.droppedNotFinite << " not finite\n";
     }
 }
@@ -71,8 +73,10 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel, at most "
         << counted(scene.maxDepth, "reflection") << '\n'
+        << "  camera        " << cameraKind(scene.camera) << '\n'
         << "  objects       " << scene.objects.size() << " (" << counted(packed.triangles.size(), "triangle")
         << ", " << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane")
+        << ", " << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon")
         << ")\n"
         << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';

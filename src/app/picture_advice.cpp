@@ -5,30 +5,37 @@
 #include <limits>
 #include <variant>
 
+#include "scene/camera_frame.h"
+
 namespace glint::app {
 
 namespace {
 
 // Where the box around all finite geometry lies as the camera sees it.
 struct Placement {
-    double depthMin = std::numeric_limits<double>::infinity();  // along the view direction
-    double depthMax = -std::numeric_limits<double>::infinity();
-    double distanceMin = 0, distanceMax = 0;  // from the eye, of any of its points
+    double depthMin = std::numeric_limits<double>::infinity();   // beyond the plane through the eye that
+    double depthMax = -std::numeric_limits<double>::infinity();  // is parallel to the image plane
+    double distanceMin = 0, distanceMax = 0;                     // along camera rays, of any of its points
 };
 
 Placement placeBounds(const Camera& camera, const PackedScene& packed) {
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);
-    const glm::dvec3 view = glm::normalize(camera.target - camera.eye);
+    const CameraFrame frame = cameraFrame(camera);
     Placement p;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 point(corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z);
-        const double depth = glm::dot(point - camera.eye, view);
+        const double depth = -glm::dot(point - camera.eye, frame.w);
         p.depthMin = std::min(p.depthMin, depth);
         p.depthMax = std::max(p.depthMax, depth);
         p.distanceMax = std::max(p.distanceMax, glm::distance(point, camera.eye));
     }
     p.distanceMin = glm::distance(glm::clamp(camera.eye, lo, hi), camera.eye);
+    if (camera.projection == Projection::Orthographic) {
+        const double cosine = -glm::dot(frame.view, frame.w);
+        p.distanceMin = p.depthMin / cosine;
+        p.distanceMax = p.depthMax / cosine;
+    }
     return p;
 }
 

@@ -117,6 +117,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["triangles"] = loaded.packed.triangles.size();
     json["spheres"] = loaded.packed.spheres.size();
     json["planes"] = loaded.packed.planes.size();
+    json["discs"] = loaded.packed.discs.size();
+    json["polygons"] = loaded.packed.polygons.size();
     json["notFinite"] = outcome.picture.notFinite;
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},

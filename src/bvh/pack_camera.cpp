@@ -3,14 +3,17 @@
 #include <numbers>
 
 #include "bvh/packed_scene.h"
+#include "scene/camera_frame.h"
 
 namespace glint {
 namespace {
 
-// The window that `fovY` spans at unit distance, centred, with square pixels.
+// The window as given, or the centred one with square pixels that is `height` high or that `fovY` spans at
+// unit distance.
 ViewWindow windowOf(const Camera& camera, int width, int height) {
     if (camera.window) return *camera.window;
-    const double top = std::tan(camera.fovY * (std::numbers::pi / 360));
+    const bool parallel = camera.projection == Projection::Orthographic;
+    const double top = parallel ? camera.height / 2 : std::tan(camera.fovY * (std::numbers::pi / 360));
     const double right = top * width / height;
     return {-right, right, -top, top};
 }
@@ -21,20 +24,30 @@ float boundedT(double t) {
 
 }  // namespace
 
-// P. Shirley and S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3 and 4.4: frame u, v, w with
-// w against the view direction, pixel (i, j) at u = l + (r - l)(i + 0.5) / nx, here with row 0 at the top.
+// P. Shirley and S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3: the point of pixel (i, j)
+// on the image plane is at u = l + (r - l)(i + 0.5) / nx along the frame's u, likewise along v, here with row
+// 0 at the top. It moves the direction of perspective rays and the origin of parallel ones; oblique cameras
+// of both kinds keep the view direction and turn the frame (4.3.1, 4.3.2).
 shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin) {
-    const glm::dvec3 w = glm::normalize(camera.eye - camera.target);
-    const glm::dvec3 u = glm::normalize(glm::cross(camera.up, w));
-    const glm::dvec3 v = glm::cross(w, u);
+    const CameraFrame frame = cameraFrame(camera);
     const ViewWindow window = windowOf(camera, width, height);
+    const glm::dvec3 middle =
+        0.5 * (window.left + window.right) * frame.u + 0.5 * (window.bottom + window.top) * frame.v;
+    const glm::vec3 stepX((window.right - window.left) / width * frame.u);
+    const glm::vec3 stepY(-(window.top - window.bottom) / height * frame.v);
 
     shared::Camera out;
-    out.eye = glm::vec3(camera.eye - origin);
-    out.center =
-        glm::vec3(0.5 * (window.left + window.right) * u + 0.5 * (window.bottom + window.top) * v - w);
-    out.stepX = glm::vec3((window.right - window.left) / width * u);
-    out.stepY = glm::vec3(-(window.top - window.bottom) / height * v);
+    if (camera.projection == Projection::Orthographic) {
+        out.eye = glm::vec3(camera.eye + middle - origin);
+        out.center = glm::vec3(frame.view);
+        out.originStepX = stepX;
+        out.originStepY = stepY;
+    } else {
+        out.eye = glm::vec3(camera.eye - origin);
+        out.center = glm::vec3(middle + frame.view);
+        out.stepX = stepX;
+        out.stepY = stepY;
+    }
     out.halfWidth = 0.5f * static_cast<float>(width);
     out.halfHeight = 0.5f * static_cast<float>(height);
     out.nearT = boundedT(camera.nearT);

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bvh/area_vector.h"
 #include "bvh/flatten.h"
@@ -10,6 +12,8 @@
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "scene/polygon_plane.h"
+#include "shared/dispatch.h"
 
 namespace glint {
 namespace {
@@ -26,12 +30,25 @@ shared::Material roundMaterial(const Material& material) {
     return out;
 }
 
+// 1 - cos, without its cancellation for small angles.
+float oneMinusCosine(double degrees) {
+    const double half = std::sin(degrees * (std::numbers::pi / 360));
+    return static_cast<float>(2 * half * half);
+}
+
 shared::Light roundLight(const Light& light, const glm::dvec3& origin) {
     shared::Light out;
     if (const auto* point = std::get_if<PointLight>(&light)) {
         out.position = glm::vec3(point->position - origin);
         out.kind = point->inverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
         out.intensity = glm::vec3(point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        out.position = glm::vec3(spot->position - origin);
+        out.kind = spot->inverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
+        out.intensity = glm::vec3(spot->intensity);
+        out.axis = glm::vec3(unitVector(spot->direction).value());
+        out.inner = oneMinusCosine(spot->angle);
+        out.outer = oneMinusCosine(spot->angle + spot->penumbra);
     } else {
         const auto& directional = std::get<DirectionalLight>(light);
         out.position = glm::vec3(unitVector(-directional.direction).value());
@@ -72,7 +89,12 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out) 
     return true;
 }
 
-// Writes triangles and spheres to their arrays in the order of the BVH's leaves.
+// Length of a polygon's part of the vertex array: its edges and those without length that fill the last trip.
+uint32_t packedVertices(const PolygonShape& polygon) {
+    return polygonTrips(polygon.vertices.size()) * shared::kPolygonEdgesPerTrip + 1;
+}
+
+// Writes what is in the BVH to the arrays of its kinds in the order of the BVH's leaves.
 class LeafOrderWriter {
   public:
     LeafOrderWriter(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
@@ -94,7 +116,8 @@ class LeafOrderWriter {
 
   private:
     struct Counts {
-        uint32_t triangles = 0, spheres = 0, normals = 0;
+        std::array<uint32_t, shared::kKindCount> kinds{};
+        uint32_t normals = 0, polygonVertices = 0;
     };
     template <class Visit>
     void visitChunk(size_t chunk, Visit&& visit) const {
@@ -105,6 +128,8 @@ class LeafOrderWriter {
     void writeChunk(size_t chunk, Counts next);
     void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals);
     void writeSphere(Primitives::Source source, uint32_t slot);
+    void writeDisc(Primitives::Source source, uint32_t slot);
+    void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
 
     const Scene& scene_;
     const PrimitiveNumbers& numbers_;
@@ -124,12 +149,16 @@ void LeafOrderWriter::write(unsigned threads) {
     for (Counts& c : first) {
         const Counts here = c;
         c = total;
-        total = {total.triangles + here.triangles, total.spheres + here.spheres,
-                 total.normals + here.normals};
+        for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) total.kinds[kind] += here.kinds[kind];
+        total.normals += here.normals;
+        total.polygonVertices += here.polygonVertices;
     }
-    packed_.triangles.resize(total.triangles);
-    packed_.triangleSurfaces.resize(total.triangles);
-    packed_.spheres.resize(total.spheres);
+    packed_.triangles.resize(total.kinds[shared::kKindTriangle]);
+    packed_.triangleSurfaces.resize(total.kinds[shared::kKindTriangle]);
+    packed_.spheres.resize(total.kinds[shared::kKindSphere]);
+    packed_.discs.resize(total.kinds[shared::kKindDisc]);
+    packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
+    packed_.polygonVertices.resize(total.polygonVertices);
     packed_.vertexNormals.resize(total.normals);
     parallelFor(
         chunks, [&](size_t i) { writeChunk(i, first[i]); }, threads);
@@ -139,12 +168,12 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
     Counts counts;
     shared::VertexNormals normals;
     visitChunk(chunk, [&](uint32_t primitive, Primitives::Source source) {
-        if (primitives_.kinds[primitive] == shared::kKindSphere) {
-            ++counts.spheres;
-        } else {
+        ++counts.kinds[primitives_.kinds[primitive]];
+        if (primitives_.kinds[primitive] == shared::kKindTriangle) {
             const TriangleSource triangles(scene_.objects[source.object]);
-            ++counts.triangles;
             counts.normals += vertexNormals(triangles.mesh(), source.face, normals);
+        } else if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
+            counts.polygonVertices += packedVertices(*polygon);
         }
     });
     return counts;
@@ -152,15 +181,20 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
 
 void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
     visitChunk(chunk, [&](uint32_t primitive, Primitives::Source source) {
-        if (primitives_.kinds[primitive] == shared::kKindSphere) {
-            writeSphere(source, next.spheres++);
+        const uint8_t kind = primitives_.kinds[primitive];
+        const uint32_t slot = next.kinds[kind]++;
+        if (kind == shared::kKindSphere) return writeSphere(source, slot);
+        if (kind == shared::kKindDisc) return writeDisc(source, slot);
+        if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
+            writePolygon(source, slot, next.polygonVertices);
+            next.polygonVertices += packedVertices(*polygon);
             return;
         }
         const TriangleSource triangles(scene_.objects[source.object]);
         shared::VertexNormals normals;
         const bool smooth = vertexNormals(triangles.mesh(), source.face, normals);
         if (smooth) packed_.vertexNormals[next.normals] = normals;
-        writeTriangle(source, next.triangles++, smooth ? next.normals++ : shared::kNone);
+        writeTriangle(source, slot, smooth ? next.normals++ : shared::kNone);
     });
 }
 
@@ -195,6 +229,46 @@ void LeafOrderWriter::writeSphere(Primitives::Source source, uint32_t slot) {
     use(sphere.material);
 }
 
+void LeafOrderWriter::writeDisc(Primitives::Source source, uint32_t slot) {
+    const Object& object = scene_.objects[source.object];
+    shared::Disc& disc = packed_.discs[slot];
+    disc = roundDisc(std::get<DiscShape>(object.shape), frame_);
+    disc.id = numbers_.firstId(source.object);
+    disc.object = source.object;
+    disc.material = object.material;
+    use(disc.material);
+}
+
+void LeafOrderWriter::writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex) {
+    const Object& object = scene_.objects[source.object];
+    const auto& shape = std::get<PolygonShape>(object.shape);
+    const std::vector<glm::vec3> vertices = roundPolygon(shape, frame_.origin).value();
+    const PolygonPlane plane = polygonPlane(widened(vertices)).value();
+    shared::Polygon& polygon = packed_.polygons[slot];
+    polygon.point = glm::vec3(plane.point);
+    polygon.normal = glm::vec3(plane.normal);
+    polygon.id = numbers_.firstId(source.object);
+    polygon.object = source.object;
+    polygon.material = object.material;
+    polygon.firstVertex = firstVertex;
+    polygon.trips = polygonTrips(vertices.size());
+    for (uint32_t i = 0; i < packedVertices(shape); ++i)
+        packed_.polygonVertices[firstVertex + i].position = vertices[i < vertices.size() ? i : 0];
+    use(polygon.material);
+}
+
+// A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
+void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
+    uint32_t trips = 0;
+    for (const Object& object : scene.objects)
+        if (const auto* polygon = std::get_if<PolygonShape>(&object.shape))
+            trips = std::max(trips, polygonTrips(polygon->vertices.size()));
+    if (trips == 0) return;
+    options.maxLeafSize = std::clamp(shared::kMaxPolygonTrips / trips, 1u, options.maxLeafSize);
+    // Two more for each polygon: the end of its loop and that of the leaf.
+    packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
+}
+
 void fillStatistics(const Bvh& bvh, double traversalCost, PackStatistics& statistics) {
     statistics.depth = bvh.depth;
     if (bvh.nodes.empty()) return;
@@ -208,6 +282,20 @@ void fillStatistics(const Bvh& bvh, double traversalCost, PackStatistics& statis
     }
 }
 
+void addLightKind(const shared::Light& light, SceneFeatures& features) {
+    switch (light.kind) {
+        case shared::kLightDirectional:
+            features.directionalLights = true;
+            break;
+        case shared::kLightSpot:
+        case shared::kLightSpotInverseSquare:
+            features.spotLights = true;
+            break;
+        default:
+            features.pointLights = true;
+    }
+}
+
 template <class Used>
 SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     SceneFeatures f;
@@ -215,9 +303,10 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.spheres = !packed.spheres.empty();
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
     f.planes = !packed.planes.empty();
+    f.discs = !packed.discs.empty();
+    f.polygons = !packed.polygons.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
-    for (const shared::Light& light : packed.lights)
-        (light.kind == shared::kLightDirectional ? f.directionalLights : f.pointLights) = true;
+    for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {
         if (!used(i)) continue;
         f.specular |= packed.materials[i].specular != glm::vec3(0);
@@ -241,7 +330,11 @@ void packEnvironment(const Scene& scene, PackedScene& packed) {
 }  // namespace
 
 SceneFeatures allFeatures() {
-    return {true, true, true, true, true, true, true, true, true};
+    SceneFeatures f;
+#define GLINT_SET(ID, NAME, field) f.field = true;
+    GLINT_FEATURES(GLINT_SET)
+#undef GLINT_SET
+    return f;
 }
 
 PackedScene packScene(const Scene& scene, unsigned threads) {
@@ -257,8 +350,10 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     BvhOptions options;
     options.maxDepth = shared::kMaxBvhDepth;
     options.threads = threads;
-    const bool oneKind = primitives.triangles == 0 || primitives.spheres == 0;
-    if (!oneKind) options.groups = &primitives.kinds;
+    const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
+                                     [](uint32_t count) { return count > 0; });
+    if (kinds > 1) options.groups = &primitives.kinds;
+    limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
     Bvh bvh = buildBvh(primitives.boxes, options);
     packed.statistics.buildSeconds = stopwatch.seconds();
@@ -276,6 +371,7 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     packEnvironment(scene, packed);
     for (const shared::Plane& plane : packed.planes) writer.use(plane.material);
     packed.features = featuresOf(packed, [&](size_t material) { return writer.used(material); });
+    packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     return packed;
 }
 

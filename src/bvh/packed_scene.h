@@ -22,6 +22,10 @@ struct SceneFeatures {
     bool directionalLights = false;
     bool specular = false;  // some material has a highlight
     bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool discs = false;
+    bool polygons = false;
+    bool spotLights = false;
+    bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
 };
 
@@ -34,8 +38,9 @@ struct PackStatistics {
     uint32_t depth = 0;
     // Expected cost of a random ray in primitive tests; a node costs BvhOptions::traversalCost.
     double sahCost = 0;
-    uint32_t droppedZeroArea = 0;   // triangles without area after rounding to fp32
-    uint32_t droppedNotFinite = 0;  // triangles with a vertex that is not finite, or overflows fp32
+    uint32_t droppedZeroArea = 0;  // triangles and polygons without area after rounding to fp32
+    uint32_t droppedNotFinite =
+        0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
 
 struct PackedScene {
@@ -46,6 +51,10 @@ struct PackedScene {
     std::vector<shared::VertexNormals> vertexNormals;
     std::vector<shared::Sphere> spheres;
     std::vector<shared::Plane> planes;
+    std::vector<shared::Disc> discs;
+    std::vector<shared::Polygon> polygons;
+    std::vector<shared::PolygonVertex> polygonVertices;
+    uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;
     shared::Environment environment;

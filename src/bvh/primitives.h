@@ -84,6 +84,24 @@ shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
 // Encloses the rounded sphere, whatever its form.
 Box sphereBox(const shared::Sphere& sphere);
 
+shared::Disc roundDisc(const DiscShape& disc, const Frame& frame);
+Box discBox(const shared::Disc& disc);
+// How far a disc reaches from its centre along each axis. normal: any length but zero.
+glm::dvec3 discExtent(const glm::dvec3& normal, double radius);
+
+// Its own vertices without the repetitions of the device's array; nothing if one of them is not finite or
+// beyond fp32.
+std::optional<std::vector<glm::vec3>> roundPolygon(const PolygonShape& polygon, const glm::dvec3& origin);
+// As doubles, for polygonPlane.
+std::vector<glm::dvec3> widened(const std::vector<glm::vec3>& vertices);
+// Encloses the outline and what of the plane, as the device has it, lies opposite to its vertices.
+Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, const glm::vec3& normal);
+// Loop trips that the device takes around the outline.
+uint32_t polygonTrips(size_t vertices);
+
+// shared::kKind... of the primitives that a shape is made of.
+uint8_t kindOf(const Shape& shape);
+
 // What goes into the BVH, in the order of ids.
 struct Primitives {
     struct Source {
@@ -92,7 +110,7 @@ struct Primitives {
     std::vector<Box> boxes;  // of the rounded primitives
     std::vector<uint8_t> kinds;
     std::vector<Source> sources;
-    uint32_t triangles = 0, spheres = 0;
+    std::array<uint32_t, shared::kKindCount> counts{};  // of each kind
 };
 
 // Leaves out planes and the triangles that cannot be hit, which are counted and warned of.

@@ -25,6 +25,13 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, size_t
             region.include(sphere->center - sphere->radius);
             region.include(sphere->center + sphere->radius);
         }
+        if (const auto* disc = std::get_if<DiscShape>(&o.shape)) {
+            const glm::dvec3 extent = discExtent(disc->normal, disc->radius);
+            region.include(disc->center - extent);
+            region.include(disc->center + extent);
+        }
+        if (const auto* polygon = std::get_if<PolygonShape>(&o.shape))
+            for (const glm::dvec3& vertex : polygon->vertices) region.include(vertex);
         const TriangleSource source(o);
         if (!source.any()) return;
         for (uint32_t face = begin; face < end; ++face)

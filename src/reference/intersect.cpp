@@ -1,6 +1,7 @@
 #include "reference/intersect.h"
 
 #include <limits>
+#include <utility>
 
 namespace glint::reference {
 namespace {
@@ -64,13 +65,17 @@ bool accept(Extended t, const PreparedRay& ray, double tMax, Root& root) {
 
 // The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
 // each of them a difference or a product rounded, err by at most 8 roundings each; 2^5 covers them, and what
-// they cannot tell from zero is zero.
-int edgeSide(const Vec<Quad>& d, const Vec<Quad>& b, const Vec<Quad>& c) {
-    const Quad side = dot(d, cross(b, c));
-    const Vec<Quad> p = magnitudes(b), q = magnitudes(c);
-    const Vec<Quad> sum{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-    const Quad bound = static_cast<Quad>(32 * kQuadRoundoff) * dot(magnitudes(d), sum);
+// they cannot tell from zero is zero. roundoff: of T.
+template <class T>
+int edgeSide(const Vec<T>& d, const Vec<T>& b, const Vec<T>& c, double roundoff) {
+    const T side = dot(d, cross(b, c));
+    const Vec<T> p = magnitudes(b), q = magnitudes(c);
+    const Vec<T> sum{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+    const T bound = static_cast<T>(32 * roundoff) * dot(magnitudes(d), sum);
     return side > bound ? 1 : side < -bound ? -1 : 0;
+}
+int edgeSide(const Vec<Quad>& d, const Vec<Quad>& b, const Vec<Quad>& c) {
+    return edgeSide<Quad>(d, b, c, kQuadRoundoff);
 }
 
 // False too for a line in the triangle's plane, where all three sides are zero.
@@ -204,6 +209,96 @@ bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool 
     Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
     return accept(t0, ray, tMax, root) || accept(t1, ray, tMax, root);
+}
+
+// With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared
+// and multiplied by (n.d)^2: in the disc if |(n.w) d - (n.d) w|^2 <= r^2 (n.d)^2, decided without a division.
+template <class T>
+int discSide(const shared::Disc& disc, const PreparedRay& ray, double roundoff) {
+    const Vec<T> n = toVec<T>(disc.normal), d = toVec<T>(ray.direction);
+    const Vec<T> w = toVec<T>(disc.center) - toVec<T>(ray.origin);
+    const T nd = dot(n, d), nw = dot(n, w);
+    const Vec<T> q = nw * d - nd * w;
+    const T reach = static_cast<T>(disc.radius) * nd;
+    const T side = reach * reach - dot(q, q);
+    // n.w and n.d err by 4 u of their terms' magnitudes (w by one more), so each component of q by 8 u of its
+    // own two terms with these magnitudes in them; the squares double that.
+    const Vec<T> an = magnitudes(n), ad = magnitudes(d), aw = magnitudes(w);
+    const T ndTerms = dot(an, ad), nwTerms = dot(an, aw);
+    const Vec<T> terms = nwTerms * ad - (-ndTerms) * aw;
+    const T reachTerms = static_cast<T>(disc.radius) * ndTerms;
+    const T bound =
+        static_cast<T>(32 * roundoff) * (dot(magnitudes(q), terms) + magnitude(reach) * reachTerms) +
+        static_cast<T>(256 * roundoff * roundoff) * (dot(terms, terms) + reachTerms * reachTerms);
+    return side > bound ? 1 : side < -bound ? -1 : 0;
+}
+
+namespace {
+
+// The sign of component ky of the vertex, measured from the ray: moved along the ray to where component kz is
+// 0, v_y - (d_y / d_z) v_z, here times d_z. Each of the two products errs by 3 roundings.
+template <class T>
+int heightSign(const Vec<T>& vertex, const PreparedRay& ray, double roundoff) {
+    const T v[3] = {vertex.x, vertex.y, vertex.z};
+    const T dy = static_cast<T>(ray.direction[ray.ky]), dz = static_cast<T>(ray.direction[ray.kz]);
+    const T p = v[ray.ky] * dz, q = v[ray.kz] * dy;
+    const T bound = static_cast<T>(4 * roundoff) * (magnitude(p) + magnitude(q));
+    const int side = p - q > bound ? 1 : p - q < -bound ? -1 : 0;
+    return dz < 0 ? -side : side;
+}
+
+bool isAbove(const glm::vec3& vertex, const PreparedRay& ray) {
+    const int side = heightSign(toVec<double>(vertex) - toVec<double>(ray.origin), ray, kUnitRoundoff);
+    if (side != 0) return side > 0;
+    return heightSign(toVec<Quad>(vertex) - toVec<Quad>(ray.origin), ray, kQuadRoundoff) > 0;
+}
+
+// The side of the line on which the edge from a to b passes, seen against axis kz.
+int sideOf(const glm::vec3& a, const glm::vec3& b, const PreparedRay& ray) {
+    const Vec<double> o = toVec<double>(ray.origin), d = toVec<double>(ray.direction);
+    int side = edgeSide(d, toVec<double>(a) - o, toVec<double>(b) - o, kUnitRoundoff);
+    if (side == 0) {
+        const Vec<Quad> origin = toVec<Quad>(ray.origin);
+        side = edgeSide(toVec<Quad>(ray.direction), toVec<Quad>(a) - origin, toVec<Quad>(b) - origin);
+    }
+    return ray.direction[ray.kz] < 0 ? -side : side;
+}
+
+}  // namespace
+
+// Even-odd rule (docs/shading.md): the edges that cross the half line which leaves the ray's line along axis
+// kx. An edge goes over it from below to above with the line on its left, or down with the line on its right.
+bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::PolygonVertex> vertices,
+                      const PreparedRay& ray, double tMax, Root& root) {
+    root.u = root.v = 0;
+    const Vec<Extended> n = toVec<Extended>(polygon.normal);
+    const Extended nd = dot(n, toVec<Extended>(ray.direction));
+    if (nd == 0) return false;
+    bool odd = false, above = isAbove(vertices[0].position, ray);
+    Extended least = std::numeric_limits<Extended>::infinity(), greatest = -least;
+    for (size_t i = 1; i < vertices.size(); ++i) {
+        const glm::vec3 &a = vertices[i - 1].position, &b = vertices[i].position;
+        const bool wasAbove = std::exchange(above, isAbove(b, ray));
+        const Extended t = (static_cast<Extended>(b[ray.kz]) - ray.origin[ray.kz]) / ray.direction[ray.kz];
+        least = std::min(least, t);
+        greatest = std::max(greatest, t);
+        if (above != wasAbove && sideOf(a, b, ray) == (above ? 1 : -1)) odd = !odd;
+    }
+    if (!odd) return false;
+    const Vec<Extended> w = toVec<Extended>(polygon.point) - toVec<Extended>(ray.origin);
+    return accept(std::clamp(dot(n, w) / nd, least, greatest), ray, tMax, root);
+}
+
+bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
+    root.u = root.v = 0;
+    const Vec<Extended> n = toVec<Extended>(disc.normal);
+    const Extended nd = dot(n, toVec<Extended>(ray.direction));
+    if (nd == 0) return false;
+    const int side = discSide<double>(disc, ray, kUnitRoundoff);
+    // What quadruple precision cannot tell from the rim is on it.
+    if (side < 0 || (side == 0 && discSide<Quad>(disc, ray, kQuadRoundoff) < 0)) return false;
+    const Vec<Extended> w = toVec<Extended>(disc.center) - toVec<Extended>(ray.origin);
+    return accept(dot(n, w) / nd, ray, tMax, root);
 }
 
 bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {

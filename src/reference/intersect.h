@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <span>
 
 #include "reference/tracer.h"
 #include "shared/layout.h"
@@ -76,6 +77,17 @@ inline bool intersectTriangle(const shared::Triangle& triangle, const PreparedRa
 // fromSurface: the ray starts on this sphere, so only its other root counts.
 bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
                      Root& root);
+
+// `vertices`: those of the polygon, closed: the last one is the first again.
+bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::PolygonVertex> vertices,
+                      const PreparedRay& ray, double tMax, Root& root);
+inline std::span<const shared::PolygonVertex> outlineOf(const PackedScene& scene,
+                                                        const shared::Polygon& polygon) {
+    return {&scene.polygonVertices[polygon.firstVertex],
+            size_t{polygon.trips} * shared::kPolygonEdgesPerTrip + 1};
+}
+
+bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root);
 
 bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
 

@@ -38,6 +38,16 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
             const shared::Sphere& s = scene.spheres[indexOf(primitive)];
             return greatestCoordinate(s.point) + (isAnchored(s) ? 0 : s.radius);
         }
+        case shared::kKindDisc: {
+            const shared::Disc& disc = scene.discs[indexOf(primitive)];
+            return greatestCoordinate(disc.center) + disc.radius;
+        }
+        case shared::kKindPolygon: {
+            double greatest = 0;
+            for (const shared::PolygonVertex& v : outlineOf(scene, scene.polygons[indexOf(primitive)]))
+                greatest = std::max(greatest, greatestCoordinate(v.position));
+            return greatest;
+        }
         default:
             return greatestCoordinate(scene.planes[indexOf(primitive)].point);
     }
@@ -51,9 +61,14 @@ class RayMover {
 
     void move(Ray& ray, double scale) {
         if (step_ == 0) return;
-        const double length = glm::length(ray.direction);
         for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
-        for (int i = 0; i < 3; ++i) ray.direction[i] += step_ * length * next();
+        turn(ray.direction, ray.directionScale);
+    }
+
+    void turn(dvec3& direction, double scale) {
+        if (step_ == 0) return;
+        const double length = scale * glm::length(direction);
+        for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
     }
 
     // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
@@ -120,13 +135,15 @@ void fillSphere(const shared::Sphere& sphere, const dvec3& point, Surface& surfa
     surface.shadingNormal = surface.geometricNormal;
 }
 
-void fillPlane(const shared::Plane& plane, const dvec3& point, Surface& surface) {
-    surface.object = plane.object;
-    surface.primitive = plane.primitive;
-    surface.material = plane.material;
-    surface.geometricNormal = glm::normalize(dvec3(plane.normal));
+// A plane, or a part of one: `anchor` is a point of it.
+template <class Flat>
+void fillFlat(const Flat& flat, const glm::vec3& anchor, const dvec3& point, Surface& surface) {
+    surface.object = flat.object;
+    surface.primitive = flat.primitive;
+    surface.material = flat.material;
+    surface.geometricNormal = glm::normalize(dvec3(flat.normal));
     surface.shadingNormal = surface.geometricNormal;
-    const double distance = glm::dot(surface.geometricNormal, point - dvec3(plane.point));
+    const double distance = glm::dot(surface.geometricNormal, point - dvec3(anchor));
     surface.position = point - distance * surface.geometricNormal;
 }
 
@@ -152,6 +169,7 @@ class PathTracer {
     std::optional<Hit> closest(const Ray& ray, uint32_t source);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
+    double spotFactor(const shared::Light& light, dvec3 toLight);
     dvec3 shadeLights(const Site& site, const shared::Material& material, bool first);
     dvec3 reflect(const Site& site) const;
 
@@ -183,7 +201,7 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     site.n = side * surface.geometricNormal;
     site.s = side * surface.shadingNormal;
     site.view = -d;
-    site.originScale = greatestCoordinate(ray.origin);
+    site.originScale = std::max(greatestCoordinate(ray.origin), ray.originScale);
     // Each coordinate of the position is a sum of products of numbers no greater than `scale`, or a point
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
@@ -202,6 +220,28 @@ Ray PathTracer::rayFrom(const Site& site, const dvec3& direction, double tMax) {
     return ray;
 }
 
+bool isSpot(const shared::Light& light) {
+    return light.kind == shared::kLightSpot || light.kind == shared::kLightSpotInverseSquare;
+}
+
+double falloffDivisor(const shared::Light& light, double distance) {
+    const bool fades =
+        light.kind == shared::kLightPointInverseSquare || light.kind == shared::kLightSpotInverseSquare;
+    return fades ? distance * distance : 1;
+}
+
+// smoothstep(cos(angle + penumbra), cos(angle), c), c the cosine at the light between its axis and the way to
+// the surface; without a penumbra a step.
+double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
+    mover_.turn(toLight, 1);
+    const double c = -glm::dot(glm::normalize(dvec3(light.axis)), glm::normalize(toLight));
+    const double full = 1 - static_cast<double>(light.inner), none = 1 - static_cast<double>(light.outer);
+    if (c >= full || full <= -1) return 1;  // a cone of 180 degrees is everything
+    if (c <= none) return 0;
+    const double x = (c - none) / (full - none);
+    return (3 - 2 * x) * x * x;
+}
+
 dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material, bool first) {
     dvec3 sum(0);
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
@@ -213,6 +253,8 @@ dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material
         const dvec3 l = toLight / distance;
         const double cosine = glm::dot(site.s, l);
         if (!(glm::dot(site.n, l) > 0 && cosine > 0)) continue;
+        const double part = isSpot(light) ? spotFactor(light, l) : 1;
+        if (part == 0) continue;
         const double end = directional ? std::numeric_limits<double>::infinity() : kPointLightEnd;
         if (tracer_.occluded(rayFrom(site, toLight, end), site.primitive, &record_.cost)) {
             if (first && i < 32) record_.shadowBits |= 1u << i;
@@ -225,8 +267,7 @@ dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material
         const double highlight = length > 0 ? glm::dot(site.s, middle) / length : 0;
         if (highlight > 0)
             factor += std::pow(highlight, static_cast<double>(material.shininess)) * dvec3(material.specular);
-        const double falloff = light.kind == shared::kLightPointInverseSquare ? distance * distance : 1;
-        sum += dvec3(light.intensity) / falloff * factor;
+        sum += part / falloffDivisor(light, distance) * dvec3(light.intensity) * factor;
     }
     return sum;
 }
@@ -243,7 +284,7 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
     dvec3 throughput(1);
     uint32_t source = shared::kNone;
     Ray ray = cameraRay;
-    mover_.move(ray, greatestCoordinate(ray.origin));
+    mover_.move(ray, std::max(greatestCoordinate(ray.origin), ray.originScale));
     record_.pathHash = kHashStart;
     for (;; ++record_.bounces) {
         const bool first = record_.bounces == 0;
@@ -286,17 +327,38 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
         case shared::kKindSphere:
             fillSphere(scene_.spheres[indexOf(hit.primitive)], point, surface);
             break;
-        default:
-            fillPlane(scene_.planes[indexOf(hit.primitive)], point, surface);
+        case shared::kKindDisc: {
+            const shared::Disc& disc = scene_.discs[indexOf(hit.primitive)];
+            fillFlat(disc, disc.center, point, surface);
+            break;
+        }
+        case shared::kKindPolygon: {
+            const shared::Polygon& polygon = scene_.polygons[indexOf(hit.primitive)];
+            fillFlat(polygon, polygon.point, point, surface);
+            break;
+        }
+        default: {
+            const shared::Plane& plane = scene_.planes[indexOf(hit.primitive)];
+            fillFlat(plane, plane.point, point, surface);
+        }
     }
     return surface;
 }
 
 Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y) const {
+    // From the middle of the film.
+    const double right = x - camera.halfWidth, down = y - camera.halfHeight;
+    const auto reach = [&](const glm::vec3& middle, const glm::vec3& stepX, const glm::vec3& stepY) {
+        return greatestCoordinate(glm::abs(dvec3(middle)) + glm::abs(right * dvec3(stepX)) +
+                                  glm::abs(down * dvec3(stepY)));
+    };
+    const dvec3 direction = dvec3(camera.center) + right * dvec3(camera.stepX) + down * dvec3(camera.stepY);
     Ray ray;
-    ray.origin = dvec3(camera.eye);
-    ray.direction = glm::normalize(dvec3(camera.center) + (x - camera.halfWidth) * dvec3(camera.stepX) +
-                                   (y - camera.halfHeight) * dvec3(camera.stepY));
+    ray.origin = dvec3(camera.eye) + right * dvec3(camera.originStepX) + down * dvec3(camera.originStepY);
+    ray.direction = glm::normalize(direction);
+    ray.originScale = reach(camera.eye, camera.originStepX, camera.originStepY);
+    ray.directionScale =
+        std::max(1.0, reach(camera.center, camera.stepX, camera.stepY) / glm::length(direction));
     ray.tMin = camera.nearT;
     if (camera.farT < shared::kInfinity) ray.tMax = camera.farT;
     return ray;

@@ -20,6 +20,11 @@ struct Ray {
     glm::dvec3 direction{0, 0, -1};
     double tMin = 0;
     double tMax = std::numeric_limits<double>::infinity();
+    // Of a camera ray: the greatest numbers that a coordinate of the origin, or of the unit direction, is the
+    // sum of. They cancel where a ray starts near 0, or leaves in a direction far from that of an oblique
+    // camera; rounding, and hence Jitter, goes with them.
+    double originScale = 0;
+    double directionScale = 1;
 };
 
 struct Hit {
@@ -43,9 +48,10 @@ struct Surface {
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
 // and shadow ray of a path is moved: each component c of its origin by a random amount of up to `ulps` *
 // 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
-// it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24. seed 0 and
-// ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps` *
-// 2^-24 * t, either may be taken.
+// it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
+// ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
+// cone. seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within
+// 16 * `ulps` * 2^-24 * t, either may be taken.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

@@ -64,6 +64,17 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
             id = sphere.id;
             return intersectSphere(sphere, ray, isSource(kind, index, source), tMax, root);
         }
+        case shared::kKindDisc: {
+            const shared::Disc& disc = scene.discs[index];
+            id = disc.id;
+            return !isSource(kind, index, source) && intersectDisc(disc, ray, tMax, root);
+        }
+        case shared::kKindPolygon: {
+            const shared::Polygon& polygon = scene.polygons[index];
+            id = polygon.id;
+            return !isSource(kind, index, source) &&
+                   intersectPolygon(polygon, outlineOf(scene, polygon), ray, tMax, root);
+        }
         default: {
             const shared::Plane& plane = scene.planes[index];
             id = plane.id;
@@ -176,8 +187,10 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) co
     const PreparedRay prepared(ray);
     if (!prepared.valid) return std::nullopt;
     search.best.t = ray.tMax;
-    const size_t counts[] = {scene_.triangles.size(), scene_.spheres.size(), scene_.planes.size()};
-    for (uint32_t kind = 0; kind < 3; ++kind) {
+    const size_t counts[shared::kKindCount] = {scene_.triangles.size(), scene_.spheres.size(),
+                                               scene_.planes.size(), scene_.discs.size(),
+                                               scene_.polygons.size()};
+    for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) {
         testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
     }
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;

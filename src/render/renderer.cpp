@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <set>
+#include <stdexcept>
 
 #include "core/stopwatch.h"
 #include "render/path_state.h"
@@ -51,15 +52,15 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 }
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some lane is live
-// counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 kMaxLeafSize + 2 is what one pass of the
-// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 3) inner loops once in every
-// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 3 (B + slack) more. The planes' loop
-// comes on top. So (S + 3)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device) {
+// counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the
+// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 6) inner loops once in every
+// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes' loop
+// comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    constexpr uint32_t kSlack = 2 * shared::kMaxLeafSize + 2;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 4) - kSlack;
+    const uint32_t slack = 2 * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 7) - slack;
 }
 
 struct Renderer::State {
@@ -85,7 +86,7 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          tripBudget(opts.tripBudget ? opts.tripBudget : deriveTripBudget(dev.info())),
+          tripBudget(opts.tripBudget ? opts.tripBudget : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
                     opts.leaveOut ? packed.features : allFeatures()),
           submission(dev) {
@@ -345,6 +346,9 @@ uint64_t Renderer::deviceBytes() const {
 
 Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {
     State& s = *state_;
+    const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
+    if (parallel && s.options.leaveOut && !s.scene.features.parallelCamera)
+        throw std::invalid_argument("a parallel camera, but the scene's features have none");
     Picture picture;
     picture.region = wholeOrGiven(settings);
     const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();

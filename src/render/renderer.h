@@ -30,7 +30,7 @@ struct Options {
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
 // Loop trips that one ray may make in a dispatch.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device);
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0);
 
 struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture
@@ -73,7 +73,8 @@ class Renderer {
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
-    // A cancelled render returns with complete = false and what was finished by then.
+    // A cancelled render returns with complete = false and what was finished by then. Throws std::invalid_argument for a parallel
+    // camera if the scene's features leave it out.
     Picture render(const shared::Camera& camera, const RenderSettings& settings);
 
     // Call after changing `lights` (no more than there were at construction) or `environment` of the scene.

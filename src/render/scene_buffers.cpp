@@ -31,7 +31,8 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
     } arrays = {bytesOf(scene.nodes),      bytesOf(scene.triangles), bytesOf(scene.triangleSurfaces),
                 bytesOf(scene.vertexNormals), bytesOf(scene.spheres), bytesOf(scene.planes),
                 bytesOf(scene.materials),  bytesOf(scene.lights),    bytesOf(scene.environment),
-                bytesOf(camera)};
+                bytesOf(camera),           bytesOf(scene.discs),
+                bytesOf(scene.polygons),   bytesOf(scene.polygonVertices)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT

@@ -43,8 +43,12 @@ void forEachPoint(const Scene& scene, const Visit& visit) {
     for (const Object& object : scene.objects) {
         if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
             visit(sphere->center, sphere->radius);
+        } else if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
+            visit(disc->center, disc->radius);  // the sphere around it
         } else if (const auto* flat = std::get_if<TriangleShape>(&object.shape)) {
             triangle(flat->vertices[0], flat->vertices[1], flat->vertices[2]);
+        } else if (const auto* polygon = std::get_if<PolygonShape>(&object.shape)) {
+            for (const glm::dvec3& vertex : polygon->vertices) visit(vertex, 0.0);
         } else if (const auto* shape = std::get_if<MeshShape>(&object.shape)) {
             const auto& positions = shape->mesh->positions;
             for (const glm::uvec3& c : shape->mesh->corners)

@@ -20,6 +20,12 @@ inline constexpr double kMinLength = 1e-18;
 // The sine of the angle between up and the view direction: the camera frame's rounding error is about 2^-52 /
 // sine and must stay below half an ulp of the fp32 camera, 2^-25: sine > 2^-27 = 7.5e-9.
 inline constexpr double kMinUpSine = 1e-8;
+// The cosine of the angle between an oblique camera's plane normal and its view direction: rounding must not
+// decide on which side of the plane the viewer is.
+inline constexpr double kMinPlaneCosine = 1e-8;
+// Degrees from a spot light's axis to where its light ends. The shader knows the direction of a light to a
+// few 2^-24, which is 1 % of 0.001 degrees.
+inline constexpr double kMinSpotAngle = 1e-3;
 
 inline constexpr int kMaxImageSize = 65536;
 inline constexpr int kMaxSamplesPerPixel = 65536;
@@ -27,6 +33,10 @@ inline constexpr int kMaxBounces = 1000;
 
 // A transform whose linear part has a greater condition number loses 12 of a double's 16 digits.
 inline constexpr double kMaxCondition = 1e12;
+
+// The tracers follow a polygon's outline edge by edge for each ray, and the device cannot stop within one
+// (kMaxPolygonTrips in shaders/shared/layout.h).
+inline constexpr size_t kMaxPolygonVertices = 8192;
 
 // Against input that would exhaust the stack or the memory.
 inline constexpr size_t kMaxJsonDepth = 64;

@@ -13,7 +13,9 @@ namespace {
 const KeyTable& keysOf(std::string_view type) {
     if (type == "sphere") return keys::kSphere;
     if (type == "plane") return keys::kPlane;
+    if (type == "disc") return keys::kDisc;
     if (type == "triangle") return keys::kTriangle;
+    if (type == "polygon") return keys::kPolygon;
     return keys::kMeshObject;
 }
 
@@ -30,8 +32,16 @@ Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCurs
 Shape applied(const PlaneShape& plane, const Affine& transform, const JsonCursor&) {
     return transformed(plane, transform);
 }
+Shape applied(const DiscShape& disc, const Affine& transform, const JsonCursor& where) {
+    if (!discFactor(disc.normal, transform.linear))
+        where.fail("a disc must stay round; in its plane it can only be scaled alike in all directions");
+    return transformed(disc, transform);
+}
 Shape applied(const TriangleShape& triangle, const Affine& transform, const JsonCursor&) {
     return transformed(triangle, transform);
+}
+Shape applied(const PolygonShape& polygon, const Affine& transform, const JsonCursor&) {
+    return transformed(polygon, transform);
 }
 Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&) {
     return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
@@ -98,7 +108,21 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         plane.normal = object.require("normal").vector3();
         return plane;
     }
+    if (type == "disc") {
+        DiscShape disc;
+        disc.center = object.require("center").vector3();
+        disc.normal = object.require("normal").vector3();
+        disc.radius = object.require("radius").number();
+        return disc;
+    }
     const JsonCursor vertices = object.require("vertices");
+    if (type == "polygon") {
+        if (!vertices.value().array() || vertices.size() < 3)
+            vertices.failWanted("must be three points or more [[x, y, z], ...]");
+        PolygonShape polygon;
+        for (size_t i = 0; i < vertices.size(); i++) polygon.vertices.push_back(vertices.item(i).vector3());
+        return polygon;
+    }
     if (!vertices.value().array() || vertices.size() != 3)
         vertices.failWanted("must be three points [[x, y, z], ...]");
     TriangleShape triangle;

@@ -43,14 +43,32 @@ void parseImage(const JsonCursor& image, ImageSettings& settings) {
     readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
 }
 
+Projection readProjection(const JsonCursor& camera) {
+    const auto type = camera.find("type");
+    if (!type) return Projection::Perspective;
+    if (type->value().string() && type->string() == "oblique")
+        type->fail(
+            "a perspective or orthographic camera is made oblique by \"planeNormal\"; \"oblique\" is no "
+            "type");
+    const bool orthographic = readType(*type, keys::kCameraTypes) == "orthographic";
+    return orthographic ? Projection::Orthographic : Projection::Perspective;
+}
+
 void parseCamera(const JsonCursor& camera, Camera& result) {
     camera.expectObject();
-    if (const auto type = camera.find("type")) readType(*type, keys::kCameraTypes);
-    camera.expectKeys(keys::kCamera);
+    result.projection = readProjection(camera);
+    const bool orthographic = result.projection == Projection::Orthographic;
+    if (const auto fovY = camera.find("fovY"); fovY && orthographic)
+        fovY->fail("an orthographic camera has no field of view; give \"height\" or \"window\"");
+    if (const auto height = camera.find("height"); height && !orthographic)
+        height->fail("only an orthographic camera has a height; give \"fovY\" or \"window\"");
+    camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
     readInto(camera, "eye", result.eye);
     readInto(camera, "target", result.target);
     readInto(camera, "up", result.up);
+    if (const auto normal = camera.find("planeNormal")) result.planeNormal = normal->vector3();
     readInto(camera, "fovY", result.fovY);
+    readInto(camera, "height", result.height);
     readInto(camera, "near", result.nearT);
     readInto(camera, "far", result.farT);
     if (const auto window = camera.find("window")) {
@@ -70,17 +88,32 @@ bool readFalloff(const JsonCursor& light) {
     return name == "inverseSquare";
 }
 
+PointLight parsePoint(const JsonCursor& light) {
+    light.expectKeys(keys::kPoint);
+    PointLight point;
+    point.position = light.require("position").vector3();
+    readColor(light, "intensity", point.intensity, nullptr);
+    point.inverseSquare = readFalloff(light);
+    return point;
+}
+
+SpotLight parseSpot(const JsonCursor& light) {
+    light.expectKeys(keys::kSpot);
+    SpotLight spot;
+    spot.position = light.require("position").vector3();
+    spot.direction = light.require("direction").vector3();
+    spot.angle = light.require("angle").number();
+    readInto(light, "penumbra", spot.penumbra);
+    readColor(light, "intensity", spot.intensity, nullptr);
+    spot.inverseSquare = readFalloff(light);
+    return spot;
+}
+
 Light parseLight(const JsonCursor& light) {
     light.expectObject();
     const std::string_view type = readType(light.require("type"), keys::kLightTypes);
-    if (type == "point") {
-        light.expectKeys(keys::kPoint);
-        PointLight point;
-        point.position = light.require("position").vector3();
-        readColor(light, "intensity", point.intensity, nullptr);
-        point.inverseSquare = readFalloff(light);
-        return point;
-    }
+    if (type == "point") return parsePoint(light);
+    if (type == "spot") return parseSpot(light);
     light.expectKeys(keys::kDirectional);
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();

@@ -18,35 +18,46 @@ inline constexpr auto kNothing = std::array<std::string_view, 0>{};
 inline constexpr auto kScene = names("$schema", "image", "camera", "background", "ambient", "maxDepth",
                                      "lights", "materials", "meshes", "objects");
 inline constexpr auto kImage = names("width", "height", "samplesPerPixel");
-inline constexpr auto kCamera = names("type", "eye", "target", "up", "fovY", "window", "near", "far");
-inline constexpr auto kCameraLater = names("height", "planeNormal");
+inline constexpr auto kPerspective =
+    names("type", "eye", "target", "up", "planeNormal", "fovY", "window", "near", "far");
+inline constexpr auto kOrthographic =
+    names("type", "eye", "target", "up", "planeNormal", "height", "window", "near", "far");
 inline constexpr auto kPoint = names("type", "position", "intensity", "falloff");
 inline constexpr auto kDirectional = names("type", "direction", "intensity");
+inline constexpr auto kSpot =
+    names("type", "position", "direction", "angle", "penumbra", "intensity", "falloff");
 inline constexpr auto kMaterial = names("ambient", "diffuse", "specular", "shininess", "mirror");
 inline constexpr auto kMaterialLater = names("transmission", "ior", "attenuation");
 inline constexpr auto kMesh = names("file");
 inline constexpr auto kSphere = names("type", "center", "radius", "material", "transform");
 inline constexpr auto kPlane = names("type", "point", "normal", "material", "transform");
+inline constexpr auto kDisc = names("type", "center", "normal", "radius", "material", "transform");
 inline constexpr auto kTriangle = names("type", "vertices", "material", "transform");
+inline constexpr auto kPolygon = names("type", "vertices", "material", "transform");
 inline constexpr auto kMeshObject = names("type", "mesh", "material", "transform");
 inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
 }  // namespace detail
 
 inline constexpr KeyTable kScene{"scene", detail::kScene, detail::kNothing};
 inline constexpr KeyTable kImage{"image", detail::kImage, detail::kNothing};
-inline constexpr KeyTable kCamera{"camera", detail::kCamera, detail::kCameraLater};
+inline constexpr KeyTable kPerspective{"camera/perspective", detail::kPerspective, detail::kNothing};
+inline constexpr KeyTable kOrthographic{"camera/orthographic", detail::kOrthographic, detail::kNothing};
 inline constexpr KeyTable kPoint{"lights/point", detail::kPoint, detail::kNothing};
 inline constexpr KeyTable kDirectional{"lights/directional", detail::kDirectional, detail::kNothing};
+inline constexpr KeyTable kSpot{"lights/spot", detail::kSpot, detail::kNothing};
 inline constexpr KeyTable kMaterial{"material", detail::kMaterial, detail::kMaterialLater};
 inline constexpr KeyTable kMesh{"mesh", detail::kMesh, detail::kNothing};
 inline constexpr KeyTable kSphere{"objects/sphere", detail::kSphere, detail::kNothing};
 inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothing};
+inline constexpr KeyTable kDisc{"objects/disc", detail::kDisc, detail::kNothing};
 inline constexpr KeyTable kTriangle{"objects/triangle", detail::kTriangle, detail::kNothing};
+inline constexpr KeyTable kPolygon{"objects/polygon", detail::kPolygon, detail::kNothing};
 inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
-inline constexpr std::array kAllTables{kScene, kImage,  kCamera, kPoint,    kDirectional, kMaterial,
-                                       kMesh,  kSphere, kPlane,  kTriangle, kMeshObject,  kTransformStep};
+inline constexpr std::array kAllTables{
+    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
+    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {
@@ -56,17 +67,15 @@ struct TypeTable {
 };
 
 namespace detail {
-inline constexpr auto kCameraTypes = names("perspective");
-inline constexpr auto kCameraTypesLater = names("orthographic", "oblique");
-inline constexpr auto kLightTypes = names("point", "directional");
-inline constexpr auto kLightTypesLater = names("spot");
-inline constexpr auto kObjectTypes = names("sphere", "plane", "triangle", "mesh");
+inline constexpr auto kCameraTypes = names("perspective", "orthographic");
+inline constexpr auto kLightTypes = names("point", "directional", "spot");
+inline constexpr auto kObjectTypes = names("sphere", "plane", "disc", "triangle", "polygon", "mesh");
 inline constexpr auto kObjectTypesLater =
-    names("polygon", "disc", "quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
+    names("quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
 }  // namespace detail
 
-inline constexpr TypeTable kCameraTypes{"camera", detail::kCameraTypes, detail::kCameraTypesLater};
-inline constexpr TypeTable kLightTypes{"light", detail::kLightTypes, detail::kLightTypesLater};
+inline constexpr TypeTable kCameraTypes{"camera", detail::kCameraTypes, detail::kNothing};
+inline constexpr TypeTable kLightTypes{"light", detail::kLightTypes, detail::kNothing};
 inline constexpr TypeTable kObjectTypes{"object", detail::kObjectTypes, detail::kObjectTypesLater};
 
 }  // namespace glint::keys

@@ -28,6 +28,10 @@ std::pair<double, double> sinCosDegrees(double degrees) {
     }
 }
 
+double largestComponent(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
 double greatestElement(const glm::dmat3& m) {
     double greatest = 0;
     for (int column = 0; column < 3; column++)
@@ -58,7 +62,7 @@ class NormalTransform {
         if (mirrors(linear)) matrix_ = -matrix_;
     }
     glm::dvec3 operator()(const glm::dvec3& normal) const {
-        const double size = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
+        const double size = largestComponent(normal);
         if (!(size > 0) || !std::isfinite(size)) return normal;
         return glm::normalize(matrix_ * (normal / size));
     }
@@ -66,6 +70,9 @@ class NormalTransform {
   private:
     glm::dmat3 matrix_;
 };
+
+// Of factors that should be equal: what matrices written with seven digits leave of them.
+constexpr double kTolerance = 1e-6;
 
 glm::dvec3 apply(const Affine& transform, const glm::dvec3& point) {
     return transform.linear * point + transform.offset;
@@ -89,8 +96,7 @@ Affine translation(const glm::dvec3& offset) {
 
 Affine rotation(const glm::dvec3& axis, double degrees) {
     // Rodrigues 1840: R = c I + s [a]x + (1 - c) a a^T for a unit axis a.
-    const glm::dvec3 a =
-        glm::normalize(axis / std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)}));
+    const glm::dvec3 a = glm::normalize(axis / largestComponent(axis));
     const auto [s, c] = sinCosDegrees(degrees);
     const glm::dmat3 cross(0, a.z, -a.y, -a.z, 0, a.x, a.y, -a.x, 0);  // by columns
     return {c * glm::dmat3(1) + s * cross + (1 - c) * glm::outerProduct(a, a), glm::dvec3(0)};
@@ -114,11 +120,25 @@ std::optional<double> similarityFactor(const glm::dmat3& linear) {
     const glm::dmat3 scaled = linear / greatest;
     const glm::dmat3 gram = glm::transpose(scaled) * scaled;  // s^2 I for a similarity
     const double square = (gram[0][0] + gram[1][1] + gram[2][2]) / 3;
-    constexpr double kTolerance = 1e-6;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             if (!(std::abs(gram[i][j] - (i == j ? square : 0)) <= 2 * kTolerance * square))
                 return std::nullopt;
+    return greatest * std::sqrt(square);
+}
+
+std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& linear) {
+    const double greatest = greatestElement(linear);
+    const glm::dvec3 n = glm::normalize(normal / largestComponent(normal));
+    // An axis far from n, so that the cross product is not small.
+    const int axis = std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2;
+    glm::dvec3 tangent(0);
+    tangent[axis] = 1;
+    tangent = glm::normalize(glm::cross(n, tangent));
+    const glm::dvec3 a = linear / greatest * tangent, b = linear / greatest * glm::cross(n, tangent);
+    const double square = (glm::dot(a, a) + glm::dot(b, b)) / 2;
+    const double skew = std::max(std::abs(glm::dot(a, a) - square), std::abs(glm::dot(a, b)));
+    if (!(skew <= 2 * kTolerance * square)) return std::nullopt;
     return greatest * std::sqrt(square);
 }
 
@@ -135,6 +155,18 @@ PlaneShape transformed(const PlaneShape& plane, const Affine& transform) {
 
 SphereShape transformed(const SphereShape& sphere, const Affine& transform) {
     return {apply(transform, sphere.center), sphere.radius * similarityFactor(transform.linear).value()};
+}
+
+DiscShape transformed(const DiscShape& disc, const Affine& transform) {
+    return {apply(transform, disc.center), NormalTransform(transform.linear)(disc.normal),
+            disc.radius * discFactor(disc.normal, transform.linear).value()};
+}
+
+PolygonShape transformed(const PolygonShape& polygon, const Affine& transform) {
+    PolygonShape result = polygon;
+    for (glm::dvec3& vertex : result.vertices) vertex = apply(transform, vertex);
+    if (mirrors(transform.linear)) std::reverse(result.vertices.begin() + 1, result.vertices.end());
+    return result;
 }
 
 Mesh transformed(const Mesh& mesh, const Affine& transform) {

@@ -32,13 +32,19 @@ double conditionNumber(const glm::dmat3& linear);
 // that matrices written with seven digits pass; otherwise nothing.
 std::optional<double> similarityFactor(const glm::dmat3& linear);
 
+// The factor by which a disc with this normal (any length but zero) grows, if it stays round: if, within
+// 1e-6, the transform scales all directions of the disc's plane alike.
+std::optional<double> discFactor(const glm::dvec3& normal, const glm::dmat3& linear);
+
 // The object under the transform; its inside stays inside. Normals go by the inverse transpose. A mirroring
 // transform (negative determinant) turns the winding of triangles around, so the second and third corner are
-// exchanged: outward normals stay outward and agree with the transformed vertex normals. `linear` must be
-// regular; a sphere needs a similarity.
+// exchanged, and the outlines of polygons reversed: outward normals stay outward and agree with the
+// transformed vertex normals. `linear` must be regular; a sphere needs a similarity, a disc one in its plane.
 TriangleShape transformed(const TriangleShape& triangle, const Affine& transform);
 PlaneShape transformed(const PlaneShape& plane, const Affine& transform);
 SphereShape transformed(const SphereShape& sphere, const Affine& transform);
+DiscShape transformed(const DiscShape& disc, const Affine& transform);
+PolygonShape transformed(const PolygonShape& polygon, const Affine& transform);
 Mesh transformed(const Mesh& mesh, const Affine& transform);
 
 }  // namespace glint

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <span>
+#include <tuple>
 #include <unordered_set>
+#include <vector>
 
 #include "core/error.h"
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
+#include "scene/polygon_plane.h"
 #include "scene/text_file.h"
 
 namespace glint {
@@ -52,6 +57,13 @@ void checkDirection(const Place& place, std::string_view key, const glm::dvec3& 
     if (greatest(direction) < kMinLength) place.fail(key, "must not be zero" + got(direction));
 }
 
+void checkRadius(const Place& place, double radius) {
+    if (!(radius > 0)) place.fail("radius", "must be > 0" + got(radius));
+    if (radius < kMinRadius || radius > kMaxRadius)
+        place.fail("radius",
+                   "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) + got(radius));
+}
+
 void checkColor(const Place& place, std::string_view key, const Color& color) {
     if (!finite(color)) place.fail(key, "must be finite" + gotColor(color));
     if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
@@ -79,13 +91,46 @@ void checkWindow(const ViewWindow& window, const Place& place) {
 
 void checkView(const Camera& camera, const Place& place) {
     const glm::dvec3 view = camera.target - camera.eye;
-    const double distance = glm::length(view);
-    if (!(distance >= kMinLength))
+    if (!(glm::length(view) >= kMinLength))
         place.fail({}, "eye and target must differ (both " + text(camera.eye) + ")");
-    const double sine =
-        glm::length(glm::cross(glm::normalize(camera.up / greatest(camera.up)), view / distance));
-    if (!(sine >= kMinUpSine))
-        place.fail("up", "must not be parallel to the view direction " + text(view) + got(camera.up));
+    if (camera.planeNormal) {
+        checkDirection(place, "planeNormal", *camera.planeNormal);
+        if (!(std::abs(glm::dot(glm::normalize(*camera.planeNormal), glm::normalize(view))) >=
+              kMinPlaneCosine))
+            place.fail("planeNormal", "must not be perpendicular to the view direction " + text(view) +
+                                          got(*camera.planeNormal));
+    }
+    const glm::dvec3 axis = camera.planeNormal.value_or(view);
+    if (!(glm::length(glm::cross(glm::normalize(camera.up), glm::normalize(axis))) >= kMinUpSine))
+        place.fail("up", std::string("must not be parallel to the ") +
+                             (camera.planeNormal ? "planeNormal " : "view direction ") + text(axis) +
+                             got(camera.up));
+}
+
+void checkWindowSize(const Camera& camera, const Place& place) {
+    if (camera.window) {
+        checkWindow(*camera.window, place);
+    } else if (camera.projection == Projection::Orthographic) {
+        if (!(camera.height > 0)) place.fail("height", "must be > 0" + got(camera.height));
+        if (camera.height < kMinLength || camera.height > kMaxCoordinate)
+            place.fail("height", "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) +
+                                     got(camera.height));
+    } else if (!(camera.fovY > 0 && camera.fovY < 180)) {
+        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+    }
+}
+
+void checkSpot(const SpotLight& spot, const Place& place) {
+    checkPoint(place, "position", spot.position);
+    checkDirection(place, "direction", spot.direction);
+    if (!(spot.angle >= 0 && spot.angle <= 180))
+        place.fail("angle", "must be from 0 to 180 degrees" + got(spot.angle));
+    if (!(spot.penumbra >= 0)) place.fail("penumbra", "must be >= 0 degrees" + got(spot.penumbra));
+    const double edge = spot.angle + spot.penumbra;
+    if (!(edge >= kMinSpotAngle && edge <= 180))
+        place.fail({}, "angle + penumbra must be from " + describe(kMinSpotAngle) + " to 180 degrees" +
+                           got(describe(spot.angle) + " + " + describe(spot.penumbra)));
+    checkColor(place, "intensity", spot.intensity);
 }
 
 void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount) {
@@ -112,24 +157,62 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
         checkIndex("material", i, mesh.materials[i], materialCount);
 }
 
+// A computed number: more digits would say nothing.
+std::string sixDigits(double number) {
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.6g", number);
+    return rounded;
+}
+
+void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
+    if (vertices.size() > kMaxPolygonVertices)
+        place.fail("vertices", "must be at most " + std::to_string(kMaxPolygonVertices) + " points (got " +
+                                   std::to_string(vertices.size()) +
+                                   "); faces of a mesh are split into triangles and may have more");
+    for (size_t i = 0; i < vertices.size(); i++)
+        checkPoint(place, "vertices/" + std::to_string(i), vertices[i]);
+    std::vector<glm::dvec3> distinct(vertices.begin(), vertices.end());
+    std::sort(distinct.begin(), distinct.end(), [](const glm::dvec3& a, const glm::dvec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    if (distinct.size() < 3)
+        place.fail("vertices",
+                   "must have three distinct points or more" + got(std::to_string(distinct.size())));
+    const auto plane = polygonPlane(vertices);
+    if (!plane)
+        place.fail("vertices",
+                   "the polygon has no area: its points lie on a line, or its outline crosses itself so that "
+                   "equal areas lie to its left and right (make it two polygons)");
+    const double tolerance = planarTolerance(vertices);
+    if (plane->deviation > tolerance)
+        place.fail("vertices/" + std::to_string(plane->farthest),
+                   "the polygon is not planar: this point lies " + sixDigits(plane->deviation) +
+                       " off the plane of all, the limit is " + sixDigits(tolerance) +
+                       " (split the polygon into triangles)");
+}
+
 struct ShapeCheck {
     const Place& place;
     size_t materialCount;
 
     void operator()(const SphereShape& sphere) const {
         checkPoint(place, "center", sphere.center);
-        if (!(sphere.radius > 0)) place.fail("radius", "must be > 0" + got(sphere.radius));
-        if (sphere.radius < kMinRadius || sphere.radius > kMaxRadius)
-            place.fail("radius", "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) +
-                                     got(sphere.radius));
+        checkRadius(place, sphere.radius);
     }
     void operator()(const PlaneShape& plane) const {
         checkPoint(place, "point", plane.point);
         checkDirection(place, "normal", plane.normal);
     }
+    void operator()(const DiscShape& disc) const {
+        checkPoint(place, "center", disc.center);
+        checkDirection(place, "normal", disc.normal);
+        checkRadius(place, disc.radius);
+    }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
+    void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);
@@ -160,10 +243,7 @@ void validateCamera(const Camera& camera, const Place& place) {
     checkPoint(place, "target", camera.target);
     checkDirection(place, "up", camera.up);
     checkView(camera, place);
-    if (camera.window)
-        checkWindow(*camera.window, place);
-    else if (!(camera.fovY > 0 && camera.fovY < 180))
-        place.fail("fovY", "must be between 0 and 180 degrees" + got(camera.fovY));
+    checkWindowSize(camera, place);
     if (!(camera.nearT >= 0 && std::isfinite(camera.nearT)))
         place.fail("near", "must be >= 0 and finite" + got(camera.nearT));
     if (!(camera.farT > camera.nearT))
@@ -174,6 +254,8 @@ void validateLight(const Light& light, const Place& place) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
         checkPoint(place, "position", point->position);
         checkColor(place, "intensity", point->intensity);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        checkSpot(*spot, place);
     } else {
         const auto& directional = std::get<DirectionalLight>(light);
         checkDirection(place, "direction", directional.direction);

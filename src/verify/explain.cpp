@@ -44,7 +44,9 @@ bool isTie(const DifferingPixel& pixel) {
 }  // namespace
 
 // What the device's float arithmetic can do to a ray, as a turn of its direction in units of 2^-24:
-// - the camera ray: 3 roundings for center + x stepX + y stepY and a normalisation good to 2.7 ulp: below 8 units;
+// - the camera ray: 3 roundings for center + x stepX + y stepY and a normalisation good to 2.7 ulp: below 8 units of the numbers
+//   summed (Ray::directionScale, which the jitter knows);
+// - its origin, where it moves with the pixel: 3 roundings of eye + x originStepX + y originStepY: 3 C / t, less than a secondary one's;
 // - the triangle test: it sees the edges moved sideways by gamma_5 (|x| + |z|) of the sheared corners (PBRT sec. 6.8.7), that is by up to
 //   10 units times the greatest distance M from the ray's origin to a corner, on each of two axes; seen from the distance t
 //   of the hit that is 10 M / t;
@@ -54,7 +56,7 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
     double shortest = device.object != PixelData::kNoIndex ? device.depth : std::numeric_limits<double>::infinity();
     for (const reference::Bounce& bounce : record.path) {
-        extent = std::max(extent, maxComponent(bounce.ray.origin));
+        extent = std::max({extent, maxComponent(bounce.ray.origin), bounce.ray.originScale});
         if (bounce.surface) extent = std::max(extent, maxComponent(bounce.surface->position));
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }

@@ -96,6 +96,15 @@ TEST_F(ClippedAdvice, NearAndFar) {
               "glint: warning: a.json: the picture shows background only: everything is nearer than the "
               "camera's near\n");
     EXPECT_EQ(advice("\"near\": 1, \"far\": 10"), "");
+    // The ball is from 4 to 6 beyond the image plane of a parallel camera.
+    const std::string parallel = R"("type": "orthographic", )";
+    EXPECT_TRUE(advice(parallel + "\"far\": 3.9").ends_with("farther away than the camera's far\n"));
+    EXPECT_TRUE(advice(parallel + "\"near\": 6.1").ends_with("nearer than the camera's near\n"));
+    EXPECT_EQ(advice(parallel + "\"near\": 3.9, \"far\": 6.1"), "");
+    // In front of the eye as it looks, behind the turned image plane: the eye is at (0, 0, 5), the plane's
+    // normal (0, 3, 1), and of the view direction (0, 2, -5) upwards.
+    EXPECT_TRUE(advice(R"("target": [0, 2, 0], "up": [0, 0, 1], "planeNormal": [0, 3, 1])")
+                    .ends_with("everything lies behind the camera; check its eye and target\n"));
 }
 
 TEST_F(ClippedAdvice, AllTrianglesDropped) {

@@ -14,7 +14,8 @@ TEST_F(Info, EmptyScene) {
     EXPECT_TRUE(
         ran.out.starts_with("a.json\n"
                             "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
-                            "  objects       0 (0 triangles, 0 spheres, 0 planes)\n"
+                            "  camera        perspective\n"
+                            "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons)\n"
                             "  materials     0\n"
                             "  lights        0\n"
                             "  bounds        no geometry\n"
@@ -26,7 +27,9 @@ TEST_F(Info, EmptyScene) {
 TEST_F(Info, PlaneOnly) {
     writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
     const std::string out = runGlint({"info", "a.json"}).out;
-    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane)\n"), std::string::npos) << out;
+    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons)\n"),
+              std::string::npos)
+        << out;
     EXPECT_NE(out.find("  bounds        infinite (planes only)\n  BVH           none\n"), std::string::npos)
         << out;
     EXPECT_NE(out.find("  features used planes\n"), std::string::npos) << out;
@@ -39,7 +42,9 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel, at most 1 reflection\n"),
               std::string::npos)
         << out;
-    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes)\n"), std::string::npos) << out;
+    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons)\n"),
+              std::string::npos)
+        << out;
     EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
               std::string::npos)
         << out;
@@ -50,10 +55,27 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
         << "without reflections the mirror code is left out";
 }
 
+TEST_F(Info, KindOfCamera) {
+    const auto infoOf = [](const std::string& camera) {
+        writeText("a.json", "{\"camera\": {" + camera + "}}");
+        return runGlint({"info", "a.json"}).out;
+    };
+    const std::string tilted = R"("planeNormal": [0, 1, 1])", parallel = R"("type": "orthographic")";
+    const std::pair<std::string, std::string> kinds[] = {{tilted, "oblique perspective"},
+                                                         {parallel, "orthographic"},
+                                                         {parallel + ", " + tilted, "oblique parallel"}};
+    for (const auto& [camera, kind] : kinds) {
+        const std::string out = infoOf(camera);
+        EXPECT_NE(out.find("\n  camera        " + kind + "\n"), std::string::npos) << out;
+        const bool used = out.find("features used parallelCamera\n") != std::string::npos;
+        EXPECT_EQ(used, camera.starts_with(parallel)) << out;
+    }
+}
+
 TEST_F(Info, DroppedTrianglesAreCounted) {
     writeText("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
     const std::string out = runGlint({"info", "a.obj"}).out;
-    EXPECT_NE(out.find("  dropped       1 triangle without area, 1 not finite\n"), std::string::npos) << out;
+    EXPECT_NE(out.find("  dropped       1 primitive without area, 1 not finite\n"), std::string::npos) << out;
 }
 
 TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {

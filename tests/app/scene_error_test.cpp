@@ -33,14 +33,20 @@ const Bad kScenes[] = {
     {"syntax", "a.json", "{\n  \"objects\": [1,}", ":2:17: expected a value (got '}')"},
     {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
     {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
-     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, triangle, mesh)"},
+     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
+     "mesh)"},
     {"unsupportedType", "a.json",
      R"({"objects": [{"type": "cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1}]})",
-     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, triangle, "
-     "mesh)"},
-    {"unsupportedLight", "a.json",
-     R"({"lights": [{"type": "spot", "position": [0,1,0], "direction": [0,-1,0], "angle": 30}]})",
-     ": /lights/0/type: \"spot\" is not supported by this version (supported: point, directional)"},
+     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, disc, "
+     "triangle, "
+     "polygon, mesh)"},
+    {"unsupportedMaterial", "a.json", R"({"materials": {"glass": {"transmission": 1}}})",
+     ": /materials/glass/transmission: \"transmission\" is not supported by this version"},
+    {"spot", "a.json",
+     R"({"lights": [{"type": "spot", "position": [0,1,0], "direction": [0,-1,0], "angle": 200}]})",
+     ": /lights/0/angle: must be from 0 to 180 degrees (got 200)"},
+    {"camera", "a.json", R"({"camera": {"type": "orthographic", "height": 0}})",
+     ": /camera/height: must be > 0 (got 0)"},
     {"radius", "a.json", R"({"objects": [{"type": "sphere", "center": [0,0,0], "radius": -1}]})",
      ": /objects/0/radius: must be > 0 (got -1)"},
     {"missingMesh", "a.json",

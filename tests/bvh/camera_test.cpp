@@ -14,6 +14,11 @@ glm::dvec3 direction(const shared::Camera& c, double x, double y) {
                           (y - c.halfHeight) * glm::dvec3(c.stepY));
 }
 
+glm::dvec3 rayOrigin(const shared::Camera& c, double x, double y) {
+    return glm::dvec3(c.eye) + (x - c.halfWidth) * glm::dvec3(c.originStepX) +
+           (y - c.halfHeight) * glm::dvec3(c.originStepY);
+}
+
 void expectNear(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
     EXPECT_NEAR(a.x, b.x, tolerance);
     EXPECT_NEAR(a.y, b.y, tolerance);
@@ -114,6 +119,99 @@ TEST(PackCamera, TelephotoKeepsItsSteps) {
     const double step = 2 * std::tan(0.5e-4 * std::numbers::pi / 180) / 100;
     EXPECT_NEAR(packed.stepX.x, step, step * 1e-7);
     EXPECT_NEAR(packed.stepY.y, -step, step * 1e-7);
+}
+
+// Perspective rays all start at the eye, parallel ones all have one direction.
+TEST(PackCamera, EachKindHasStepsOfItsOwn) {
+    for (const bool oblique : {false, true}) {
+        Camera camera = lookingDownZ(40);
+        if (oblique) camera.planeNormal = {0, 0.5, 1};
+        const shared::Camera perspective = packCamera(camera, 8, 6, glm::dvec3(0));
+        EXPECT_EQ(perspective.originStepX, glm::vec3(0));
+        EXPECT_EQ(perspective.originStepY, glm::vec3(0));
+        camera.projection = Projection::Orthographic;
+        const shared::Camera parallel = packCamera(camera, 8, 6, glm::dvec3(0));
+        EXPECT_EQ(parallel.stepX, glm::vec3(0));
+        EXPECT_EQ(parallel.stepY, glm::vec3(0));
+        EXPECT_EQ(parallel.center, glm::vec3(0, 0, -1));
+    }
+}
+
+// Shirley & Marschner, eq. 4.1 and sec. 4.3.1: the ray of pixel (i, j) starts at e + u U + v V. A picture of
+// 200 x 100 pixels, 5 high and so 10 wide, has pixels of 1/20.
+TEST(PackCamera, OrthographicPixelSteps) {
+    Camera camera;
+    camera.projection = Projection::Orthographic;
+    camera.eye = {7, 2, 3};
+    camera.target = {7, 2, -9};
+    camera.height = 5;
+    const shared::Camera packed = packCamera(camera, 200, 100, glm::dvec3(0));
+    expectNear(packed.originStepX, {0.05, 0, 0}, 1e-8);
+    expectNear(packed.originStepY, {0, -0.05, 0}, 1e-8);  // rows go down
+    expectNear(rayOrigin(packed, 100, 50), {7, 2, 3}, 0);
+    expectNear(rayOrigin(packed, 0.5, 0.5), {7 - 99.5 / 20, 2 + 49.5 / 20, 3}, 1e-6);
+    expectNear(direction(packed, 0.5, 0.5), {0, 0, -1}, 0);
+
+    camera.window = ViewWindow{-1, 4, -2, 0.5};  // overrides height
+    const shared::Camera window = packCamera(camera, 200, 100, glm::dvec3(0));
+    expectNear(rayOrigin(window, 0, 0), {6, 2.5, 3}, 1e-6);
+    expectNear(rayOrigin(window, 200, 100), {11, 0, 3}, 1e-6);
+}
+
+// The origin's offset from `origin` is formed in double: next to 1e7 fp32 could not tell the pixels apart.
+TEST(PackCamera, OrthographicRaysAreRelativeToOrigin) {
+    Camera camera;
+    camera.projection = Projection::Orthographic;
+    camera.eye = {1e7, 0.25, 3};
+    camera.target = {1e7, 0.25, 0};
+    camera.window = ViewWindow{0, 0.5, 0, 0.5};
+    const shared::Camera packed = packCamera(camera, 2, 2, glm::dvec3(1e7, 0, 0));
+    expectNear(rayOrigin(packed, 0.5, 1.5), {0.125, 0.375, 3}, 1e-6);
+}
+
+// Sec. 4.3.1: the plane's normal turns the frame, the view direction stays. In a cabinet projection a point
+// one unit behind the image plane is seen through the one half a unit aside at 45 degrees.
+TEST(PackCamera, ObliqueParallel) {
+    Camera camera;
+    camera.projection = Projection::Orthographic;
+    const double half = std::sqrt(0.125);
+    camera.eye = {-half, half, 1};
+    camera.target = {0, 0, 0};
+    camera.height = 4;
+    for (const double side : {1.0, -3.0}) {  // either side of the plane will do
+        camera.planeNormal = {0, 0, side};
+        const shared::Camera packed = packCamera(camera, 40, 40, glm::dvec3(0));
+        expectNear(packed.originStepX, {0.1, 0, 0}, kRounding);
+        expectNear(packed.originStepY, {0, -0.1, 0}, kRounding);
+        const glm::dvec3 d = direction(packed, 3, 5);
+        expectNear(d / -d.z, {half, -half, -1}, kRounding);
+    }
+}
+
+// Sec. 4.3.2: direction = D + u U + v V with D the view direction, U and V in the image plane. Looking up at
+// 45 degrees with an upright image plane, the horizon (v with direction.y = 0) is at v = -sin 45, and the
+// window's edges at D + l U + t V.
+TEST(PackCamera, ObliquePerspective) {
+    Camera camera;
+    camera.eye = {0, 0, 0};
+    camera.target = {0, 3, -3};
+    camera.planeNormal = {0, 0, 1};
+    camera.window = ViewWindow{-1, 1, -1, 1};
+    const shared::Camera packed = packCamera(camera, 10, 10, glm::dvec3(0));
+    const double s = std::sqrt(0.5);
+    expectNear(packed.stepX, {0.2, 0, 0}, kRounding);
+    expectNear(packed.stepY, {0, -0.2, 0}, kRounding);
+    expectNear(packed.center, {0, s, -s}, kRounding);
+    expectNear(direction(packed, 5, 5 + s / 0.2), {0, 0, -1}, kRounding);
+    expectNear(direction(packed, 0, 0), glm::normalize(glm::dvec3(-1, s + 1, -s)), kRounding);
+    // Along a column only the height changes: at unit depth the picture is that of the upright plane.
+    for (const double y : {0.0, 2.5, 10.0}) {
+        const glm::dvec3 d = direction(packed, 8, y);
+        EXPECT_NEAR(d.x / -d.z, 0.6 / s, kRounding);
+    }
+    camera.window.reset();
+    camera.fovY = 90;  // tan 45 = 1: the same window
+    expectNear(packCamera(camera, 10, 10, glm::dvec3(0)).stepY, packed.stepY, kRounding);
 }
 
 }  // namespace

@@ -55,7 +55,8 @@ TEST(PackFeatures, EmptySceneUsesNothing) {
 TEST(PackFeatures, AllAreOn) {
     const SceneFeatures f = allFeatures();
     EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
-                f.pointLights && f.directionalLights && f.specular && f.mirrors);
+                f.pointLights && f.directionalLights && f.specular && f.mirrors && f.spotLights &&
+                f.parallelCamera && f.discs && f.polygons);
 }
 
 TEST(PackFeatures, Primitives) {
@@ -78,6 +79,14 @@ TEST(PackFeatures, Primitives) {
 
     addObject(scene, PlaneShape{});
     expected.planes = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, PolygonShape{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}});
+    expected.polygons = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, DiscShape{});
+    expected.discs = true;
     EXPECT_EQ(featuresOf(scene), expected);
 
     addObject(scene, SphereShape{{0, -1000, 0}, 1000});  // eye at (0, 0, 5): 0.0125 above it
@@ -104,6 +113,22 @@ TEST(PackFeatures, Lights) {
     expected = {};
     expected.directionalLights = true;
     EXPECT_EQ(featuresOf(scene), expected);
+    for (const bool inverseSquare : {false, true}) {
+        scene.lights[0] = SpotLight{.inverseSquare = inverseSquare};
+        expected = {};
+        expected.spotLights = true;
+        EXPECT_EQ(featuresOf(scene), expected);
+    }
+}
+
+TEST(PackFeatures, ParallelCamera) {
+    Scene scene;
+    scene.camera.planeNormal = {0, 1, 1};
+    EXPECT_EQ(featuresOf(scene), SceneFeatures{});  // oblique perspective: rays from the eye
+    scene.camera.projection = Projection::Orthographic;
+    SceneFeatures expected;
+    expected.parallelCamera = true;
+    EXPECT_EQ(featuresOf(scene), expected);
 }
 
 // Only materials that something wears count, however it wears them, and mirrors only if a reflection may be
@@ -120,6 +145,8 @@ TEST(PackFeatures, MaterialsInUse) {
     const std::vector<std::vector<std::pair<Shape, uint32_t>>> wearers{
         {{SphereShape{}, 1}, {SphereShape{}, 2}},
         {{PlaneShape{}, 1}, {PlaneShape{}, 2}},
+        {{DiscShape{}, 1}, {DiscShape{}, 2}},
+        {{PolygonShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 1}, {DiscShape{}, 2}},
         {{TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 1}, {SphereShape{}, 2}},
         {{MeshShape{mesh}, 0}}};
     for (const auto& objects : wearers) {

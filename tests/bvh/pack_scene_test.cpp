@@ -5,7 +5,9 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <numbers>
 
+#include "bvh/builder.h"
 #include "bvh/packed_scene.h"
 #include "scene_maker.h"
 
@@ -265,6 +267,30 @@ TEST(PackScene, LightsAndEnvironment) {
     EXPECT_EQ(packed.environment.lightCount, 3u);
     EXPECT_EQ(packed.environment.maxDepth, 7u);
     EXPECT_EQ(packed.planes[0].normal, glm::vec3(0, 1, 0));
+}
+
+// 1 - cos 60 = 1/2 and 1 - cos 90 = 1; for a narrow cone it is a^2 / 2 to a relative a^2 / 12, with the
+// digits that 1 - cos in fp32 would lose: of 0.01 degrees it has one.
+TEST(PackScene, SpotLights) {
+    Scene scene;
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 60, 30, {4, 5, 6}, false});
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 180, 0, {4, 5, 6}, true});
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 0, 0.01, {4, 5, 6}, true});
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.lights.size(), 3u);
+    const shared::Light& wide = packed.lights[0];
+    EXPECT_EQ(wide.kind, shared::kLightSpot);
+    EXPECT_EQ(wide.position, glm::vec3(1, 2, 3));
+    EXPECT_EQ(wide.intensity, glm::vec3(4, 5, 6));
+    EXPECT_EQ(wide.axis, glm::vec3(0, -0.6, -0.8));  // the way the light travels
+    EXPECT_FLOAT_EQ(wide.inner, 0.5f);
+    EXPECT_FLOAT_EQ(wide.outer, 1.0f);
+    EXPECT_EQ(packed.lights[1].kind, shared::kLightSpotInverseSquare);
+    EXPECT_EQ(packed.lights[1].inner, 2.0f);
+    EXPECT_EQ(packed.lights[1].outer, 2.0f);
+    EXPECT_EQ(packed.lights[2].inner, 0.0f);
+    const double angle = 0.01 * std::numbers::pi / 180;
+    EXPECT_NEAR(packed.lights[2].outer, angle * angle / 2, angle * angle * 1e-7);
 }
 
 TEST(PackScene, MaterialsAsGiven) {

@@ -104,5 +104,26 @@ TEST_F(ReferenceJitter, DisplacementsKeepTheirBounds) {
     }
 }
 
+// A camera ray whose coordinates were sums of greater numbers moves with those.
+TEST_F(ReferenceJitter, CameraRaysMoveWithWhatTheyWereComputedFrom) {
+    const Tracer tracer(scene_);
+    Ray ray = makeRay({.3, -.4, 5}, {0, 0, -1});
+    ray.originScale = 50;
+    ray.directionScale = 3;
+    const double step = 0x1p-24;
+    dvec3 origins(0), directions(0);
+    for (uint64_t seed = 1; seed <= 400; ++seed) {
+        const Ray moved = tracer.trace(ray, {seed, 1}, true).path[0].ray;
+        origins = glm::max(origins, glm::abs(moved.origin - ray.origin));
+        directions = glm::max(directions, glm::abs(moved.direction - ray.direction));
+    }
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_LE(origins[i], 50 * step + 1e-15);
+        EXPECT_GT(origins[i], .9 * 50 * step);
+        EXPECT_LE(directions[i], 3 * step + 1e-15);
+        EXPECT_GT(directions[i], .9 * 3 * step);
+    }
+}
+
 }  // namespace
 }  // namespace glint::reference::test

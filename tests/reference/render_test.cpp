@@ -74,6 +74,33 @@ TEST_F(ReferenceRender, CameraRaysGoThroughTheFilm) {
     EXPECT_EQ(tracer.cameraRay(camera_, 3, 4).tMax, 7);
 }
 
+// Shirley & Marschner, Fundamentals of Computer Graphics, sec. 4.3.1: origin e + u U + v V, direction -W.
+TEST_F(ReferenceRender, ParallelCameraRaysStartOnTheFilm) {
+    const Tracer tracer(scene_);
+    std::swap(camera_.stepX, camera_.originStepX);
+    std::swap(camera_.stepY, camera_.originStepY);
+    camera_.eye = {10, 20, 30};
+    EXPECT_EQ(tracer.cameraRay(camera_, kWidth / 2.0, kHeight / 2.0).origin, dvec3(10, 20, 30));
+    const Ray corner = tracer.cameraRay(camera_, 0, 0);
+    const dvec3 expected(10 - 4.0 / 3, 21, 30);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(corner.origin[i], expected[i], 1e-6);
+    EXPECT_EQ(corner.direction, dvec3(0, 0, -1));
+}
+
+// What the coordinates are sums of: 10 + 4/3, 30 + 1 and 20 for this origin; for this direction, 1 + 1 in y,
+// which cancel, over the length of (-4/3, 0, -1), 5/3.
+TEST_F(ReferenceRender, CameraRaysKnowTheirCancellation) {
+    const Tracer tracer(scene_);
+    EXPECT_EQ(tracer.cameraRay(camera_, 0, 0).directionScale, 1) << "nothing cancels";
+    camera_.center = {0, -1, -1};
+    EXPECT_NEAR(tracer.cameraRay(camera_, 0, 0).directionScale, 2 * 3.0 / 5, 1e-6);
+    std::swap(camera_.stepX, camera_.originStepX);
+    std::swap(camera_.stepY, camera_.originStepY);
+    camera_.eye = {10, -30, 20};
+    EXPECT_NEAR(tracer.cameraRay(camera_, 0, 0).originScale, 31, 1e-5);
+    EXPECT_EQ(tracer.cameraRay(camera_, 0, 0).directionScale, 1);
+}
+
 TEST_F(ReferenceRender, AovsAreWhatTheRaySees) {
     const RenderResult result = draw();
     ASSERT_TRUE(result.complete);

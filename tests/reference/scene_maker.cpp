@@ -56,6 +56,20 @@ class TreeMaker {
         for (uint32_t i = 0; i < from_.spheres.size(); ++i) {
             items.push_back({shared::kKindSphere, i, sphereBounds(from_.spheres[i])});
         }
+        for (uint32_t i = 0; i < from_.discs.size(); ++i) {
+            const shared::Disc& d = from_.discs[i];
+            const vec3 reach(std::nextafter(d.radius, std::numeric_limits<float>::infinity()));
+            items.push_back({shared::kKindDisc, i, {}});
+            items.back().box.include(d.center - 1.01f * reach, d.center + 1.01f * reach);
+        }
+        for (uint32_t i = 0; i < from_.polygons.size(); ++i) {
+            const shared::Polygon& p = from_.polygons[i];
+            items.push_back({shared::kKindPolygon, i, {}});
+            for (uint32_t v = 0; v <= p.trips * shared::kPolygonEdgesPerTrip; ++v) {
+                const vec3 at = from_.polygonVertices[p.firstVertex + v].position;
+                items.back().box.include(at, at);
+            }
+        }
         if (items.empty()) return;
         to_.environment.root = 0;
         if (isLeaf(items.begin(), items.end())) {
@@ -97,7 +111,7 @@ class TreeMaker {
     Iterator split(Iterator first, Iterator last) const {
         if (last - first <= leafSize_) {
             const Iterator middle =
-                std::partition(first, last, [](const Item& i) { return i.kind == shared::kKindTriangle; });
+                std::partition(first, last, [kind = first->kind](const Item& i) { return i.kind == kind; });
             if (middle != first && middle != last) return middle;
         }
         Bounds centers;
@@ -115,14 +129,21 @@ class TreeMaker {
     }
 
     uint32_t makeLeaf(Iterator first, Iterator last) {
-        const bool triangles = first->kind == shared::kKindTriangle;
-        const size_t start = triangles ? to_.triangles.size() : to_.spheres.size();
+        const uint32_t kind = first->kind;
+        const size_t start = kind == shared::kKindTriangle ? to_.triangles.size()
+                             : kind == shared::kKindSphere ? to_.spheres.size()
+                             : kind == shared::kKindDisc   ? to_.discs.size()
+                                                           : to_.polygons.size();
         for (Iterator i = first; i != last; ++i) {
-            if (triangles) {
+            if (kind == shared::kKindTriangle) {
                 to_.triangles.push_back(from_.triangles[i->index]);
                 to_.triangleSurfaces.push_back(from_.triangleSurfaces[i->index]);
-            } else {
+            } else if (kind == shared::kKindSphere) {
                 to_.spheres.push_back(from_.spheres[i->index]);
+            } else if (kind == shared::kKindDisc) {
+                to_.discs.push_back(from_.discs[i->index]);
+            } else {
+                to_.polygons.push_back(from_.polygons[i->index]);
             }
         }
         return shared::kLeafFlag | first->kind << shared::kLeafKindShift |
@@ -205,6 +226,33 @@ uint32_t SceneMaker::plane(const vec3& point, const vec3& normal, uint32_t mater
     return nextId_++;
 }
 
+uint32_t SceneMaker::disc(const vec3& center, const vec3& normal, float radius, uint32_t material) {
+    shared::Disc d;
+    d.center = center;
+    d.normal = normal;
+    d.radius = radius;
+    d.id = d.object = nextId_;
+    d.material = material;
+    scene_.discs.push_back(d);
+    return nextId_++;
+}
+
+uint32_t SceneMaker::polygon(const std::vector<vec3>& vertices, uint32_t material) {
+    const glm::dvec3 a(vertices[0]), b(vertices[1]), c(vertices[2]);
+    shared::Polygon p;
+    p.point = vertices[0];
+    p.normal = vec3(glm::normalize(glm::cross(b - a, c - a)));
+    p.id = p.object = nextId_;
+    p.material = material;
+    p.firstVertex = static_cast<uint32_t>(scene_.polygonVertices.size());
+    p.trips = (static_cast<uint32_t>(vertices.size()) + shared::kPolygonEdgesPerTrip - 1) /
+              shared::kPolygonEdgesPerTrip;
+    for (size_t i = 0; i <= size_t{p.trips} * shared::kPolygonEdgesPerTrip; ++i)
+        scene_.polygonVertices.push_back({vertices[i < vertices.size() ? i : 0], 0});
+    scene_.polygons.push_back(p);
+    return nextId_++;
+}
+
 void SceneMaker::cube(const vec3& center, float halfEdge) {
     for (int axis = 0; axis < 3; ++axis) {
         for (const float side : {-1.0f, 1.0f}) {
@@ -230,12 +278,25 @@ void SceneMaker::light(uint32_t kind, const vec3& position, const vec3& intensit
     scene_.lights.push_back(l);
 }
 
+void SceneMaker::spot(const vec3& position, const vec3& axis, double angle, double penumbra, uint32_t kind,
+                      const vec3& intensity) {
+    light(kind, position, intensity);
+    const auto oneMinusCosine = [](double degrees) {
+        return static_cast<float>(1 - std::cos(degrees * std::numbers::pi / 180));
+    };
+    shared::Light& l = scene_.lights.back();
+    l.axis = axis;
+    l.inner = oneMinusCosine(angle);
+    l.outer = oneMinusCosine(angle + penumbra);
+}
+
 PackedScene SceneMaker::finish(uint32_t maxLeafSize) const {
     PackedScene scene;
     scene.planes = scene_.planes;
     scene.materials = scene_.materials;
     scene.lights = scene_.lights;
     scene.vertexNormals = scene_.vertexNormals;
+    scene.polygonVertices = scene_.polygonVertices;
     scene.environment = environment;
     scene.environment.planeCount = static_cast<uint32_t>(scene.planes.size());
     scene.environment.lightCount = static_cast<uint32_t>(scene.lights.size());

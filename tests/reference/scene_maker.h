@@ -27,8 +27,15 @@ class SceneMaker {
     uint32_t anchoredSphere(const glm::vec3& point, const glm::vec3& normal, float radius,
                             uint32_t material = 0);
     uint32_t plane(const glm::vec3& point, const glm::vec3& normal, uint32_t material = 0);
+    uint32_t disc(const glm::vec3& center, const glm::vec3& normal, float radius, uint32_t material = 0);
+    // The plane is by the first three vertices.
+    uint32_t polygon(const std::vector<glm::vec3>& vertices, uint32_t material = 0);
     void cube(const glm::vec3& center, float halfEdge);  // 12 triangles, outward
     void light(uint32_t kind, const glm::vec3& position, const glm::vec3& intensity = glm::vec3(1));
+
+    // Angles in degrees; see SpotLight.
+    void spot(const glm::vec3& position, const glm::vec3& axis, double angle, double penumbra,
+              uint32_t kind = shared::kLightSpot, const glm::vec3& intensity = glm::vec3(1));
 
     // The next primitive takes this id.
     void setNextId(uint32_t id) { nextId_ = id; }

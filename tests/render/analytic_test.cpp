@@ -189,6 +189,12 @@ std::vector<void (*)(Scene&)> surfacesAtFour() {
             },
             [](Scene& s) {
                 addPlane(s, {0, 0, 0}, {0, 0, 1});
+            },
+            [](Scene& s) {
+                addDisc(s, {1, 0, 0}, {0, 0, 1}, 2);
+            },
+            [](Scene& s) {
+                addPolygon(s, {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {-1, 0, 0}});
             }};
 }
 
@@ -219,13 +225,13 @@ TEST_F(AnalyticTest, intervalIsOpenBelowAndClosedAbove) {
 
 TEST_F(AnalyticTest, equalTGoesToTheFirstObject) {
     const auto surfaces = surfacesAtFour();
-    std::vector<size_t> order = {0, 1, 2};
+    std::vector<size_t> order = {0, 1, 2, 3, 4};
     do {
         Scene scene = emptyScene();
         for (const size_t i : order) surfaces[i](scene);
         const RayHit hit = hitOf(scene, rayOf({0, 0, 4}, {0, 0, -1}));
         EXPECT_EQ(hit.t, 4);
-        EXPECT_EQ(hit.data.object, 0u) << order[0] << order[1] << order[2];
+        EXPECT_EQ(hit.data.object, 0u) << order[0] << order[1] << order[2] << order[3] << order[4];
     } while (std::next_permutation(order.begin(), order.end()));
     for (const auto add : surfaces) {
         Scene scene = emptyScene();

@@ -54,6 +54,10 @@ TEST(TripBudget, leavesRoomForEveryLane) {
         const uint32_t budget = deriveTripBudget(device);
         EXPECT_LE(std::max(lanes, 8u) * budget + shared::kMaxPlanes, 65535u) << lanes;
         EXPECT_GE(budget, 1000u) << lanes;
+        // The greatest polygon's leaf runs on after the last check of the budget, on every lane.
+        const uint32_t leaf = shared::kMaxPolygonTrips + 2, beside = deriveTripBudget(device, leaf);
+        EXPECT_LE(std::max(lanes, 8u) * (beside + leaf) + shared::kMaxPlanes, 65535u) << lanes;
+        EXPECT_GE(beside, 500u) << lanes;
     }
 }
 

@@ -21,7 +21,13 @@ mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"
 mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
 mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
+mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
+mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
+mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
+       "x * camera.originStepX - y * camera.originStepY" generate)
+mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
+mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
 mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)

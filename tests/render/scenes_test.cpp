@@ -82,6 +82,17 @@ Bounds boundsOf(const PackedScene& scene, const reference::Hit& hit, const refer
         const double reach = glm::length(dvec3(scene.planes[index].point) - ray.origin) + hit.t;
         return {64 * kUnit * reach / cosine, 4 * kUnit, 0};
     }
+    if (kind == shared::kKindPolygon) {
+        // The plane's t, or that of a vertex.
+        double reach = hit.t;
+        for (const shared::PolygonVertex& v : scene.polygonVertices)
+            reach = std::max(reach, glm::length(dvec3(v.position) - ray.origin));
+        return {64 * kUnit * reach / cosine, 4 * kUnit, 0};
+    }
+    if (kind == shared::kKindDisc) {
+        const double reach = glm::length(dvec3(scene.discs[index].center) - ray.origin) + hit.t;
+        return {64 * kUnit * reach / cosine, 4 * kUnit, 0};
+    }
     const shared::Sphere& sphere = scene.spheres[index];
     const bool anchored = sphere.anchorNormal != glm::vec3(0);
     const double reach =

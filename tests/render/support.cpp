@@ -120,6 +120,15 @@ void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, u
     scene.objects.push_back({"plane", PlaneShape{point, normal}, material});
 }
 
+void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius,
+             uint32_t material) {
+    scene.objects.push_back({"disc", DiscShape{center, normal, radius}, material});
+}
+
+void addPolygon(Scene& scene, std::vector<glm::dvec3> vertices, uint32_t material) {
+    scene.objects.push_back({"polygon", PolygonShape{std::move(vertices)}, material});
+}
+
 void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> corners,
              uint32_t material) {
     auto mesh = std::make_shared<Mesh>();

@@ -55,6 +55,9 @@ void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const g
                  uint32_t material = 0);
 void addSphere(Scene& scene, const glm::dvec3& center, double radius, uint32_t material = 0);
 void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, uint32_t material = 0);
+void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius,
+             uint32_t material = 0);
+void addPolygon(Scene& scene, std::vector<glm::dvec3> vertices, uint32_t material = 0);
 void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> corners,
              uint32_t material = 0);
 // n x n squares of two triangles each in the plane z = 0 from (0, 0) to (1, 1), moved by `offset`.

@@ -125,6 +125,21 @@ TEST(FrameModel, spheresAndTrianglesCountPlanesDoNot) {
     expectFits(scene, points);
 }
 
+TEST(FrameModel, discsCount) {
+    Scene scene;
+    scene.materials.emplace_back();
+    const dvec3 normal(0.42, 0.40, 1);  // towards the eye
+    scene.objects = {{"a", DiscShape{{5, 0, 0}, normal, 2}, 0}};
+    frameModel(scene);
+    const dvec3 a = glm::normalize(dvec3(1, 0, -0.42)), b = glm::cross(glm::normalize(normal), a);
+    std::vector<dvec3> rim;
+    for (int i = 0; i < 64; i++) {
+        const double angle = i * std::numbers::pi / 32;
+        rim.push_back(dvec3(5, 0, 0) + 2.0 * (std::cos(angle) * a + std::sin(angle) * b));
+    }
+    expectFits(scene, rim);
+}
+
 TEST(FrameModel, whatIsNotFiniteOrNotUsedIsLeftOut) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();

@@ -23,6 +23,8 @@ TEST_P(ParseError, isOneExactLine) {
 }
 
 #define SPHERE(...) R"({"objects": [{"type": "sphere", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
+#define DISC(...) R"({"objects": [{"type": "disc", "center": [0, 0, 0], )" __VA_ARGS__ "}]}"
+#define POLYGON(VERTICES) R"({"objects": [{"type": "polygon", "vertices": [)" VERTICES "]}]}"
 #define TRANSFORM(...) SPHERE(R"("radius": 1, "transform": )" __VA_ARGS__)
 
 const Case kStructure[] = {
@@ -53,15 +55,21 @@ const Case kTypes[] = {
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
     {"laterObjectType", R"({"objects": [{"type": "cone"}]})",
-     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
+     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
     {"laterEllipsoid", R"({"objects": [{"type": "ellipsoid", "center": [0,0,0], "radii": [1,2,3]}]})",
-     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, triangle, mesh))"},
-    {"laterCamera", R"({"camera": {"type": "orthographic", "height": 4}})",
-     R"(s.json: /camera/type: "orthographic" is not supported by this version (supported: perspective))"},
-    {"laterCameraKey", R"({"camera": {"planeNormal": [0, 0, 1]}})",
-     R"(s.json: /camera/planeNormal: "planeNormal" is not supported by this version)"},
-    {"laterLight", R"({"lights": [{"type": "spot"}]})",
-     R"(s.json: /lights/0/type: "spot" is not supported by this version (supported: point, directional))"},
+     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
+    {"unknownCamera", R"({"camera": {"type": "fisheye"}})",
+     R"(s.json: /camera/type: unknown camera type "fisheye" (supported: perspective, orthographic))"},
+    {"obliqueCamera", R"({"camera": {"type": "oblique"}})",
+     R"(s.json: /camera/type: a perspective or orthographic camera is made oblique by "planeNormal"; "oblique" is no type)"},
+    {"fovYOfOrthographic", R"({"camera": {"type": "orthographic", "fovY": 40}})",
+     R"(s.json: /camera/fovY: an orthographic camera has no field of view; give "height" or "window")"},
+    {"heightOfPerspective", R"({"camera": {"height": 4}})",
+     R"(s.json: /camera/height: only an orthographic camera has a height; give "fovY" or "window")"},
+    {"unknownLight", R"({"lights": [{"type": "area"}]})",
+     R"(s.json: /lights/0/type: unknown light type "area" (supported: point, directional, spot))"},
+    {"spotWithoutAngle", R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0]}]})",
+     R"(s.json: /lights/0: missing key "angle")"},
     {"laterTransmission", R"({"materials": {"glass": {"transmission": 1}}})",
      R"(s.json: /materials/glass/transmission: "transmission" is not supported by this version)"},
     {"laterTexture", R"({"materials": {"globe": {"diffuse": {"texture": "earth.jpg"}}}})",
@@ -127,6 +135,31 @@ const Case kValues[] = {
      "s.json: /lights/0/direction: must not be zero (got [0, 0, 0])"},
     {"intensity", R"({"lights": [{"type": "point", "position": [0, 0, 0], "intensity": -1}]})",
      "s.json: /lights/0/intensity: must be >= 0 (got -1)"},
+    {"discRadius", DISC(R"("normal": [0, 1, 0], "radius": -2)"),
+     "s.json: /objects/0/radius: must be > 0 (got -2)"},
+    {"discNormal", DISC(R"("normal": [0, 0, 0], "radius": 1)"),
+     "s.json: /objects/0/normal: must not be zero (got [0, 0, 0])"},
+    {"discWithoutNormal", DISC(R"("radius": 1)"), R"(s.json: /objects/0: missing key "normal")"},
+    {"polygonOfTwo", POLYGON("[0, 0, 0], [1, 0, 0]"),
+     "s.json: /objects/0/vertices: must be three points or more [[x, y, z], ...] (got [[0, 0, 0], [1, 0, "
+     "0]])"},
+    {"polygonOfTwoDistinct", POLYGON("[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]"),
+     "s.json: /objects/0/vertices: must have three distinct points or more (got 2)"},
+    {"polygonOnALine", POLYGON("[0, 0, 0], [0.1, 0.1, 0.2], [0.3, 0.3, 0.6], [0.7, 0.7, 1.4]"),
+     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
+     "itself so that equal areas lie to its left and right (make it two polygons)"},
+    {"polygonLikeABow", POLYGON("[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]"),
+     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
+     "itself so that equal areas lie to its left and right (make it two polygons)"},
+    // The plane of a square with one corner raised by 1 passes 1/4 away from each (the sum of their heights
+    // is 1, alternately up and down), over |(-1/2, -1/2, 1)| = sqrt(3/2): 0.204124. 2 sqrt(3) 5e-6
+    // = 1.73205e-5.
+    {"polygonNotPlanar", POLYGON("[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]"),
+     "s.json: /objects/0/vertices/0: the polygon is not planar: this point lies 0.204124 off the plane of "
+     "all, "
+     "the limit is 1.73205e-05 (split the polygon into triangles)"},
+    {"polygonVertexHuge", POLYGON("[0, 0, 0], [1, 0, 0], [0, 2e18, 0]"),
+     "s.json: /objects/0/vertices/2: coordinates must be below 1e+18 (got [0, 2e+18, 0])"},
     {"twoVertices", R"({"objects": [{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}]})",
      "s.json: /objects/0/vertices: must be three points [[x, y, z], ...] (got [[0, 0, 0], [1, 0, 0]])"},
     {"vertexHuge",
@@ -145,6 +178,39 @@ const Case kValues[] = {
     {"meshFile",
      R"({"meshes": {"bunny": {"file": "no-such-file.obj"}}, "objects": [{"type": "mesh", "mesh": "bunny"}]})",
      "s.json: /meshes/bunny/file: no such file: no-such-file.obj"},
+};
+
+#define ORTHOGRAPHIC(...) R"({"camera": {"type": "orthographic", )" __VA_ARGS__ "}}"
+#define SPOT(...) R"({"lights": [{"type": "spot", "position": [0, 0, 0], )" __VA_ARGS__ "}]}"
+
+const Case kCamerasAndSpots[] = {
+    {"heightNegative", ORTHOGRAPHIC(R"("height": -2)"), "s.json: /camera/height: must be > 0 (got -2)"},
+    {"heightTiny", ORTHOGRAPHIC(R"("height": 1e-19)"),
+     "s.json: /camera/height: must be from 1e-18 to 1e+18 (got 1e-19)"},
+    {"heightText", ORTHOGRAPHIC(R"("height": "4")"), R"(s.json: /camera/height: must be a number (got "4"))"},
+    {"windowOfOrthographic", ORTHOGRAPHIC(R"("window": [0, 1, 2, 2])"),
+     "s.json: /camera/window: bottom must be less than top (got 2 and 2)"},
+    {"planeNormalZero", R"({"camera": {"planeNormal": [0, 0, 0]}})",
+     "s.json: /camera/planeNormal: must not be zero (got [0, 0, 0])"},
+    {"planeNormalAcross", ORTHOGRAPHIC(R"("planeNormal": [1, 0, 0])"),
+     "s.json: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, 0, "
+     "0])"},
+    {"planeNormalAlongUp", R"({"camera": {"eye": [0, 5, 5], "planeNormal": [0, 2, 0]}})",
+     "s.json: /camera/up: must not be parallel to the planeNormal [0, 2, 0] (got [0, 1, 0])"},
+    {"spotDirection", SPOT(R"("direction": [0, 0, 0], "angle": 30)"),
+     "s.json: /lights/0/direction: must not be zero (got [0, 0, 0])"},
+    {"spotAngleNegative", SPOT(R"("direction": [0, -1, 0], "angle": -1)"),
+     "s.json: /lights/0/angle: must be from 0 to 180 degrees (got -1)"},
+    {"spotAngleGreat", SPOT(R"("direction": [0, -1, 0], "angle": 181)"),
+     "s.json: /lights/0/angle: must be from 0 to 180 degrees (got 181)"},
+    {"spotPenumbraNegative", SPOT(R"("direction": [0, -1, 0], "angle": 30, "penumbra": -5)"),
+     "s.json: /lights/0/penumbra: must be >= 0 degrees (got -5)"},
+    {"spotTooWide", SPOT(R"("direction": [0, -1, 0], "angle": 170, "penumbra": 11)"),
+     "s.json: /lights/0: angle + penumbra must be from 0.001 to 180 degrees (got 170 + 11)"},
+    {"spotNoWidth", SPOT(R"("direction": [0, -1, 0], "angle": 0)"),
+     "s.json: /lights/0: angle + penumbra must be from 0.001 to 180 degrees (got 0 + 0)"},
+    {"spotIntensity", SPOT(R"("direction": [0, -1, 0], "angle": 30, "intensity": -1)"),
+     "s.json: /lights/0/intensity: must be >= 0 (got -1)"},
 };
 
 const Case kTransforms[] = {
@@ -176,6 +242,9 @@ const Case kTransforms[] = {
     {"ellipsoid", TRANSFORM(R"([{"scale": [1, 2, 1]}])"),
      "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come "
      "with a later version"},
+    {"ellipse", DISC(R"("normal": [0, 1, 0], "radius": 1, "transform": [{"scale": [1, 1, 2]}])"),
+     "s.json: /objects/0/transform: a disc must stay round; in its plane it can only be scaled alike in all "
+     "directions"},
 };
 
 std::string caseName(const testing::TestParamInfo<Case>& info) {
@@ -185,6 +254,7 @@ std::string caseName(const testing::TestParamInfo<Case>& info) {
 INSTANTIATE_TEST_SUITE_P(Structure, ParseError, testing::ValuesIn(kStructure), caseName);
 INSTANTIATE_TEST_SUITE_P(Types, ParseError, testing::ValuesIn(kTypes), caseName);
 INSTANTIATE_TEST_SUITE_P(Values, ParseError, testing::ValuesIn(kValues), caseName);
+INSTANTIATE_TEST_SUITE_P(CamerasAndSpots, ParseError, testing::ValuesIn(kCamerasAndSpots), caseName);
 INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms), caseName);
 
 }  // namespace

@@ -21,11 +21,14 @@ TEST(Parse, emptySceneHasTheDocumentedDefaults) {
     EXPECT_EQ(scene.image.width, 800);
     EXPECT_EQ(scene.image.height, 600);
     EXPECT_EQ(scene.image.samplesPerPixel, 1);
+    EXPECT_EQ(scene.camera.projection, Projection::Perspective);
     EXPECT_EQ(scene.camera.eye, dvec3(0, 0, 5));
     EXPECT_EQ(scene.camera.target, dvec3(0));
     EXPECT_EQ(scene.camera.up, dvec3(0, 1, 0));
     EXPECT_EQ(scene.camera.fovY, 40);
+    EXPECT_EQ(scene.camera.height, 4);
     EXPECT_FALSE(scene.camera.window);
+    EXPECT_FALSE(scene.camera.planeNormal);
     EXPECT_EQ(scene.camera.nearT, 0);
     EXPECT_EQ(scene.camera.farT, std::numeric_limits<double>::infinity());
     EXPECT_EQ(scene.background, Color(0));
@@ -63,6 +66,31 @@ TEST(Parse, imageCameraAndSurroundings) {
     EXPECT_EQ(scene.maxDepth, 0);
 }
 
+TEST(Parse, orthographicAndObliqueCameras) {
+    const auto cameraOf = [](const std::string& keys) {
+        return parse("{\"camera\": {" + keys + "}}").camera;
+    };
+    const Camera plain = cameraOf(R"("type": "orthographic")");
+    EXPECT_EQ(plain.projection, Projection::Orthographic);
+    EXPECT_EQ(plain.height, 4);
+    EXPECT_FALSE(plain.planeNormal);
+    const Camera full =
+        cameraOf(R"("type": "orthographic", "eye": [1, 2, 3], "target": [4, 5, 6], "up": [0, 0, 2],
+        "height": 2.5, "window": [-1, 2, -3, 4], "planeNormal": [0, 3, 1], "near": 0.5, "far": 7)");
+    EXPECT_EQ(full.eye, dvec3(1, 2, 3));
+    EXPECT_EQ(full.target, dvec3(4, 5, 6));
+    EXPECT_EQ(full.up, dvec3(0, 0, 2));
+    EXPECT_EQ(full.height, 2.5);
+    ASSERT_TRUE(full.window);
+    EXPECT_EQ(full.window->top, 4);
+    EXPECT_EQ(full.planeNormal, dvec3(0, 3, 1));
+    EXPECT_EQ(full.nearT, 0.5);
+    EXPECT_EQ(full.farT, 7);
+    const Camera shifted = cameraOf(R"("planeNormal": [0, 0, -1], "fovY": 60)");
+    EXPECT_EQ(shifted.projection, Projection::Perspective);
+    EXPECT_EQ(shifted.planeNormal, dvec3(0, 0, -1));
+}
+
 TEST(Parse, wholeNumbersMayBeWrittenAsFloats) {
     EXPECT_EQ(parse(R"({"image": {"width": 8e2, "height": 600.0}})").image.width, 800);
 }
@@ -84,6 +112,26 @@ TEST(Parse, lights) {
     const auto& sun = std::get<DirectionalLight>(scene.lights[3]);
     EXPECT_EQ(sun.direction, dvec3(0, -2, 0));
     EXPECT_EQ(sun.intensity, Color(0.5));
+}
+
+TEST(Parse, spotLights) {
+    const Scene scene = parse(R"({"lights": [
+        {"type": "spot", "position": [1, 2, 3], "direction": [0, -2, 1], "angle": 30},
+        {"type": "spot", "position": [0, 0, 0], "direction": [1, 0, 0], "angle": 0, "penumbra": 12.5,
+         "intensity": [1, 2, 3], "falloff": "inverseSquare"}]})");
+    ASSERT_EQ(scene.lights.size(), 2u);
+    const auto& sharp = std::get<SpotLight>(scene.lights[0]);
+    EXPECT_EQ(sharp.position, dvec3(1, 2, 3));
+    EXPECT_EQ(sharp.direction, dvec3(0, -2, 1));
+    EXPECT_EQ(sharp.angle, 30);
+    EXPECT_EQ(sharp.penumbra, 0);
+    EXPECT_EQ(sharp.intensity, Color(1));
+    EXPECT_FALSE(sharp.inverseSquare);
+    const auto& soft = std::get<SpotLight>(scene.lights[1]);
+    EXPECT_EQ(soft.angle, 0);
+    EXPECT_EQ(soft.penumbra, 12.5);
+    EXPECT_EQ(soft.intensity, Color(1, 2, 3));
+    EXPECT_TRUE(soft.inverseSquare);
 }
 
 TEST(Parse, materialsKeepFileOrderAndAmbientFollowsDiffuse) {
@@ -114,8 +162,16 @@ TEST(Parse, objects) {
         {"type": "sphere", "center": [1, 2, 3], "radius": 4, "material": "blue"},
         {"type": "plane", "point": [0, -1, 0], "normal": [0, 3, 0], "material": "red"},
         {"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]},
-        {"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
-    ASSERT_EQ(scene.objects.size(), 4u);
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1},
+        {"type": "disc", "center": [1, 2, 3], "normal": [0, 0, 4], "radius": 5, "material": "blue"},
+        {"type": "polygon", "vertices": [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 1, 0]]}]})");
+    ASSERT_EQ(scene.objects.size(), 6u);
+    ASSERT_EQ(shape<PolygonShape>(scene, 5).vertices.size(), 4u);
+    EXPECT_EQ(shape<PolygonShape>(scene, 5).vertices[2], dvec3(1, 2, 0));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).center, dvec3(1, 2, 3));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).normal, dvec3(0, 0, 4));
+    EXPECT_EQ(shape<DiscShape>(scene, 4).radius, 5);
+    EXPECT_EQ(scene.objects[4].material, 1u);
     EXPECT_EQ(shape<SphereShape>(scene, 0).center, dvec3(1, 2, 3));
     EXPECT_EQ(shape<SphereShape>(scene, 0).radius, 4);
     EXPECT_EQ(scene.objects[0].name, "/objects/0");

@@ -19,14 +19,18 @@ using nlohmann::json;
 const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"scene", ""},
     {"image", "/$defs/image"},
-    {"camera", "/$defs/camera"},
+    {"camera/perspective", "/$defs/perspectiveCamera"},
+    {"camera/orthographic", "/$defs/orthographicCamera"},
     {"lights/point", "/$defs/pointLight"},
     {"lights/directional", "/$defs/directionalLight"},
+    {"lights/spot", "/$defs/spotLight"},
     {"material", "/$defs/material"},
     {"mesh", "/$defs/mesh"},
     {"objects/sphere", "/$defs/sphere"},
     {"objects/plane", "/$defs/plane"},
+    {"objects/disc", "/$defs/disc"},
     {"objects/triangle", "/$defs/triangle"},
+    {"objects/polygon", "/$defs/polygon"},
     {"objects/mesh", "/$defs/meshObject"},
     {"transformStep", "/$defs/transformStep"}};
 
@@ -68,8 +72,7 @@ TEST(Schema, hasTheParsersKeysAndNoOthers) {
     }
     EXPECT_EQ(typesIn(schema, "/$defs/object/oneOf"), asSet(keys::kObjectTypes.types));
     EXPECT_EQ(typesIn(schema, "/$defs/light/oneOf"), asSet(keys::kLightTypes.types));
-    const json& camera = schema.at(json::json_pointer("/$defs/camera/properties/type/enum"));
-    EXPECT_EQ(camera.get<std::set<std::string>>(), asSet(keys::kCameraTypes.types));
+    EXPECT_EQ(typesIn(schema, "/$defs/camera/oneOf"), asSet(keys::kCameraTypes.types));
 }
 
 TEST(Schema, everyObjectIsCoveredByAKeyTable) {
@@ -89,9 +92,13 @@ TEST(Schema, defaultsAreTheParsersDefaults) {
     EXPECT_EQ(defaultOf("/$defs/image", "width"), scene.image.width);
     EXPECT_EQ(defaultOf("/$defs/image", "height"), scene.image.height);
     EXPECT_EQ(defaultOf("/$defs/image", "samplesPerPixel"), scene.image.samplesPerPixel);
-    EXPECT_EQ(defaultOf("/$defs/camera", "fovY"), scene.camera.fovY);
-    EXPECT_EQ(defaultOf("/$defs/camera", "near"), scene.camera.nearT);
-    EXPECT_EQ(defaultOf("/$defs/camera", "eye"), json({0, 0, 5}));
+    EXPECT_EQ(defaultOf("/$defs/perspectiveCamera", "fovY"), scene.camera.fovY);
+    EXPECT_EQ(defaultOf("/$defs/orthographicCamera", "height"), scene.camera.height);
+    for (const std::string camera : {"/$defs/perspectiveCamera", "/$defs/orthographicCamera"}) {
+        EXPECT_EQ(defaultOf(camera, "near"), scene.camera.nearT);
+        EXPECT_EQ(defaultOf(camera, "eye"), json({0, 0, 5}));
+    }
+    EXPECT_EQ(defaultOf("/$defs/spotLight", "penumbra"), SpotLight().penumbra);
     EXPECT_EQ(defaultOf("", "maxDepth"), scene.maxDepth);
     const Material material;
     EXPECT_EQ(defaultOf("/$defs/material", "diffuse"), material.diffuse.x);
@@ -107,10 +114,15 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({})",
         R"({"$schema": "x", "ambient": [0, 0.5, 1], "maxDepth": 1000, "image": {"width": 1, "height": 2.0}})",
         R"({"camera": {"type": "perspective", "near": 1, "far": 2, "window": [-1, 1, -1, 1]}})",
+        R"({"camera": {"type": "orthographic", "height": 2, "near": 1, "planeNormal": [0, 1, 1]}})",
+        R"({"camera": {"planeNormal": [0, 0, -2], "fovY": 60}})",
+        R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0], "angle": 0, "penumbra": 180}]})",
         R"({"lights": [{"type": "directional", "direction": [0, -1, 0]}, {"type": "point", "position": [0, 0, 0], "falloff": "inverseSquare"}]})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": []}]})",
         R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]})",
         R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "transform": [{"scale": [1, 2, 3]}, {"rotate": [0, 1, 0, 30]}, {"translate": [1, 2, 3]}]}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 0, 9], "radius": 1e-14, "transform": [{"scale": 2}]}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "transform": [{"scale": [1, 2, 3]}]}]})",
         R"({"materials": {"a": {"mirror": [0, 0.5, 1], "shininess": 0}}})"};
     const char* const kBad[] = {
         R"([])",
@@ -123,6 +135,11 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({"image": {"width": 0}})",
         R"({"image": {"samplesPerPixel": 65537}})",
         R"({"camera": {"type": "oblique"}})",
+        R"({"camera": {"type": "orthographic", "fovY": 40}})",
+        R"({"camera": {"type": "orthographic", "height": 0}})",
+        R"({"camera": {"type": "perspective", "height": 4}})",
+        R"({"camera": {"height": 4}})",
+        R"({"camera": {"planeNormal": 1}})",
         R"({"camera": {"fovY": 0}})",
         R"({"camera": {"fovY": 180}})",
         R"({"camera": {"near": -1}})",
@@ -132,6 +149,8 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({"lights": [{"type": "point"}]})",
         R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "position": [0, 0, 0]}]})",
         R"({"lights": [{"type": "spot", "position": [0, 0, 0]}]})",
+        R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0], "angle": 181}]})",
+        R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0], "angle": 1, "penumbra": -1}]})",
         R"({"lights": [{"type": "point", "position": [0, 0, 0], "falloff": "linear"}]})",
         R"({"materials": {"a": {"mirror": 2}}})",
         R"({"materials": {"a": {"shininess": -1}}})",
@@ -143,6 +162,11 @@ TEST(Schema, agreesWithTheParserOnExamples) {
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0}]})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1e-15}]})",
         R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2e18}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "radius": 1}]})",
+        R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 0}]})",
+        R"({"objects": [{"type": "disc", "point": [0, 0, 0], "normal": [0, 1, 0], "radius": 1}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0]]}]})",
+        R"({"objects": [{"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1]]}]})",
         R"({"objects": [{"type": "cone"}]})",
         R"({"objects": [{"type": "triangle", "vertices": [[0,0,0],[1,0,0]]}]})",
         R"({"objects": [{"type": "mesh"}]})",
@@ -167,15 +191,19 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
     const json scene = json::parse(R"({
         "image": {"width": 8, "height": 6, "samplesPerPixel": 2},
         "camera": {"type": "perspective", "eye": [0, 0, 5], "target": [0, 0, 1], "up": [0, 1, 0], "fovY": 40,
-                   "window": [-1, 1, -1, 1], "near": 0.1, "far": 9},
+                   "planeNormal": [0, 1, 2], "window": [-1, 1, -1, 1], "near": 0.1, "far": 9},
         "background": 0.5, "ambient": [0.1, 0.2, 0.3], "maxDepth": 3,
         "lights": [{"type": "point", "position": [1, 2, 3], "intensity": 2, "falloff": "none"},
-                   {"type": "directional", "direction": [1, 2, 3], "intensity": [1, 1, 1]}],
+                   {"type": "directional", "direction": [1, 2, 3], "intensity": [1, 1, 1]},
+                   {"type": "spot", "position": [1, 2, 3], "direction": [1, 2, 3], "angle": 30, "penumbra": 5,
+                    "intensity": 2, "falloff": "none"}],
         "materials": {"m": {"ambient": 1, "diffuse": 1, "specular": 1, "shininess": 1, "mirror": 1}},
         "meshes": {"unused": {"file": "unused.obj"}},
         "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "transform": [{"scale": 2}]},
                     {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m",
                      "transform": [{"rotate": [0, 1, 0, 30]}]},
+                    {"type": "disc", "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"},
+                    {"type": "polygon", "vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "material": "m"},
                     {"type": "triangle", "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "m",
                      "transform": [{"translate": [0, 1, 0]}]}]})");
     ASSERT_EQ(parseError(scene.dump()), "");

@@ -1,4 +1,5 @@
 #include "scene/transform.h"
+#include "scene/polygon_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -146,6 +147,36 @@ TEST(Transform, spheresTurnMoveAndGrow) {
         transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
     EXPECT_EQ(sphere.center, dvec3(0, -3, 0));
     EXPECT_DOUBLE_EQ(sphere.radius, 6);
+}
+
+// Round is what is scaled alike in the disc's plane, whatever happens across it.
+TEST(Transform, discsStayRoundOrAreRefused) {
+    const Affine t = then(scaling({-2, 5, 2}), then(rotation({0, 0, 1}, 90), translation({1, 0, 0})));
+    const DiscShape disc = transformed(DiscShape{{1, 1, 0}, {0, 3, 0}, 2}, t);
+    EXPECT_EQ(disc.center, dvec3(-4, -2, 0));  // (1, 1) -> (-2, 5) -> (-5, -2) -> (-4, -2)
+    expectNear(disc.normal, {-1, 0, 0}, 1e-15);
+    EXPECT_DOUBLE_EQ(disc.radius, 4);
+    // Sheared along its plane: the disc only slides.
+    Affine slide;
+    slide.linear[1] = {0.5, 1, 0.25};  // y -> y (0.5, 1, 0.25)
+    EXPECT_DOUBLE_EQ(discFactor({0, 1, 0}, slide.linear).value(), 1);
+    for (const dvec3 normal : {dvec3(1, 0, 0), dvec3(0, 0, -1e-9), dvec3(1, 1, 1)})
+        EXPECT_FALSE(discFactor(normal, scaling({2, 3, 2}).linear)) << normal.x;
+    EXPECT_DOUBLE_EQ(discFactor({0, 1e9, 0}, scaling({1e-150, 1, 1e-150}).linear).value(), 1e-150);
+    for (const dvec3 normal : {dvec3(1, 0, 0), dvec3(1, 1, 1), dvec3(-3, 2, 0.1)})
+        EXPECT_NEAR(discFactor(normal, scaling(dvec3(3)).linear).value(), 3, 1e-14);
+}
+
+TEST(Transform, mirroringReversesOutlines) {
+    const PolygonShape square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+    const PolygonShape moved = transformed(square, then(scaling({2, 3, 1}), translation({1, 1, 1})));
+    EXPECT_EQ(moved.vertices[2], dvec3(3, 4, 1));
+    EXPECT_EQ(polygonPlane(moved.vertices)->normal, dvec3(0, 0, 1));
+    const PolygonShape mirrored = transformed(square, kMirror);
+    EXPECT_EQ(mirrored.vertices[0], dvec3(0, 0, 0));
+    EXPECT_EQ(mirrored.vertices[1], dvec3(0, 1, 0));
+    EXPECT_EQ(mirrored.vertices[3], dvec3(-1, 0, 0));
+    EXPECT_EQ(polygonPlane(mirrored.vertices)->normal, dvec3(0, 0, 1));
 }
 
 TEST(Transform, vertexThatIsNotFiniteStaysSo) {

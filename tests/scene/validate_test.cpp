@@ -22,11 +22,12 @@ std::shared_ptr<Mesh> triangleMesh() {
 Scene validScene() {
     Scene scene;
     scene.materials.emplace_back().name = "grey";
-    scene.lights = {PointLight{}, DirectionalLight{}};
+    scene.lights = {PointLight{}, DirectionalLight{}, SpotLight{}};
     scene.objects = {{"/objects/0", SphereShape{}, 0},
                      {"/objects/1", PlaneShape{}, 0},
                      {"/objects/2", TriangleShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, 0},
-                     {"/objects/3", MeshShape{triangleMesh()}, 0}};
+                     {"/objects/3", MeshShape{triangleMesh()}, 0},
+                     {"/objects/4", DiscShape{}, 0}};
     return scene;
 }
 
@@ -53,9 +54,18 @@ TEST(Validate, acceptsTheEndsOfTheRanges) {
                   std::get<SphereShape>(s.objects[0].shape) = {{-9.9e17, 0, 0}, 1e-14};
                   s.camera.fovY = 179.9;
                   std::get<DirectionalLight>(s.lights[1]).direction = {0, 0, 1e-18};
+                  std::get<SpotLight>(s.lights[2]).angle = 180;
               }),
               "no error");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = 1e18; }),
+              "no error");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.projection = Projection::Orthographic;
+                  s.camera.height = 1e-18;
+                  s.camera.fovY = 500;  // not used
+                  std::get<SpotLight>(s.lights[2]).angle = 0;
+                  std::get<SpotLight>(s.lights[2]).penumbra = 0.001;
+              }),
               "no error");
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects.clear(); }), "no error");
 }
@@ -82,6 +92,21 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /lights/0/position: must be finite (got [0, 0, nan])");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<DirectionalLight>(s.lights[1]).intensity.x = kNan; }),
               "s: /lights/1/intensity: must be finite (got [nan, 1, 1])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.planeNormal = {0, kInf, 1};
+              }),
+              "s: /camera/planeNormal: must be finite (got [0, inf, 1])");
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.projection = Projection::Orthographic;
+                  s.camera.height = kNan;
+              }),
+              "s: /camera/height: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).position.x = kInf; }),
+              "s: /lights/2/position: must be finite (got [inf, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).angle = kNan; }),
+              "s: /lights/2/angle: must be from 0 to 180 degrees (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<SpotLight>(s.lights[2]).penumbra = kNan; }),
+              "s: /lights/2/penumbra: must be >= 0 degrees (got nan)");
     EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].shininess = kNan; }),
               "s: /materials/grey/shininess: must be from 0 to 1e+18 (got nan)");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<SphereShape>(s.objects[0].shape).radius = kNan; }),
@@ -94,6 +119,27 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /objects/1/normal: must be finite (got [nan, 0, 0])");
     EXPECT_EQ(errorAfter([](Scene& s) { std::get<TriangleShape>(s.objects[2].shape).vertices[1].x = kNan; }),
               "s: /objects/2/vertices/1: must be finite (got [nan, 0, 0])");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).radius = kNan; }),
+              "s: /objects/4/radius: must be > 0 (got nan)");
+    EXPECT_EQ(errorAfter([](Scene& s) { std::get<DiscShape>(s.objects[4].shape).normal.z = kInf; }),
+              "s: /objects/4/normal: must be finite (got [0, 1, inf])");
+}
+
+TEST(Validate, polygons) {
+    const auto withPolygon = [](std::vector<glm::dvec3> vertices) {
+        return errorAfter([&](Scene& s) { s.objects[0].shape = PolygonShape{std::move(vertices)}; });
+    };
+    EXPECT_EQ(withPolygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5, kNan, 0}}),
+              "s: /objects/0/vertices/3: must be finite (got [0.5, nan, 0])");
+    EXPECT_EQ(withPolygon({}), "s: /objects/0/vertices: must have three distinct points or more (got 0)");
+    std::vector<glm::dvec3> ring;
+    for (int i = 0; i < 8192; ++i) ring.emplace_back(std::cos(i / 1304.0), std::sin(i / 1304.0), 7);
+    EXPECT_EQ(withPolygon(ring), "no error");
+    ring.emplace_back(0, 0, 7);
+    EXPECT_EQ(
+        withPolygon(ring),
+        "s: /objects/0/vertices: must be at most 8192 points (got 8193); faces of a mesh are split into "
+        "triangles and may have more");
 }
 
 TEST(Validate, cameraGeometry) {
@@ -114,6 +160,20 @@ TEST(Validate, cameraGeometry) {
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.window = ViewWindow{};
                   s.camera.fovY = 500;  // not used
+              }),
+              "no error");
+    // 1e-6 radians off the plane through the view direction is enough, 1e-10 is not.
+    EXPECT_EQ(errorAfter([](Scene& s) { s.camera.planeNormal = {1, 0, 1e-6}; }), "no error");
+    EXPECT_EQ(
+        errorAfter([](Scene& s) {
+            s.camera.planeNormal = {1, 0, 1e-10};
+        }),
+        "s: /camera/planeNormal: must not be perpendicular to the view direction [0, 0, -5] (got [1, 0, "
+        "1e-10])");
+    // An oblique camera may look along up.
+    EXPECT_EQ(errorAfter([](Scene& s) {
+                  s.camera.up = {0, 0, 1};
+                  s.camera.planeNormal = {0, 1, 1};
               }),
               "no error");
 }

@@ -1,0 +1,28 @@
+// The plane of a polygon.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+
+namespace glint {
+
+struct PolygonPlane {
+    glm::dvec3 point;      // the mean of the vertices
+    glm::dvec3 normal;     // unit, towards who sees the vertices counter-clockwise
+    double deviation = 0;  // the greatest distance of a vertex from the plane
+    size_t farthest = 0;   // the vertex that has it
+};
+
+// By Newell's sum (I. Sutherland, R. Sproull, R. Schumacker, "A Characterization of Ten Hidden-Surface
+// Algorithms", 1974), which takes all vertices into account, collinear and concave ones too. Nothing if the
+// sum is no more than rounding can make of zero: if the vertices lie on a line, or the areas on both sides of
+// an outline that crosses itself are equal.
+std::optional<PolygonPlane> polygonPlane(std::span<const glm::dvec3> vertices);
+
+// How far a vertex may lie off the plane. Coordinates written with six digits, as C's %g has it, are off by
+// 5e-6 of the polygon's size, those computed in fp32 by 2^-24 of the greatest coordinate. Along a normal that
+// is sqrt(3) times more, and the plane, made of such vertices, is off by as much again.
+double planarTolerance(std::span<const glm::dvec3> vertices);
+
+}  // namespace glint

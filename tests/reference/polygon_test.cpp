@@ -1,0 +1,171 @@
+// Polygons by formulas of their own: the even-odd rule, edges, planes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "scene_maker.h"
+
+namespace glint::reference::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+const std::vector<vec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+const std::vector<vec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}};
+
+std::optional<Hit> hitPolygon(const std::vector<vec3>& vertices, const Ray& ray) {
+    SceneMaker maker;
+    maker.polygon(vertices);
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    const auto hit = tracer.closest(ray);
+    EXPECT_EQ(hit, tracer.closestBruteForce(ray));
+    EXPECT_EQ(hit.has_value(), tracer.occluded(ray));
+    return hit;
+}
+
+// Straight down from z = 5, and from below, from every start of the outline and both ways round.
+void expectAt(std::vector<vec3> vertices, double x, double y, bool inside) {
+    for (size_t turn = 0; turn < 2 * vertices.size(); ++turn) {
+        std::rotate(vertices.begin(), vertices.begin() + 1, vertices.end());
+        if (turn == vertices.size()) std::reverse(vertices.begin(), vertices.end());
+        const auto above = hitPolygon(vertices, makeRay({x, y, 5}, {0, 0, -1}));
+        ASSERT_EQ(above.has_value(), inside) << x << " " << y << " turn " << turn;
+        EXPECT_EQ(hitPolygon(vertices, makeRay({x, y, -5}, {0, 0, 2})).has_value(), inside);
+        if (above) {
+            EXPECT_EQ(above->t, 5);
+        }
+    }
+}
+
+// NUMERICS T70 and T71: points level with vertices, on either axis.
+TEST(ReferencePolygon, levelWithVertices) {
+    expectAt(kL, 1.5, 0.5, true);
+    expectAt(kL, 1.5, 1.5, false);
+    expectAt(kL, 0.5, 1, true);
+    expectAt(kL, 1, 0.5, true);
+    expectAt(kL, 3, 1, false);
+    expectAt(kL, -1, 1, false);
+    expectAt(kL, -1, 2, false);
+    expectAt(kL, 1, 3, false);
+    expectAt(kDiamond, 1, 1, true);
+    expectAt(kDiamond, -1, 1, false);
+    expectAt(kDiamond, 3, 1, false);
+    expectAt(kDiamond, 1, -1, false);
+    expectAt(kDiamond, 1, 3, false);
+}
+
+// A pentagram winds twice around its middle; a window is entered and left by the same bridge.
+TEST(ReferencePolygon, evenOdd) {
+    std::vector<vec3> star;
+    for (int i = 0; i < 5; ++i) {
+        const double angle = std::numbers::pi / 2 + 4 * std::numbers::pi * i / 5;
+        star.emplace_back(std::cos(angle), std::sin(angle), 0);
+    }
+    expectAt(star, 0, 0, false);
+    expectAt(star, 0, 0.8, true);  // the tip
+    expectAt(star, 0.9, 0.9, false);
+    const std::vector<vec3> frame = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {-2, -2, 0},
+                                     {-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
+    expectAt(frame, 0, 0, false);
+    expectAt(frame, 0.5, -0.25, false);
+    expectAt(frame, 1.5, 0, true);
+    expectAt(frame, -1.75, -1.5, true);  // beside the bridge, and on its other side
+    expectAt(frame, -1.5, -1.75, true);
+    expectAt(frame, 3, 0, false);
+}
+
+// T74: doubled and collinear vertices change nothing.
+TEST(ReferencePolygon, needlessVertices) {
+    const std::vector<vec3> more = {{0, 0, 0},    {2, 0, 0}, {2, 1, 0},    {2, 1, 0},
+                                    {1.5f, 1, 0}, {1, 1, 0}, {1, 1.5f, 0}, {1, 2, 0},
+                                    {0, 2, 0},    {0, 2, 0}, {0, 1, 0},    {0, 0.5f, 0}};
+    Random random(74);
+    for (int i = 0; i < 500; ++i) {
+        const Ray ray = rayTowards(dvec3(1, 1, 0) + 5.0 * random.direction(),
+                                   {random.uniform(-1, 3), random.uniform(-1, 3), 0});
+        const auto a = hitPolygon(kL, ray), b = hitPolygon(more, ray);
+        ASSERT_EQ(a.has_value(), b.has_value());
+        if (a) {
+            EXPECT_NEAR(a->t, b->t, 1e-14);
+        }
+    }
+}
+
+// Against the rule in the plane's own coordinates, in any attitude: target points whose side is known.
+TEST(ReferencePolygon, anyAttitude) {
+    Random random(9);
+    int hits = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const dvec3 a = random.direction(), n = glm::normalize(glm::cross(a, random.direction())),
+                    b = glm::cross(n, a);
+        const dvec3 at = random.box(5);
+        std::vector<vec3> moved;
+        for (const vec3& v : kL)
+            moved.emplace_back(at + static_cast<double>(v.x) * a + static_cast<double>(v.y) * b);
+        const double x = random.uniform(-0.5, 2.5), y = random.uniform(-0.5, 2.5);
+        // Roundings of the vertices move an edge by 1e-6, seen aslant by a hundred times that.
+        const auto near = [](double c) {
+            return std::min({std::abs(c), std::abs(c - 1), std::abs(c - 2)}) < 1e-3;
+        };
+        if (near(x) || near(y)) continue;
+        const bool inside = x > 0 && y > 0 && x < 2 && y < 2 && (x < 1 || y < 1);
+        const dvec3 target = at + x * a + y * b;
+        dvec3 from = random.direction();
+        if (std::abs(glm::dot(from, n)) < 0.01) continue;
+        const auto hit = hitPolygon(moved, rayTowards(target + 7.0 * from, target));
+        ASSERT_EQ(hit.has_value(), inside) << x << " " << y;
+        hits += inside;
+        if (inside) {
+            EXPECT_NEAR(hit->t, 1, 1e-4);
+        }
+    }
+    EXPECT_GT(hits, 300);
+}
+
+// Of polygons that meet in an edge, any ray through the edge hits exactly one, also where their planes
+// differ.
+TEST(ReferencePolygon, sharedEdges) {
+    Random random(75);
+    for (int i = 0; i < 300; ++i) {
+        const vec3 p(random.box(1)), q(random.box(1));
+        const vec3 left = p + vec3(2.0 * random.direction()), right = p + vec3(2.0 * random.direction());
+        const dvec3 target = glm::mix(dvec3(p), dvec3(q), i % 4 == 0 ? 0.5 : random.uniform(0.01, 0.99));
+        // From where the two lie on different sides of the edge.
+        const dvec3 d = random.direction();
+        const dvec3 side = glm::cross(d, dvec3(q) - dvec3(p));
+        if (glm::dot(side, dvec3(left) - dvec3(p)) * glm::dot(side, dvec3(right) - dvec3(p)) > -1e-3)
+            continue;
+        const Ray ray = rayTowards(target - 5.0 * d, target);
+        SceneMaker both;
+        both.polygon({p, q, left});
+        both.polygon({q, p, right});
+        const PackedScene scene = both.finish();
+        const auto hit = Tracer(scene).closest(ray);
+        ASSERT_TRUE(hit) << i;
+        EXPECT_FALSE(Tracer(scene).closest(ray, hit->primitive)) << i;
+    }
+}
+
+TEST(ReferencePolygon, planeAndSource) {
+    const Ray inPlane = makeRay({-1, 0.5, 0}, {1, 0, 0});
+    EXPECT_FALSE(hitPolygon(kL, inPlane));
+    EXPECT_FALSE(hitPolygon(kL, makeRay({0.5, 0.5, 0}, {0, 0, 1}))) << "t = 0";
+    EXPECT_FALSE(hitPolygon(kL, makeRay({0.5, 0.5, 1}, {0, 0, 1}))) << "behind";
+    SceneMaker maker;
+    maker.polygon(kL);
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    const Ray ray = makeRay({0.5, 0.25, 3}, {0, 0, -1});
+    const auto hit = tracer.closest(ray);
+    ASSERT_TRUE(hit);
+    const Surface surface = tracer.surface(ray, *hit);
+    EXPECT_EQ(surface.position, dvec3(0.5, 0.25, 0));
+    EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1));
+    EXPECT_FALSE(tracer.closest(ray, hit->primitive));
+}
+
+}  // namespace
+}  // namespace glint::reference::test

@@ -1,0 +1,203 @@
+// Parallel and oblique cameras: what each pixel must see, by geometry.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "reference/tracer.h"
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kUnit = 0x1p-24;
+constexpr int kWidth = 64, kHeight = 48;
+// Positions in these scenes are below 16, made by fewer than 16 roundings.
+constexpr double kRounding = 16 * 16 * kUnit;
+
+class CameraTest : public RenderTest {
+  protected:
+    static Picture pictureOf(const Scene& scene) {
+        const Case c = makeCase(scene, kWidth, kHeight);
+        return draw(device(), c);
+    }
+    static void expectPosition(const Picture& picture, int x, int y, const dvec3& expected,
+                               double tolerance = kRounding) {
+        ASSERT_NE(picture.at(x, y).object, PixelData::kNoIndex) << x << "," << y;
+        EXPECT_LE(glm::length(picture.at(x, y).position - expected), tolerance) << x << "," << y;
+    }
+    // The film point of a pixel's centre in pixels from the middle, y upwards.
+    static glm::dvec2 filmPoint(int x, int y) { return {x + 0.5 - kWidth / 2, kHeight / 2 - (y + 0.5)}; }
+};
+
+Scene orthographicScene() {
+    Scene scene = emptyScene();
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.eye = {2, 1, 7};
+    scene.camera.target = {2, 1, 0};
+    scene.camera.height = 3;  // 48 rows of 1/16
+    return scene;
+}
+
+// Shirley & Marschner, eq. 4.1: pixel centres half a pixel in from the edge, evenly spaced, at any depth.
+TEST_F(CameraTest, orthographicPixelsAreEvenlySpaced) {
+    Scene scene = orthographicScene();
+    addPlane(scene, {0, 0, -4}, {0, 0, 1});
+    const Picture picture = pictureOf(scene);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            expectPosition(picture, x, y, dvec3(dvec3(2, 1, -4) + dvec3(filmPoint(x, y) / 16.0, 0)));
+            EXPECT_NEAR(picture.at(x, y).depth, 11, kRounding);
+        }
+    }
+}
+
+// Two spheres one behind the other's depth, the same number of pixels apart: the same pixels see them, and
+// those within the radius.
+TEST_F(CameraTest, orthographicSizeDoesNotDependOnDepth) {
+    Scene scene = orthographicScene();
+    addSphere(scene, {1.03, 1.02, 0}, 0.8);
+    addSphere(scene, {3.03, 1.02, -40}, 0.8);
+    const Picture picture = pictureOf(scene);
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth / 2; ++x) {
+            const dvec3 point = dvec3(2, 1, 0) + dvec3(filmPoint(x, y) / 16.0, 0);
+            const double distance = glm::length(point - dvec3(1.03, 1.02, 0));
+            if (std::abs(distance - 0.8) < 1e-5) continue;
+            EXPECT_EQ(picture.at(x, y).object, distance < 0.8 ? 0u : PixelData::kNoIndex) << x << "," << y;
+            EXPECT_EQ(picture.at(x + kWidth / 2, y).object, distance < 0.8 ? 1u : PixelData::kNoIndex)
+                << x << "," << y;
+        }
+    }
+}
+
+// Rays start on the plane through the eye: t = 0 is excluded, and nothing behind it is seen. near and far
+// count from it.
+TEST_F(CameraTest, orthographicRaysStartOnTheImagePlane) {
+    const double endless = std::numeric_limits<double>::infinity();
+    const auto seen = [](double nearT, double farT) {
+        Scene scene = orthographicScene();
+        scene.camera.nearT = nearT;
+        scene.camera.farT = farT;
+        for (const double z : {9.0, 7.0, 5.0, 3.0}) addPlane(scene, {0, 0, z}, {0, 0, 1});
+        return pictureOf(scene);
+    };
+    for (const int x : {0, kWidth / 2, kWidth - 1}) {
+        EXPECT_EQ(seen(0, endless).at(x, 5).object, 2u);
+        EXPECT_EQ(seen(0, 2).at(x, 5).object, 2u);
+        EXPECT_EQ(seen(2, endless).at(x, 5).object, 3u);
+        EXPECT_EQ(seen(2, 3).at(x, 5).object, PixelData::kNoIndex);
+    }
+}
+
+// Sec. 4.3.1: a plane parallel to the image plane is drawn undistorted and in true size; each unit of depth
+// moves it by view.xy / view.z.
+TEST_F(CameraTest, obliqueParallelKeepsPlanesUndistorted) {
+    for (const double depth : {1.0, 5.0}) {
+        Scene scene = orthographicScene();
+        scene.camera.target = scene.camera.eye + dvec3(0.5, -0.25, -1);
+        scene.camera.planeNormal = dvec3(0, 0, 2);
+        addPlane(scene, {0, 0, 7 - depth}, {0, 0, 1});
+        const Picture picture = pictureOf(scene);
+        const dvec3 middle = dvec3(2, 1, 7) + depth * dvec3(0.5, -0.25, -1);
+        for (int y = 0; y < kHeight; y += 7) {
+            for (int x = 0; x < kWidth; x += 3) {
+                expectPosition(picture, x, y, middle + dvec3(filmPoint(x, y) / 16.0, 0));
+                EXPECT_NEAR(picture.at(x, y).depth, depth * std::sqrt(1 + 0.25 + 0.0625), kRounding);
+            }
+        }
+    }
+}
+
+// Sec. 4.3.2: the same for perspective, scaled with depth. The camera looks up by 45 degrees, the image plane
+// is upright, at unit distance along the view and so at sqrt(1/2) in depth.
+TEST_F(CameraTest, obliquePerspectiveKeepsPlanesUndistorted) {
+    Scene scene = emptyScene();
+    scene.camera.eye = {1, 2, 3};
+    scene.camera.target = {1, 4, 1};
+    scene.camera.planeNormal = dvec3(0, 0, 1);
+    scene.camera.window = ViewWindow{-0.5, 0.5, -0.375, 0.375};  // pixels of 1/64
+    addPlane(scene, {0, 0, -3}, {0, 0, 1});
+    const Picture picture = pictureOf(scene);
+    const double scale = 6 / std::sqrt(0.5);
+    for (int y = 0; y < kHeight; y += 5) {
+        for (int x = 0; x < kWidth; x += 3)
+            expectPosition(picture, x, y, dvec3(1, 8, -3) + dvec3(scale * filmPoint(x, y) / 64.0, 0));
+    }
+    scene.camera.planeNormal.reset();  // then upright lines converge
+    const Picture tilted = pictureOf(scene);
+    EXPECT_GT(tilted.at(0, kHeight - 1).position.x, tilted.at(0, 0).position.x + 1);
+}
+
+// Triangles with their corners, and so their edges, as near to camera rays as the device's rays are to the
+// true ones, `distance` from where the rays start, and only there where the sums that a ray is made of cancel
+// to a fiftieth.
+void addKnifeEdges(Scene& scene, int width, int height, double distance) {
+    const PackedScene empty = packScene(scene);
+    const reference::Tracer tracer(empty);
+    const shared::Camera camera = packCamera(scene.camera, width, height, dvec3(0));
+    Random random(20);
+    const auto rayAt = [&](int x, int y) { return tracer.cameraRay(camera, x + 0.5, y + 0.5); };
+    const auto near = [&](int x, int y) {
+        const reference::Ray ray = rayAt(x, y);
+        const double error = kUnit * (ray.originScale + distance * ray.directionScale);
+        return ray.origin + distance * ray.direction + random.box(error);
+    };
+    for (int y = 0; y + 3 < height; y += 4) {
+        for (int x = 0; x + 3 < width; x += 4) {
+            const reference::Ray ray = rayAt(x, y);
+            const bool cancels = ray.originScale > 50 * glm::length(ray.origin) || ray.directionScale > 50;
+            if (!cancels) continue;
+            const dvec3 a = near(x, y), b = near(x, y + 3), c = near(x + 3, y);
+            // Too sharp a corner would not be found by random rays.
+            const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+            if (glm::length(glm::cross(b - a, c - a)) > 0.2 * longest * longest) addTriangle(scene, a, b, c);
+        }
+    }
+}
+
+// Where the device's sums cancel, its rays are off by much: those that leave an oblique camera far from the
+// normal of its plane, and those that start near 0, far from the middle of the film. verify knows that.
+TEST_F(CameraTest, cancellationIsExplained) {
+    Scene oblique = emptyScene(), parallel = emptyScene();
+    oblique.camera.eye = {0, 0, 0};  // view + u U is 0.004 long at u = -1, that far from the middle
+    oblique.camera.target = {0, 0, -1};
+    oblique.camera.planeNormal = dvec3(1, 0, 0.004);
+    oblique.camera.window = ViewWindow{-1.11, 1.23, -0.53, 0.71};
+    parallel.camera.projection = Projection::Orthographic;
+    parallel.camera.eye = {0, 0, 1e-3};
+    parallel.camera.target = {0, 0, 0};
+    parallel.camera.window = ViewWindow{-0.05, 4.11, -3.19, 0.05};  // 0 is near its upper left corner
+    for (Scene& scene : {std::ref(oblique), std::ref(parallel)}) {
+        const bool isParallel = scene.camera.projection == Projection::Orthographic;
+        scene.ambient = Color(1);
+        addKnifeEdges(scene, 1024, 768, isParallel ? 0.01 : 1);
+        const Case c = makeCase(scene, 1024, 768);
+        ASSERT_EQ(c.packed.origin, dvec3(0));
+        Renderer renderer(device(), c.packed);
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+        EXPECT_EQ(report.unexplained, 0u);
+        EXPECT_GT(report.explained(), 4u) << "else nothing hung on rounding";
+    }
+}
+
+// The pipeline of a perspective scene has no code for it, and says so.
+TEST_F(CameraTest, aParallelCameraNeedsAPipelineWithOne) {
+    Scene scene = emptyScene();
+    addPlane(scene, {0, 0, -3}, {0, 0, 1});
+    Case c = makeCase(scene, kWidth, kHeight);
+    c.camera = packCamera(orthographicScene().camera, kWidth, kHeight, c.packed.origin);
+    EXPECT_THROW(draw(device(), c), std::invalid_argument);
+    Options full;
+    full.leaveOut = false;
+    EXPECT_NEAR(draw(device(), c, full).at(3, 3).depth, 10, kRounding);
+}
+
+}  // namespace
+}  // namespace glint::render::test

@@ -1,0 +1,274 @@
+// Polygons on the device: the even-odd rule, shared edges, outlines too long for one dispatch.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mutant_kernels.h"
+#include "reference/tracer.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+const std::vector<dvec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+const std::vector<dvec3> kDiamond = {{0, 1, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}};
+
+class PolygonTest : public RenderTest {
+  protected:
+    static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays) {
+        Renderer renderer(device(), packed);
+        return renderer.trace(rays, false);
+    }
+    static Scene sceneOf(const std::vector<dvec3>& vertices) {
+        Scene scene = emptyScene();
+        addPolygon(scene, vertices);
+        return scene;
+    }
+};
+
+// NUMERICS T70 and T71 from above and below; T74 is the last polygon, the L with doubled and collinear
+// vertices.
+TEST_F(PolygonTest, levelWithVertices) {
+    struct Point {
+        float x, y;
+        bool inside;
+    };
+    const std::vector<Point> inL = {{1.5f, 0.5f, true}, {1.5f, 1.5f, false}, {0.5f, 1, true}, {1, 0.5f, true},
+                                    {3, 1, false},      {-1, 1, false},      {-1, 2, false},  {1, 3, false}};
+    const std::vector<Point> inDiamond = {
+        {1, 1, true}, {-1, 1, false}, {3, 1, false}, {1, -1, false}, {1, 3, false}};
+    const std::vector<dvec3> doubled = {{0, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1.5, 1, 0},
+                                        {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0.5, 0}};
+    const std::pair<const std::vector<dvec3>*, const std::vector<Point>*> cases[] = {
+        {&kL, &inL}, {&kDiamond, &inDiamond}, {&doubled, &inL}};
+    for (const auto& [vertices, points] : cases) {
+        std::vector<RayInput> rays;
+        for (const Point& p : *points) {
+            rays.push_back(rayOf({p.x, p.y, 5}, {0, 0, -1}));
+            rays.push_back(rayOf({p.x, p.y, -5}, {0, 0, 1}));
+        }
+        const std::vector<RayHit> hits = hitsOf(packScene(sceneOf(*vertices)), rays);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(hits[i].hit, (*points)[i / 2].inside) << text(rays[i]);
+            if (!hits[i].hit) continue;
+            EXPECT_EQ(hits[i].t, 5);
+            EXPECT_EQ(hits[i].data.geometricNormal, vec3(0, 0, 1));
+            EXPECT_EQ(hits[i].data.u, 0);
+        }
+    }
+}
+
+// T75, the sweep of T12 over the diagonal: of two polygons that share it, every ray hits exactly one. In one
+// plane, folded, and next to a triangle, whose edges belong to it.
+TEST_F(PolygonTest, sharedEdges) {
+    for (const double fold : {0.0, 3.0, -2.0}) {
+        for (const bool triangle : {false, true}) {
+            Scene scene = emptyScene();
+            const dvec3 a(-5, -5, 0), b(5, 5, 0), left(-5, 5, fold), right(5, -5, 0.5 * fold);
+            addPolygon(scene, {a, b, left});
+            if (triangle) {
+                addTriangle(scene, a, right, b);
+            } else {
+                addPolygon(scene, {a, right, b});
+            }
+            std::vector<RayInput> rays = {rayOf({0, 0, 10}, {0.30458447f, 0.30458447f, -0.9024725f})};
+            for (int k = 1; k <= 3999; ++k)
+                rays.push_back(rayTowards({0, 0, 10}, {k / 1000.0, k / 1000.0, 0}, true));
+            Random random(75);
+            for (int k = 0; k < 4000; ++k)
+                rays.push_back(
+                    rayTowards(dvec3(0, 0, 12) + random.box(3), glm::mix(a, b, random.uniform(0.01, 0.99))));
+            const PackedScene packed = packScene(scene);
+            EXPECT_EQ(misses(hitsOf(packed, rays)), 0u) << fold << triangle;
+            if (triangle) continue;
+            // Alone, the two divide the rays among themselves.
+            Scene one = emptyScene(), other = emptyScene();
+            addPolygon(one, {a, b, left});
+            addPolygon(other, {a, right, b});
+            const auto first = hitsOf(packScene(one), rays), second = hitsOf(packScene(other), rays);
+            for (size_t i = 0; i < rays.size(); ++i) ASSERT_NE(first[i].hit, second[i].hit) << text(rays[i]);
+        }
+    }
+}
+
+// A closed prism of 14 polygons seen from inside: no ray gets out, at edges and at vertices either.
+TEST_F(PolygonTest, closedPrism) {
+    constexpr int kSides = 12;
+    std::vector<dvec3> bottom, top;
+    const dvec3 axis(0.3, -0.2, 1.7);
+    for (int i = 0; i < kSides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kSides;
+        const dvec3 p(vec3(std::cos(angle), 0.3 * std::cos(angle) + std::sin(angle), 0.1 * std::sin(angle)));
+        bottom.push_back(p - axis);
+        top.push_back(p + axis);
+    }
+    Scene scene = emptyScene();
+    addPolygon(scene, top);
+    addPolygon(scene, {bottom.rbegin(), bottom.rend()});
+    for (size_t i = 0; i < kSides; ++i) {
+        const size_t j = (i + 1) % kSides;
+        addPolygon(scene, {bottom[i], bottom[j], top[j], top[i]});
+    }
+    Random random(14);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 30000; ++i) {
+        const dvec3 from = random.box(0.25);
+        const uint32_t k = random.below(kSides), next = (k + 1) % kSides;
+        const dvec3 ends[][2] = {
+            {bottom[k], bottom[next]}, {top[k], top[next]}, {bottom[k], top[k]}, {top[k], top[k]}};
+        const auto& edge = ends[random.below(4)];
+        rays.push_back(rayTowards(from, glm::mix(edge[0], edge[1], random.uniform(0, 1)), i % 2));
+    }
+    EXPECT_EQ(misses(hitsOf(packScene(scene), rays)), 0u);
+}
+
+// Comb after comb: concave, in any attitude; every ray keeps away from the edges by far more than rounding.
+TEST_F(PolygonTest, combsInAnyAttitude) {
+    Random random(21);
+    size_t found = 0;
+    for (int i = 0; i < 20; ++i) {
+        const dvec3 a = random.direction(), n = glm::normalize(glm::cross(a, random.direction())),
+                    b = glm::cross(n, a);
+        const dvec3 at = random.box(5);
+        const double size = std::exp(random.uniform(-4, 4));
+        // Teeth over [2k, 2k + 1] x [0, 2] on a back [0, 9] x [-1, 0].
+        std::vector<dvec3> comb = {{0, -1, 0}, {9, -1, 0}};
+        for (int k = 4; k >= 0; --k) {
+            for (const dvec3& v :
+                 {dvec3(2 * k + 1, 0, 0), dvec3(2 * k + 1, 2, 0), dvec3(2 * k, 2, 0), dvec3(2 * k, 0, 0)})
+                comb.push_back(v);
+        }
+        const auto place = [&](double x, double y) { return at + size * (x * a + y * b); };
+        std::vector<dvec3> placed;
+        for (const dvec3& v : comb) placed.push_back(place(v.x, v.y));
+        std::vector<RayInput> rays;
+        std::vector<bool> inside;
+        while (rays.size() < 200) {
+            const double x = random.uniform(-1, 10), y = random.uniform(-2, 3);
+            const dvec3 from = random.direction();
+            if (std::abs(x - std::round(x)) < 0.02 || std::abs(y - std::round(y)) < 0.02 ||
+                std::abs(glm::dot(from, n)) < 0.1)
+                continue;
+            const bool within = x > 0 && x < 9 && y < 2;
+            inside.push_back(within && y > -1 && (y < 0 || std::fmod(x, 2) < 1));
+            rays.push_back(rayTowards(place(x, y) + 10 * size * from, place(x, y)));
+        }
+        const PackedScene packed = packScene(sceneOf(placed));
+        const std::vector<RayHit> hits = hitsOf(packed, rays);
+        const reference::Tracer tracer(packed);
+        for (size_t k = 0; k < rays.size(); ++k) {
+            ASSERT_EQ(hits[k].hit, inside[k]) << text(rays[k]);
+            const auto expected = tracer.closest({dvec3(rays[k].origin), dvec3(rays[k].direction)});
+            ASSERT_EQ(expected.has_value(), inside[k]) << text(rays[k]);
+            found += inside[k];
+            if (!expected) continue;
+            // As a plane's: 64 u of the reach, over the cosine of 0.1, in units of a way of 10 sizes.
+            const double reach = 20 * size + glm::length(at - packed.origin);
+            EXPECT_NEAR(hits[k].t, expected->t, 64 * 0x1p-24 * reach / (0.1 * 10 * size));
+        }
+    }
+    EXPECT_GT(found, 1000u);
+}
+
+// As many corners as a polygon may have.
+std::vector<dvec3> longRing(double radius, double z) {
+    std::vector<dvec3> ring;
+    for (uint32_t i = 0; i < 8192; ++i) {
+        const double angle = 2 * std::numbers::pi * i / 8192;
+        ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+    return ring;
+}
+
+// Rings of growing size behind each other: a ray half a unit from every outline goes by the smaller ones.
+TEST_F(PolygonTest, longOutlinesHitAndMissed) {
+    constexpr uint32_t kRings = 12;
+    Scene scene = emptyScene();
+    scene.camera.eye = {0, 0, 4};
+    for (uint32_t r = 0; r < kRings; ++r) addPolygon(scene, longRing(1 + r, -0.125 * r));
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.polygons.size(), kRings);
+    std::vector<RayInput> rays;
+    std::vector<uint32_t> nearest;
+    Random random(8);
+    for (int i = 0; i < 256; ++i) {
+        nearest.push_back(random.below(kRings));
+        const double angle = random.uniform(0, 7), radius = nearest.back() + 0.5;
+        rays.push_back(rayOf({radius * std::cos(angle), radius * std::sin(angle), 3}, {0, 0, -1}));
+    }
+    Renderer renderer(device(), packed);
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
+        ASSERT_EQ(hits[i].data.object, nearest[i]) << text(rays[i]);
+        ASSERT_EQ(hits[i].t, 3 + 0.125f * static_cast<float>(nearest[i]));
+    }
+    // A budget of one trip: every leaf in a dispatch of its own, and the same answers.
+    Options options;
+    options.tripBudget = 1;
+    Renderer tight(device(), packed, options);
+    const std::vector<RayInput> some(rays.begin(), rays.begin() + 64);
+    EXPECT_TRUE(sameBits(tight.trace(some, false), {hits.begin(), hits.begin() + 64}, some));
+    EXPECT_GT(tight.times().resumes, 0u);
+}
+
+// Rays through a corner of the boxes of 40 rings, outside all outlines: 40 x 2048 loop trips to follow them,
+// where lavapipe ends all loops after 65,535. The triangle behind them is met last.
+TEST_F(PolygonTest, moreEdgesThanLavapipeAllows) {
+    constexpr uint32_t kRings = 40;
+    Scene scene = emptyScene();
+    scene.camera.eye = {0, 0, 4};
+    for (uint32_t r = 0; r < kRings; ++r) addPolygon(scene, longRing(20, -0.125 * r));
+    addTriangle(scene, {-90, -90, -9}, {90, -90, -9}, {0, 90, -9});
+    const PackedScene packed = packScene(scene);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 64; ++i)
+        rays.push_back(rayOf(vec3(15 + 0.25 * (i % 8), -15 - 0.25 * (i / 8), 3), {0, 0, -1}));
+    const auto found = [](const std::vector<RayHit>& hits) {
+        return std::count_if(hits.begin(), hits.end(),
+                             [](const RayHit& h) { return h.hit && h.data.object == kRings; });
+    };
+    Renderer renderer(device(), packed);
+    EXPECT_EQ(found(renderer.trace(rays, false)), 64);
+    EXPECT_GT(renderer.times().resumes, 0u);
+    const KernelCode naive = mutantKernels("naive");
+    Options options;
+    options.access = gpu::Access::TexelBuffer;
+    options.kernels = &naive;
+    options.tripBudget = 1u << 30;
+    Renderer ignorant(device(), packed, options);
+    EXPECT_LT(found(ignorant.trace(rays, false)), 64)
+        << "the driver has lifted its limit, see trips_test.cpp";
+}
+
+// Neither acne on a polygon nor light under it, near and far from the origin.
+TEST_F(PolygonTest, shadows) {
+    for (const double offset : {0.0, 1e3}) {
+        Scene scene = emptyScene();
+        const dvec3 at(offset, -offset, offset), a = glm::normalize(dvec3(1, -0.3, 0.1)),
+                                                 b = glm::normalize(glm::cross(dvec3(0.2, 1, 0.3), a));
+        const auto square = [&](double height, double half) {
+            const dvec3 up = height * glm::normalize(glm::cross(a, b));
+            addPolygon(scene, {at + up - half * (a + b), at + up + half * (a - b), at + up + half * (a + b),
+                               at + up + half * (b - a)});
+        };
+        square(0, 4);
+        scene.lights.push_back(DirectionalLight{-glm::cross(a, b) + 0.5 * a, Color(1)});
+        scene.camera.eye = at + 3.0 * glm::cross(a, b) + 0.5 * b;
+        scene.camera.target = at;
+        const auto shadowed = [&] {
+            const Picture picture = draw(device(), makeCase(scene, 48, 48));
+            return std::count_if(picture.data.begin(), picture.data.end(),
+                                 [](const PixelData& d) { return d.object == 0 && d.shadowBits != 0; });
+        };
+        EXPECT_EQ(shadowed(), 0) << offset;
+        square(3.5, 30);
+        EXPECT_EQ(shadowed(), 48 * 48) << offset;
+    }
+}
+
+}  // namespace
+}  // namespace glint::render::test

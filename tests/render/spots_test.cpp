@@ -1,0 +1,170 @@
+// Spot lights on the device: the cone by geometry, and what it costs.
+#include <cmath>
+#include <numbers>
+
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSize = 96;
+
+class SpotTest : public RenderTest {
+  protected:
+    static double channel(const Picture& picture, int x, int y) {
+        return static_cast<double>(picture.color.at(x, y, 0));
+    }
+};
+
+// A white floor seen from straight above, `height` across.
+Scene floorFromAbove(double height) {
+    Scene scene = emptyScene();
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.eye = {0, 1, 0};
+    scene.camera.target = {0, 0, 0};
+    scene.camera.up = {0, 0, -1};
+    scene.camera.height = height;
+    scene.materials[0].diffuse = Color(1);
+    addPlane(scene, {0, 0, 0}, {0, 1, 0});
+    return scene;
+}
+
+SpotLight lampAt(double height, double angle, double penumbra) {
+    SpotLight lamp;
+    lamp.position = {0, height, 0};
+    lamp.angle = angle;
+    lamp.penumbra = penumbra;
+    return lamp;
+}
+
+// A lamp at height h lights a disc of radius h tan(angle), and nothing from h tan(angle + penumbra) on;
+// between them the smoothstep of the cosine, docs/shading.md. Radii are known to 1e-6 of h; the factor's
+// slope there is below 1.5 / (cos 30 - cos 40) = 15 for the widest penumbra and below 10^4 for the narrow
+// cone's.
+TEST_F(SpotTest, lightsADiscOfTheConesRadius) {
+    struct Lamp {
+        double height, angle, penumbra, tolerance;
+    };
+    for (const Lamp& lamp : {Lamp{4, 30, 10, 2e-5}, Lamp{4, 30, 0, 2e-5}, Lamp{0.25, 0, 60, 2e-5},
+                             Lamp{1e4, 0.01, 0, 2e-5}, Lamp{1e4, 0.005, 0.005, 2e-3}}) {
+        const double full = lamp.height * std::tan(lamp.angle * kDegree);
+        const double none = lamp.height * std::tan((lamp.angle + lamp.penumbra) * kDegree);
+        Scene scene = floorFromAbove(2.5 * none);
+        scene.lights.push_back(lampAt(lamp.height, lamp.angle, lamp.penumbra));
+        const Picture picture = draw(device(), makeCase(scene, kSize, kSize));
+        int lit = 0, dark = 0, between = 0;
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = 0; x < kSize; ++x) {
+                const dvec3 point = picture.at(x, y).position;
+                const double radius = std::hypot(point.x, point.z);
+                if (std::min(std::abs(radius - full), std::abs(radius - none)) < 1e-3 * none) continue;
+                const double theta = std::atan(radius / lamp.height);
+                double expected = radius < full ? std::cos(theta) : 0;
+                ++(radius < full ? lit : radius > none ? dark : between);
+                if (radius > full && radius < none) {
+                    const auto oneMinusCosine = [](double a) { return 2 * std::pow(std::sin(a / 2), 2); };
+                    const double outer = oneMinusCosine((lamp.angle + lamp.penumbra) * kDegree);
+                    const double s =
+                        (outer - oneMinusCosine(theta)) / (outer - oneMinusCosine(lamp.angle * kDegree));
+                    expected = std::cos(theta) * s * s * (3 - 2 * s);
+                }
+                if (radius > none) {
+                    EXPECT_EQ(channel(picture, x, y), 0) << radius;
+                } else {
+                    EXPECT_NEAR(channel(picture, x, y), expected, lamp.tolerance)
+                        << radius << " of " << full << " " << none;
+                }
+            }
+        }
+        EXPECT_GT(dark, kSize * kSize / 3);
+        EXPECT_EQ(lit > 0, lamp.angle > 0);
+        EXPECT_EQ(between > 0, lamp.penumbra > 0);
+    }
+}
+
+// A cone of 180 degrees is a point light, also straight behind, where its light comes at a cosine of -1.
+TEST_F(SpotTest, fullSphereIsAPointLight) {
+    for (const bool inverseSquare : {false, true}) {
+        Scene scene = floorFromAbove(3);
+        scene.camera.eye.y = 0.5;
+        SpotLight lamp = lampAt(1, 180, 0);
+        lamp.direction = {0, 1, 0};
+        lamp.inverseSquare = inverseSquare;
+        scene.lights.push_back(lamp);
+        const Picture spot = draw(device(), makeCase(scene, kSize, kSize));
+        scene.lights[0] = PointLight{lamp.position, lamp.intensity, inverseSquare};
+        EXPECT_TRUE(sameBits(spot, draw(device(), makeCase(scene, kSize, kSize))));
+    }
+}
+
+// Outside the cone a pixel costs what it costs without the light.
+TEST_F(SpotTest, castsNoShadowRayOutsideTheCone) {
+    Scene scene = floorFromAbove(8);
+    scene.camera.eye.y = 5;
+    addSphere(scene, {0, 2, 0}, 0.5);
+    addSphere(scene, {2, 1, 1}, 0.5);
+    const auto costs = [](const Scene& s) {
+        const Case c = makeCase(s, kSize, kSize);
+        RenderSettings settings;
+        settings.width = settings.height = kSize;
+        settings.cost = true;
+        Renderer renderer(device(), c.packed);
+        return renderer.render(c.camera, settings);
+    };
+    const Picture unlit = costs(scene);
+    scene.lights.push_back(lampAt(4, 20, 10));
+    const Picture lit = costs(scene);
+    int outside = 0, dearer = 0;
+    for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+            const dvec3 toPoint = lit.at(x, y).position - dvec3(0, 4, 0);
+            const double theta = std::acos(-toPoint.y / glm::length(toPoint)) / kDegree;
+            if (theta > 30.01) {
+                ++outside;
+                EXPECT_EQ(lit.at(x, y).cost, unlit.at(x, y).cost) << x << "," << y;
+                EXPECT_EQ(lit.at(x, y).shadowBits, 0u);
+            } else if (theta < 29.99) {
+                dearer += lit.at(x, y).cost > unlit.at(x, y).cost;
+                EXPECT_GE(lit.at(x, y).cost, unlit.at(x, y).cost);
+            }
+        }
+    }
+    EXPECT_GT(outside, kSize * kSize / 4);
+    EXPECT_GT(dearer, kSize * kSize / 8);
+}
+
+// Sharp cones on a slanted floor, one from far away: their rims hang on rounding, and verify finds that they
+// do.
+TEST_F(SpotTest, sharpRimsAreExplained) {
+    Scene scene = emptyScene();
+    scene.ambient = Color(0.1);
+    scene.camera.eye = {0, 2, 6};
+    addPlane(scene, {0, 0, 0}, {0, 1, 0.1});
+    addSphere(scene, {0.5, 0.5, 0}, 0.7);
+    const double far = 3e4;
+    for (const auto& [position, angle] :
+         {std::pair(dvec3(1, 3, 1), 25.0), std::pair(dvec3(-0.4, 0.05, 2), 100.0),
+          std::pair(far * dvec3(0.6, 0.8, 0), 0.0015)}) {
+        SpotLight lamp;
+        lamp.position = position;
+        lamp.direction = -position;
+        lamp.angle = angle;
+        lamp.intensity = Color(0.3);
+        scene.lights.push_back(lamp);
+    }
+    const Case c = makeCase(scene, 256, 192);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_TRUE(report.passed(options)) << report.explained() << " explained pixels";
+}
+
+}  // namespace
+}  // namespace glint::render::test

@@ -1,0 +1,93 @@
+// The plane of a polygon, and when there is none.
+#include "scene/polygon_plane.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec3;
+
+const std::vector<dvec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+
+}  // namespace
+
+TEST(PolygonPlane, concaveReversedAndFarAway) {
+    const auto plane = polygonPlane(kL);
+    ASSERT_TRUE(plane);
+    EXPECT_EQ(plane->normal, dvec3(0, 0, 1));
+    EXPECT_EQ(plane->deviation, 0);
+    EXPECT_NEAR(glm::length(plane->point - dvec3(1, 1, 0)), 0, 1e-15);  // sums 6 and 6 over 6 vertices
+    EXPECT_EQ(polygonPlane(std::vector<dvec3>(kL.rbegin(), kL.rend()))->normal, dvec3(0, 0, -1));
+    std::vector<dvec3> far = kL;
+    for (dvec3& v : far) v += dvec3(1e12, -1e12, 3);
+    EXPECT_EQ(polygonPlane(far)->normal, dvec3(0, 0, 1));
+}
+
+// Collinear and repeated vertices add nothing to the sum.
+TEST(PolygonPlane, needlessVerticesChangeNothing) {
+    const std::vector<dvec3> more = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0},
+                                     {1, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}};
+    EXPECT_EQ(polygonPlane(more)->normal, dvec3(0, 0, 1));
+}
+
+// Points of a line as decimals: none of them lies on it in binary.
+TEST(PolygonPlane, noneWithoutArea) {
+    for (const double scale : {1e-9, 1.0, 1e9}) {
+        for (const dvec3& offset : {dvec3(0), dvec3(100.1, -0.3, 1e7)}) {
+            std::vector<dvec3> line;
+            for (const double t : {0.1, 0.3, 0.7, 0.2, 0.9})
+                line.push_back(scale * (offset + t * dvec3(0.1, 0.7, -0.3)));
+            EXPECT_FALSE(polygonPlane(line)) << scale;
+            line.back() += scale * dvec3(1e-3, 0, 0);
+            EXPECT_TRUE(polygonPlane(line)) << scale;
+        }
+    }
+    EXPECT_FALSE(polygonPlane(std::vector<dvec3>{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}})) << "a bow";
+    EXPECT_FALSE(polygonPlane(std::vector<dvec3>{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));
+}
+
+// A regular ring with one vertex raised by h: its plane is off by no more than h there, and the raised vertex
+// is the farthest one from it.
+TEST(PolygonPlane, deviationNamesTheVertex) {
+    std::vector<dvec3> ring;
+    for (int i = 0; i < 12; ++i)
+        ring.emplace_back(std::cos(i * std::numbers::pi / 6), std::sin(i * std::numbers::pi / 6), 0);
+    ring[7].z = 0.01;
+    const auto plane = polygonPlane(ring);
+    EXPECT_EQ(plane->farthest, 7u);
+    EXPECT_GT(plane->deviation, 0.005);
+    EXPECT_LT(plane->deviation, 0.01);
+}
+
+// A tilted polygon in fp32 or with six decimals passes, one that is bent by 1e-4 does not.
+TEST(PolygonPlane, toleranceCoversRoundedCoordinates) {
+    for (const double size : {1e-3, 1.0, 1e3}) {
+        std::vector<dvec3> exact, single, decimal;
+        for (int i = 0; i < 40; ++i) {
+            const double a = i * std::numbers::pi / 20;
+            exact.push_back(size * (dvec3(3, -2, 5) + std::cos(a) * dvec3(0.6, 0.48, 0.64) +
+                                    std::sin(a) * dvec3(-0.8, 0.36, 0.48)));
+            single.push_back(dvec3(glm::vec3(exact.back())));
+            dvec3 d = exact.back();
+            for (int k = 0; k < 3; ++k) {
+                char text[32];
+                std::snprintf(text, sizeof(text), "%g", d[k]);
+                d[k] = std::atof(text);
+            }
+            decimal.push_back(d);
+        }
+        EXPECT_LT(polygonPlane(exact)->deviation, 1e-14 * size);
+        EXPECT_LT(polygonPlane(single)->deviation, planarTolerance(single));
+        EXPECT_LT(polygonPlane(decimal)->deviation, planarTolerance(decimal));
+        exact[3] += 1e-4 * size * dvec3(0, 0.8, -0.6);
+        EXPECT_GT(polygonPlane(exact)->deviation, planarTolerance(exact));
+    }
+}
+
+}  // namespace glint::test
