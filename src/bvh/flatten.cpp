@@ -13,8 +13,8 @@ struct Pending {
     uint32_t escape;
 };
 
-// How far a box reaches beyond its contents: one ulp, and enough that a ray that runs in one of its sides (a direction of 0, whose
-// inverse the shaders take for 2^125) is seen well inside.
+// How far a box reaches beyond its contents: one ulp, and enough that a ray that runs in one of its sides (a
+// direction of 0, whose inverse the shaders take for 2^125) is seen well inside.
 float margin(float x) {
     return std::max(std::abs(x) * 0x1p-23f, 0x1p-100f);
 }

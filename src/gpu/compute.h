@@ -17,8 +17,8 @@ namespace glint::gpu {
 enum class Access { StorageBuffer, TexelBuffer };
 
 enum class MemoryKind {
-    Device,   // fastest for the device; filled by upload(), read by download()
-    Host      // visible to both and coherent; mapped() is valid
+    Device,  // fastest for the device; filled by upload(), read by download()
+    Host     // visible to both and coherent; mapped() is valid
 };
 
 struct BufferState;
@@ -27,8 +27,8 @@ struct BufferState;
 class Buffer {
   public:
     Buffer();
-    // Throws Error(Device), naming the array, its size and the limit, if `bytes` passes what `access` or the device allows, or
-    // if memory runs out.
+    // Throws Error(Device), naming the array, its size and the limit, if `bytes` passes what `access` or the
+    // device allows, or if memory runs out.
     Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access, MemoryKind memory);
     ~Buffer();
     Buffer(Buffer&&) noexcept;
@@ -47,17 +47,19 @@ class Buffer {
 // True if a buffer of `bytes` can be bound with `access` on `limits`.
 bool fits(uint64_t bytes, Access access, const DeviceLimits& limits);
 
-// Blocking copies, in pieces through a staging buffer of bounded size where the memory is not visible to the host.
-void upload(const Device& device, const Buffer& destination, std::span<const std::byte> data, uint64_t offset = 0);
+// Blocking copies, in pieces through a staging buffer of bounded size where the memory is not visible to the
+// host.
+void upload(const Device& device, const Buffer& destination, std::span<const std::byte> data,
+            uint64_t offset = 0);
 void download(const Device& device, const Buffer& source, std::span<std::byte> data, uint64_t offset = 0);
 
 struct KernelOptions {
-    std::string name;                      // for messages
-    std::span<const uint32_t> spirv;       // entry point "main"
-    std::vector<Access> bindings;          // set 0, binding i
-    std::vector<uint32_t> constants;       // specialization constant id i has value constants[i] (bool: 0 or 1)
-    uint32_t pushConstantBytes = 0;        // multiple of 4, at most limits.maxPushConstantBytes
-    uint32_t workgroupSizeX = 64;          // checked against the limits
+    std::string name;                 // for messages
+    std::span<const uint32_t> spirv;  // entry point "main"
+    std::vector<Access> bindings;     // set 0, binding i
+    std::vector<uint32_t> constants;  // specialization constant id i has value constants[i] (bool: 0 or 1)
+    uint32_t pushConstantBytes = 0;   // multiple of 4, at most limits.maxPushConstantBytes
+    uint32_t workgroupSizeX = 64;     // checked against the limits
 };
 
 struct KernelState;
@@ -71,7 +73,8 @@ class Kernel {
     Kernel(Kernel&&) noexcept;
     Kernel& operator=(Kernel&&) noexcept;
 
-    // Binds buffers[i] to binding i; the access of each must be the one given in KernelOptions. Not while a submission runs.
+    // Binds buffers[i] to binding i; the access of each must be the one given in KernelOptions. Not while a
+    // submission runs.
     void bind(std::span<const Buffer* const> buffers);
     explicit operator bool() const { return state_ != nullptr; }
     KernelState& state() const { return *state_; }
@@ -82,8 +85,9 @@ class Kernel {
 
 struct SubmissionState;
 
-// Records dispatches, submits them as one batch, waits. Dispatches see what earlier ones in the batch wrote (a memory
-// barrier stands between any two), and the host sees Host buffers afterwards. Reusable after submit().
+// Records dispatches, submits them as one batch, waits. Dispatches see what earlier ones in the batch wrote
+// (a memory barrier stands between any two), and the host sees Host buffers afterwards. Reusable after
+// submit().
 class Submission {
   public:
     explicit Submission(const Device& device);
@@ -92,11 +96,12 @@ class Submission {
     Submission& operator=(Submission&&) noexcept;
 
     void dispatch(const Kernel& kernel, uint32_t groupsX, std::span<const std::byte> pushConstants);
-    void copy(const Buffer& source, uint64_t sourceOffset, const Buffer& destination, uint64_t destinationOffset, uint64_t bytes);
+    void copy(const Buffer& source, uint64_t sourceOffset, const Buffer& destination,
+              uint64_t destinationOffset, uint64_t bytes);
 
     struct Times {
-        double wall = 0;                // seconds from submit to fence
-        double device = 0;              // seconds between timestamps around the batch; 0 without timestamps
+        double wall = 0;    // seconds from submit to fence
+        double device = 0;  // seconds between timestamps around the batch; 0 without timestamps
     };
     // Throws Error(Device) on a lost device or any Vulkan failure, naming the call and the result.
     Times submit();

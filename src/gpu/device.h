@@ -1,5 +1,6 @@
 // Vulkan devices: what there is, why each is chosen or refused, and the one that is opened. Knows no scene.
-// The Vulkan loader is opened at run time, so a program that links this module starts on a machine without Vulkan.
+// The Vulkan loader is opened at run time, so a program that links this module starts on a machine without
+// Vulkan.
 #pragma once
 
 #include <cstdint>
@@ -28,28 +29,30 @@ struct DeviceLimits {
 };
 
 struct DeviceInfo {
-    uint32_t index = 0;   // in the loader's order
-    std::string name;     // "llvmpipe (LLVM 15.0.6, 256 bits)"
-    std::string type;     // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
-    std::string driver;   // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
-    std::string api;      // "1.3.230"
-    bool software = false;   // type CPU
-    bool llvmpipe = false;   // Mesa's lavapipe, by driver id
+    uint32_t index = 0;     // in the loader's order
+    std::string name;       // "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string type;       // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    std::string driver;     // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
+    std::string api;        // "1.3.230"
+    bool software = false;  // type CPU
+    bool llvmpipe = false;  // Mesa's lavapipe, by driver id
     bool usable = false;
-    std::string reason;      // why it is usable or refused, one phrase
+    std::string reason;  // why it is usable or refused, one phrase
     DeviceLimits limits;
 };
 
-// What a library that opens windows brings along. Handles are Vulkan's, without its header: VkInstance, VkSurfaceKHR.
+// What a library that opens windows brings along. Handles are Vulkan's, without its header: VkInstance,
+// VkSurfaceKHR.
 struct WindowSystem {
     std::vector<std::string> instanceExtensions;
-    // Makes the window's surface, which the device then owns. With it, only devices and queues that can present there are usable.
+    // Makes the window's surface, which the device then owns. With it, only devices and queues that can
+    // present there are usable.
     std::function<uint64_t(void* instance)> makeSurface;
 };
 
 struct DeviceOptions {
-    std::string selector;     // empty: the best; a number: the index; else part of the name, any case
-    bool validation = false;  // validation layer with synchronization validation; its messages are collected
+    std::string selector;      // empty: the best; a number: the index; else part of the name, any case
+    bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
 };
 
@@ -59,17 +62,19 @@ class DeviceLost : public Error {
     explicit DeviceLost(const std::string& message) : Error(ExitCode::Device, message) {}
 };
 
-// Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian packages that bring
-// one) ; an empty list if the loader knows no device.
+// Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian
+// packages that bring one) ; an empty list if the loader knows no device.
 std::vector<DeviceInfo> listDevices();
 
-// The device that `selector` means. Empty: discrete before integrated before virtual before CPU, then the lowest index.
-// Throws Error(Device) with a reason for every device if none is usable, or if the selector matches none or only refused ones.
+// The device that `selector` means. Empty: discrete before integrated before virtual before CPU, then the
+// lowest index. Throws Error(Device) with a reason for every device if none is usable, or if the selector
+// matches none or only refused ones.
 const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 struct DeviceState;  // Vulkan handles, see device_state.h
 
-// An open device with one compute queue. Move-only. Everything made from it must be destroyed before it; moving it is fine.
+// An open device with one compute queue. Move-only. Everything made from it must be destroyed before it;
+// moving it is fine.
 class Device {
   public:
     explicit Device(const DeviceOptions& options = {});

@@ -6,10 +6,14 @@ namespace glint::render {
 
 namespace {
 
-uint32_t divideUp(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
+uint32_t divideUp(uint32_t a, uint32_t b) {
+    return (a + b - 1) / b;
+}
 
 // The bits of `lane` at positions 0, 2, 4 (Morton order), gathered.
-uint32_t evenBits(uint32_t lane) { return (lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u); }
+uint32_t evenBits(uint32_t lane) {
+    return (lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u);
+}
 
 }  // namespace
 
@@ -17,9 +21,13 @@ uint32_t Slice::tilesIn(const Region& region) {
     return divideUp(region.width(), shared::kTileSize) * divideUp(region.height(), shared::kTileSize);
 }
 
-uint32_t Slice::run() const { return std::max(1u, divideUp(tileCount, interleave)); }
+uint32_t Slice::run() const {
+    return std::max(1u, divideUp(tileCount, interleave));
+}
 
-uint32_t Slice::groups() const { return run() * interleave; }
+uint32_t Slice::groups() const {
+    return run() * interleave;
+}
 
 bool Slice::pixelOf(uint32_t path, glm::ivec2& pixel) const {
     const uint32_t group = path / shared::kWorkgroupSize;
@@ -47,7 +55,8 @@ std::vector<RowEntry> PathState::readRow(const gpu::Device& device, uint32_t row
     return entries;
 }
 
-void PathState::writeRow(const gpu::Device& device, uint32_t row, const std::vector<RowEntry>& entries) const {
+void PathState::writeRow(const gpu::Device& device, uint32_t row,
+                         const std::vector<RowEntry>& entries) const {
     gpu::upload(device, paths_, std::as_bytes(std::span(entries)),
                 static_cast<uint64_t>(row) * capacity_ * sizeof(RowEntry));
 }

@@ -11,7 +11,8 @@
 
 namespace glint::render {
 
-// Which tiles of a region a slice covers, and which pixel each of its paths belongs to: the host's side of pixelOf in shaders/path.glsl.
+// Which tiles of a region a slice covers, and which pixel each of its paths belongs to: the host's side of
+// pixelOf in shaders/path.glsl.
 struct Slice {
     Region region;
     uint32_t firstTile = 0;

@@ -6,11 +6,16 @@ namespace {
 
 std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
     switch (id) {
-        case KernelId::Generate: return code.generate;
-        case KernelId::Intersect: return code.intersect;
-        case KernelId::IntersectAny: return code.intersectAny;
-        case KernelId::Light: return code.light;
-        case KernelId::Shade: return code.shade;
+        case KernelId::Generate:
+            return code.generate;
+        case KernelId::Intersect:
+            return code.intersect;
+        case KernelId::IntersectAny:
+            return code.intersectAny;
+        case KernelId::Light:
+            return code.light;
+        case KernelId::Shade:
+            return code.shade;
     }
     return {};
 }
@@ -45,12 +50,14 @@ static_assert(idsAreConsecutive());
 
 }  // namespace
 
-Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, const SceneFeatures& features)
+Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
+                     const SceneFeatures& features)
     : device_(device), code_(code), access_(access), features_(features) {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
-    for (uint32_t binding = 2; binding < GLINT_BINDING_COUNT; ++binding) buffers_.push_back(&scene.at(binding));
+    for (uint32_t binding = 2; binding < GLINT_BINDING_COUNT; ++binding)
+        buffers_.push_back(&scene.at(binding));
     for (auto& [key, kernel] : kernels_) kernel.bind(buffers_);
 }
 

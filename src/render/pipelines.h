@@ -21,7 +21,8 @@ struct TraceModes {
 
 class Pipelines {
   public:
-    Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, const SceneFeatures& features);
+    Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
+              const SceneFeatures& features);
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);

@@ -15,11 +15,14 @@ namespace glint::render {
 
 namespace {
 
-// lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS, lp_bld_limits.h of Mesa 22.3).
+// lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
+// lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
 // One slice's paths at most: 2^20 paths of 176 bytes stay within 256 MiB, and fill any GPU.
 constexpr uint32_t kMaxSlicePaths = 1u << 20;
 constexpr uint32_t kFirstSliceTiles = 256;
+// All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
+constexpr double kWholeSliceSeconds = 2.0;
 
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
@@ -51,11 +54,13 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
     return gpu::Access::StorageBuffer;
 }
 
-// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some lane is live
-// counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the
-// outer loop can add after the last check. Besides, lavapipe enters each of the (at most 6) inner loops once in every
-// trip of the outer one even with no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes' loop
-// comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the compiler's own.
+// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
+// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2
+// kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
+// Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
+// no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
+// loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
+// compiler's own.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
@@ -77,7 +82,8 @@ struct Renderer::State {
     StageTimes times;
     std::set<std::pair<KernelId, TraceModes>> compiled;
     shared::Environment environment;  // as it is on the device
-    uint32_t sliceTiles = kFirstSliceTiles;  // of the next slice; a picture goes on with what the last one had come to
+    uint32_t sliceTiles =
+        kFirstSliceTiles;  // of the next slice; a picture goes on with what the last one had come to
     // Of the submissions of the slice at hand.
     double longestInSlice = 0;
 
@@ -86,15 +92,16 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          tripBudget(opts.tripBudget ? opts.tripBudget : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
+          tripBudget(opts.tripBudget ? opts.tripBudget
+                                     : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
                     opts.leaveOut ? packed.features : allFeatures()),
           submission(dev) {
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access);
         environment = scene.environment;
-        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
-                               gpu::MemoryKind::Host);
+        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
+                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
         times.upload += watch.seconds();
     }
 
@@ -107,11 +114,13 @@ struct Renderer::State {
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
-    bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes, double progressFrom,
-                     double progressTo);
-    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings, const TraceModes& modes);
+    bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
+                     double progressFrom, double progressTo);
+    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
+                      const TraceModes& modes);
     void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
     void readData(const Slice& slice, Picture& picture) const;
+    void sizeNextSlice(const Slice& slice, bool whole, double seconds);
     void writeRays(std::span<const RayInput> rays) const;
     void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
 };
@@ -147,8 +156,10 @@ shared::Dispatch Renderer::State::dispatchFor(const Slice& slice) const {
     return dispatch;
 }
 
-void Renderer::State::record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups) {
-    submission.dispatch(pipelines.get(id, modes), groups, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+void Renderer::State::record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch,
+                             uint32_t groups) {
+    submission.dispatch(pipelines.get(id, modes), groups,
+                        std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
 }
 
 void Renderer::State::submit() {
@@ -161,7 +172,8 @@ void Renderer::State::submit() {
     ++times.submissions;
 }
 
-void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups) {
+void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
+                                uint32_t groups) {
     record(id, modes, dispatch, groups);
     submit();
     modes.resume = true;
@@ -189,15 +201,16 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     times.compile += watch.seconds();
 }
 
-bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
-                                   const TraceModes& modes) {
+bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
+                                   const RenderSettings& settings, const TraceModes& modes) {
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
     const uint32_t groups = slice.groups();
     record(KernelId::Generate, modes, dispatch, groups);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         traceRays(KernelId::Intersect, modes, dispatch, groups);
         if (cancelled()) return false;
-        for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount; ++dispatch.lightIndex) {
+        for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
+             ++dispatch.lightIndex) {
             traceRays(KernelId::Light, modes, dispatch, groups);
             if (cancelled()) return false;
         }
@@ -245,6 +258,16 @@ void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settin
     times.readback += watch.seconds();
 }
 
+// Aims below both bounds, and grows by at most 4: the next slice may be four times dearer a pixel than the
+// last. What a picture's last, shorter slice could grow to says nothing about a whole one.
+void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double seconds) {
+    const double load = std::max({longestInSlice / options.sliceSeconds, seconds / kWholeSliceSeconds, 1e-6});
+    const double factor = std::clamp(0.7 / load, 0.1, 4.0);
+    if (!whole && factor >= 1) return;
+    sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), slice.interleave,
+                            kMaxSlicePaths / shared::kWorkgroupSize);
+}
+
 namespace {
 
 // The layers of the paths of a slice, as read back.
@@ -263,7 +286,8 @@ struct AovRows {
         data.object = indices[path].u[2];
         data.primitive = indices[path].u[3];
         if (data.object != shared::kNone) {
-            data.position = origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
+            data.position =
+                origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
             data.depth = position[path].f[3];
         }
         data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
@@ -285,7 +309,8 @@ void Renderer::State::readData(const Slice& slice, Picture& picture) const {
     const AovRows rows(paths, device, slice.paths());
     for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
-        if (slice.pixelOf(path, pixel)) picture.data[indexIn(slice.region, pixel)] = rows.at(path, scene.origin);
+        if (slice.pixelOf(path, pixel))
+            picture.data[indexIn(slice.region, pixel)] = rows.at(path, scene.origin);
     }
 }
 
@@ -338,8 +363,12 @@ Renderer::Renderer(const gpu::Device& device, const PackedScene& scene, const Op
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
-const StageTimes& Renderer::times() const { return state_->times; }
-gpu::Access Renderer::access() const { return state_->access; }
+const StageTimes& Renderer::times() const {
+    return state_->times;
+}
+gpu::Access Renderer::access() const {
+    return state_->access;
+}
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
 }
@@ -363,9 +392,11 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
     const uint32_t rows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
-    const uint32_t limit = fittingPaths(s.device.info(), s.access,
-                                        s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
-    const uint32_t wanted = std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
+    const uint32_t limit =
+        fittingPaths(s.device.info(), s.access,
+                     s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
+    const uint32_t wanted =
+        std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
     s.buffers.setCamera(s.device, camera);
@@ -382,19 +413,14 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
         const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
         const double from = static_cast<double>(first) / tiles;
         const double to = static_cast<double>(first + slice.tileCount) / tiles;
+        const Stopwatch watch;
         if (!s.renderSlice(slice, settings, modes, from, to)) {
             picture.complete = false;
             return picture;
         }
         s.readSlice(slice, settings, picture);
         first += slice.tileCount;
-        // Aim below the bound, and grow by at most 4: the next slice may be four times dearer a pixel than the last.
-        const double factor = std::clamp(0.7 * s.options.sliceSeconds / std::max(s.longestInSlice, 1e-6), 0.1, 4.0);
-        // What a picture's last, shorter slice could grow to says nothing about a whole one.
-        if (slice.tileCount == sliceTiles || factor < 1) {
-            s.sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), interleave,
-                                      kMaxSlicePaths / shared::kWorkgroupSize);
-        }
+        s.sizeNextSlice(slice, slice.tileCount == sliceTiles, watch.seconds());
     }
     return picture;
 }

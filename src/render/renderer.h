@@ -1,4 +1,5 @@
-// Renders a packed scene on a device: uploads what the scene has, builds pipelines of what it uses, dispatches slices bounded by measured time.
+// Renders a packed scene on a device: uploads what the scene has, builds pipelines of what it uses,
+// dispatches slices bounded by measured time.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,17 @@
 namespace glint::render {
 
 struct Options {
-    double sliceSeconds = 0.1;   // aim for the longest single submission
-    uint32_t maxSlicePixels = 0; // 0: chosen; else at most so many pixels a slice (a test shows that the picture does not depend on it)
-    uint32_t tripBudget = 0;     // 0: derived from the device; else loop trips of a ray in one dispatch
-    bool leaveOut = true;        // false: the full pipeline, with the code of every feature
-    std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
+    double sliceSeconds = 0.1;    // aim for the longest single submission
+    uint32_t maxSlicePixels = 0;  // 0: chosen; else at most so many pixels a slice (a test shows that the
+                                  // picture does not depend on it)
+    uint32_t tripBudget = 0;      // 0: derived from the device; else loop trips of a ray in one dispatch
+    bool leaveOut = true;         // false: the full pipeline, with the code of every feature
+    std::optional<gpu::Access> access;    // empty: by the device, see chooseAccess
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
 };
 
-// Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the device's
-// storage buffer range but not its texel buffer range; storage buffers everywhere else.
+// Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the
+// device's storage buffer range but not its texel buffer range; storage buffers everywhere else.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
 // Loop trips that one ray may make in a dispatch.
@@ -36,15 +38,16 @@ struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture
     Region region;              // the part wanted; all zero: everything
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
-    bool data = false;          // fill Picture::data
-    bool cost = false;          // count boxes and primitives (PixelData::cost); implies data
-    bool shadows = true;        // false: lights shine through everything
-    std::optional<uint32_t> maxDepth;       // instead of the scene's; 0 if the scene was packed without mirrors
-    std::function<void(double)> progress;   // 0..1
-    std::function<bool()> cancelled;        // asked between submissions
+    bool data = false;                 // fill Picture::data
+    bool cost = false;                 // count boxes and primitives (PixelData::cost); implies data
+    bool shadows = true;               // false: lights shine through everything
+    std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
+    std::function<void(double)> progress;  // 0..1
+    std::function<bool()> cancelled;       // asked between submissions
 };
 
-// Seconds. `trace` is the wall time of all submissions, `device` the part of it between timestamps (0 without).
+// Seconds. `trace` is the wall time of all submissions, `device` the part of it between timestamps (0
+// without).
 struct StageTimes {
     double upload = 0, compile = 0, trace = 0, device = 0, readback = 0;
     double longestSubmission = 0;
@@ -68,13 +71,14 @@ struct RayHit {
 
 class Renderer {
   public:
-    // Keeps references to `device` and `scene`. Throws Error(Device) for arrays that do not fit, naming array and both sizes.
+    // Keeps references to `device` and `scene`. Throws Error(Device) for arrays that do not fit, naming array
+    // and both sizes.
     Renderer(const gpu::Device& device, const PackedScene& scene, const Options& options = {});
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
-    // A cancelled render returns with complete = false and what was finished by then. Throws std::invalid_argument for a parallel
-    // camera if the scene's features leave it out.
+    // A cancelled render returns with complete = false and what was finished by then. Throws
+    // std::invalid_argument for a parallel camera if the scene's features leave it out.
     Picture render(const shared::Camera& camera, const RenderSettings& settings);
 
     // Call after changing `lights` (no more than there were at construction) or `environment` of the scene.

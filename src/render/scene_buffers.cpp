@@ -28,11 +28,19 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
 #define GLINT_FIELD(BINDING, field, Struct) std::span<const std::byte> field;
         GLINT_SCENE_ARRAYS(GLINT_FIELD)
 #undef GLINT_FIELD
-    } arrays = {bytesOf(scene.nodes),      bytesOf(scene.triangles), bytesOf(scene.triangleSurfaces),
-                bytesOf(scene.vertexNormals), bytesOf(scene.spheres), bytesOf(scene.planes),
-                bytesOf(scene.materials),  bytesOf(scene.lights),    bytesOf(scene.environment),
-                bytesOf(camera),           bytesOf(scene.discs),
-                bytesOf(scene.polygons),   bytesOf(scene.polygonVertices)};
+    } arrays = {bytesOf(scene.nodes),
+                bytesOf(scene.triangles),
+                bytesOf(scene.triangleSurfaces),
+                bytesOf(scene.vertexNormals),
+                bytesOf(scene.spheres),
+                bytesOf(scene.planes),
+                bytesOf(scene.materials),
+                bytesOf(scene.lights),
+                bytesOf(scene.environment),
+                bytesOf(camera),
+                bytesOf(scene.discs),
+                bytesOf(scene.polygons),
+                bytesOf(scene.polygonVertices)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT
@@ -57,7 +65,8 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {
-    gpu::upload(device, buffers_[kCameraBinding], std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
+    gpu::upload(device, buffers_[kCameraBinding],
+                std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
 }
 
 void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Environment& environment) const {

@@ -21,7 +21,8 @@ class SceneBuffers {
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
-    // What to bind at `binding` (2 and up); a stand-in for an absent array, which no shader of the scene's pipelines reads.
+    // What to bind at `binding` (2 and up); a stand-in for an absent array, which no shader of the scene's
+    // pipelines reads.
     const gpu::Buffer& at(uint32_t binding) const;
     uint64_t bytes() const;
 

@@ -11,7 +11,9 @@ namespace {
 constexpr double kUnit = 0x1p-24;
 constexpr int kJittersPerLevel = 64;
 
-double maxComponent(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double maxComponent(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 double colorDifference(const glm::dvec3& a, const glm::vec3& b) {
     const glm::dvec3 d = glm::abs(a - glm::dvec3(b));
@@ -27,14 +29,16 @@ struct ColorHull {
     }
     bool contains(const glm::vec3& c, double tolerance) const {
         const glm::dvec3 p(c);
-        return glm::all(glm::greaterThanEqual(p, lo - tolerance)) && glm::all(glm::lessThanEqual(p, hi + tolerance));
+        return glm::all(glm::greaterThanEqual(p, lo - tolerance)) &&
+               glm::all(glm::lessThanEqual(p, hi + tolerance));
     }
 };
 
-// Two first hits on different primitives at one t. The bound on |t - t'|: each t is good to about gamma_16 (Woop's t with
-// its weights' errors, sec. 6.8.7 of PBRT), relative to the largest t involved.
+// Two first hits on different primitives at one t. The bound on |t - t'|: each t is good to about gamma_16
+// (Woop's t with its weights' errors, sec. 6.8.7 of PBRT), relative to the largest t involved.
 bool isTie(const DifferingPixel& pixel) {
-    if (!pixel.reference.hit || !pixel.reference.surface || pixel.device.object == PixelData::kNoIndex) return false;
+    if (!pixel.reference.hit || !pixel.reference.surface || pixel.device.object == PixelData::kNoIndex)
+        return false;
     const bool same = pixel.reference.surface->object == pixel.device.object &&
                       pixel.reference.surface->primitive == pixel.device.primitive;
     const double t = pixel.reference.hit->t;
@@ -44,17 +48,23 @@ bool isTie(const DifferingPixel& pixel) {
 }  // namespace
 
 // What the device's float arithmetic can do to a ray, as a turn of its direction in units of 2^-24:
-// - the camera ray: 3 roundings for center + x stepX + y stepY and a normalisation good to 2.7 ulp: below 8 units of the numbers
+// - the camera ray: 3 roundings for center + x stepX + y stepY and a normalisation good to 2.7 ulp: below 8
+// units of the numbers
 //   summed (Ray::directionScale, which the jitter knows);
-// - its origin, where it moves with the pixel: 3 roundings of eye + x originStepX + y originStepY: 3 C / t, less than a secondary one's;
-// - the triangle test: it sees the edges moved sideways by gamma_5 (|x| + |z|) of the sheared corners (PBRT sec. 6.8.7), that is by up to
-//   10 units times the greatest distance M from the ray's origin to a corner, on each of two axes; seen from the distance t
-//   of the hit that is 10 M / t;
-// - a secondary origin: gamma_7 of the coordinates, twice for the offset: 14 C / t, C the greatest coordinate.
-// M and C are bounded by the scene's box and the points of the path; t is the shortest distance along the path.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device) {
+// - its origin, where it moves with the pixel: 3 roundings of eye + x originStepX + y originStepY: 3 C / t,
+// less than a secondary one's;
+// - the triangle test: it sees the edges moved sideways by gamma_5 (|x| + |z|) of the sheared corners (PBRT
+// sec. 6.8.7), that is by up to
+//   10 units times the greatest distance M from the ray's origin to a corner, on each of two axes; seen from
+//   the distance t of the hit that is 10 M / t;
+// - a secondary origin: gamma_7 of the coordinates, twice for the offset: 14 C / t, C the greatest
+// coordinate. M and C are bounded by the scene's box and the points of the path; t is the shortest distance
+// along the path.
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
+                     const PixelData& device) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
-    double shortest = device.object != PixelData::kNoIndex ? device.depth : std::numeric_limits<double>::infinity();
+    double shortest =
+        device.object != PixelData::kNoIndex ? device.depth : std::numeric_limits<double>::infinity();
     for (const reference::Bounce& bounce : record.path) {
         extent = std::max({extent, maxComponent(bounce.ray.origin), bounce.ray.originScale});
         if (bounce.surface) extent = std::max(extent, maxComponent(bounce.surface->position));
@@ -64,8 +74,8 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
     return 8 + (10 * 2 + 14) * extent / shortest;
 }
 
-void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene, double tolerance,
-             DifferingPixel& pixel) {
+void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
+             double tolerance, DifferingPixel& pixel) {
     const double bound = roundingBound(scene, pixel.reference, pixel.device);
     const std::array<double, 4> levels = {1.0, std::min(8.0, bound), std::sqrt(8.0 * bound), bound};
     ColorHull hull = {pixel.reference.color, pixel.reference.color};

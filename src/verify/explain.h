@@ -9,7 +9,7 @@ namespace glint::verify {
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device);
 
 // Sets pixel.reason and pixel.ulps.
-void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene, double tolerance,
-             DifferingPixel& pixel);
+void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
+             double tolerance, DifferingPixel& pixel);
 
 }  // namespace glint::verify

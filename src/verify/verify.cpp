@@ -23,9 +23,14 @@ constexpr float kDifferenceGain = 64;
 
 class Comparison {
   public:
-    Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options, const Picture& device,
-               size_t sample)
-        : tracer_(scene), scene_(scene), camera_(camera), options_(options), device_(device), sample_(sample) {}
+    Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options,
+               const Picture& device, size_t sample)
+        : tracer_(scene),
+          scene_(scene),
+          camera_(camera),
+          options_(options),
+          device_(device),
+          sample_(sample) {}
 
     RowSums row(int y) const {
         RowSums sums;
@@ -39,10 +44,12 @@ class Comparison {
         const reference::Ray ray = tracer_.cameraRay(camera_, x + offset.x, y + offset.y);
         const reference::PixelRecord expected = tracer_.trace(ray);
         const PixelData& data = device_.at(x, y);
-        const glm::vec3 color(device_.color.at(x, y, 0), device_.color.at(x, y, 1), device_.color.at(x, y, 2));
+        const glm::vec3 color(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
+                              device_.color.at(x, y, 2));
         const glm::dvec3 d = glm::abs(glm::dvec3(color) - expected.color);
         const bool finite = std::isfinite(d.x + d.y + d.z);
-        const double difference = finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
+        const double difference =
+            finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
         const bool samePath = data.pathHash == expected.pathHash;
         sums.grey.push_back(finite ? std::min(static_cast<float>(difference) * kDifferenceGain, 1.0f) : 1.0f);
         if (finite) {
@@ -93,9 +100,15 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
     }
     for (DifferingPixel& pixel : row.differing) {
         switch (pixel.reason) {
-            case Reason::Tie: ++report.ties; break;
-            case Reason::Edge: ++report.edges; break;
-            case Reason::Unexplained: ++report.unexplained; break;
+            case Reason::Tie:
+                ++report.ties;
+                break;
+            case Reason::Edge:
+                ++report.edges;
+                break;
+            case Reason::Unexplained:
+                ++report.unexplained;
+                break;
         }
         if (sample == 0) paint(report.difference, pixel);
         report.worst.push_back(std::move(pixel));
@@ -108,8 +121,8 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
 
 void keepWorst(Report& report, size_t count) {
     const size_t kept = std::min(count, report.worst.size());
-    std::partial_sort(report.worst.begin(), report.worst.begin() + static_cast<std::ptrdiff_t>(kept), report.worst.end(),
-                      worseThan);
+    std::partial_sort(report.worst.begin(), report.worst.begin() + static_cast<std::ptrdiff_t>(kept),
+                      report.worst.end(), worseThan);
     report.worst.resize(kept);
 }
 
@@ -120,7 +133,8 @@ const char* reasonName(Reason reason) {
     return names[static_cast<int>(reason)];
 }
 
-Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera, const Options& options) {
+Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
+              const Options& options) {
     Report report;
     report.difference = Image(options.width, options.height, 3);
     uint64_t samePath = 0;
@@ -158,7 +172,8 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         keepWorst(report, options.worstCount);
     }
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
-    report.rmseSamePath = samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;
+    report.rmseSamePath =
+        samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;
     return report;
 }
 

@@ -1,4 +1,5 @@
-// Does the device draw what the reference draws? Every pixel that differs must be explained by rounding, or the verdict is no.
+// Does the device draw what the reference draws? Every pixel that differs must be explained by rounding, or
+// the verdict is no.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@ namespace glint::verify {
 
 // Why a differing pixel differs.
 enum class Reason {
-    Tie,         // explained, and the two first hits are other primitives at the same t within the bound
-    Edge,        // explained: the reference gives the device's answer for a ray moved by no more than rounding
+    Tie,   // explained, and the two first hits are other primitives at the same t within the bound
+    Edge,  // explained: the reference gives the device's answer for a ray moved by no more than rounding
     Unexplained  // a defect, in the shader, the reference or the scene's packing
 };
 const char* reasonName(Reason reason);
@@ -24,7 +25,8 @@ const char* reasonName(Reason reason);
 struct Options {
     int width = 640, height = 480;
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};  // each is a picture of its own
-    double tolerance = 1.0 / 512;      // greatest colour difference that needs no explanation: linear, unclamped, full scale 1
+    double tolerance =
+        1.0 / 512;  // greatest colour difference that needs no explanation: linear, unclamped, full scale 1
     double maxExplainedShare = 0.005;  // of all pixels
     size_t worstCount = 10;
     std::function<void(double)> progress;
@@ -50,7 +52,8 @@ struct Report {
     double rmseSamePath = 0;  // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
-    Image difference;         // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie; of the first sample
+    Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie; of the
+                       // first sample
     bool interrupted = false;
 
     uint64_t explained() const { return ties + edges; }
@@ -61,6 +64,7 @@ struct Report {
 };
 
 // `scene` must be the one that `renderer` was made from.
-Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera, const Options& options);
+Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
+              const Options& options);
 
 }  // namespace glint::verify

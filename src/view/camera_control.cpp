@@ -10,6 +10,10 @@ namespace glint::view {
 namespace {
 
 constexpr double kRadian = glm::pi<double>() / 180;
+constexpr double kLeastFov = 1, kGreatestFov = 170;
+// Between an oblique camera's view direction and its plane's normal: at 0.2 (78 degrees) things are drawn out
+// to five times their size.
+constexpr double kLeastPlaneCosine = 0.2;
 // The view direction keeps this far from `up`, where left and right would swap (and the camera's frame has no
 // solution).
 constexpr double kLeastPoleAngle = 0.5 * kRadian;
@@ -32,7 +36,40 @@ glm::dvec3 CameraControl::upward() const {
 
 double CameraControl::halfHeight() const {
     if (camera_.window) return 0.5 * std::abs(camera_.window->top - camera_.window->bottom);
-    return std::tan(0.5 * camera_.fovY * kRadian);
+    return parallel() ? 0.5 * camera_.height : std::tan(0.5 * camera_.fovY * kRadian);
+}
+
+void CameraControl::setHalfHeight(double half) {
+    if (parallel()) {
+        camera_.height = 2 * half;
+    } else {
+        camera_.fovY = std::clamp(2 * std::atan(half) / kRadian, kLeastFov, kGreatestFov);
+    }
+}
+
+// An image plane that the view direction all but lies in has no picture. The upright plane under the view
+// direction has one unless the camera looks straight up or down.
+void CameraControl::mendPlane() {
+    if (!camera_.planeNormal) return;
+    const glm::dvec3 forward = glm::normalize(camera_.target - camera_.eye);
+    const glm::dvec3 pole = glm::normalize(camera_.up);
+    if (upright_ || std::abs(glm::dot(glm::normalize(*camera_.planeNormal), forward)) < kLeastPlaneCosine) {
+        const glm::dvec3 level = forward - glm::dot(forward, pole) * pole;
+        camera_.planeNormal = glm::length(level) < kLeastPlaneCosine ? forward : -level;
+    }
+}
+
+std::string CameraControl::nextProjection() {
+    // As large at the target's distance as before.
+    const double half = parallel() ? halfHeight() : halfHeight() * distance();
+    const bool oblique = camera_.planeNormal.has_value() != parallel();  // of the next one
+    camera_.window.reset();
+    camera_.projection = parallel() ? Projection::Perspective : Projection::Orthographic;
+    setHalfHeight(parallel() ? half : half / distance());
+    upright_ = oblique;
+    camera_.planeNormal = oblique ? std::optional<glm::dvec3>(camera_.eye - camera_.target) : std::nullopt;
+    mendPlane();
+    return std::string(oblique ? "oblique " : "") + (parallel() ? "orthographic" : "perspective");
 }
 
 // Turns `arm`, from one end of the view direction to the other: by `x` about `up`, and by `y` nearer to `up`,
@@ -48,20 +85,26 @@ glm::dvec3 CameraControl::turned(const glm::dvec3& arm, double x, double y) cons
 
 void CameraControl::orbit(double x, double y) {
     camera_.eye = camera_.target + turned(camera_.eye - camera_.target, x, y);
+    mendPlane();
 }
 
 void CameraControl::look(double x, double y) {
     camera_.target = camera_.eye + turned(camera_.target - camera_.eye, x, -y);
+    mendPlane();
 }
 
 void CameraControl::pan(double x, double y) {
-    const double unit = 2 * halfHeight() * distance();
+    const double unit = 2 * halfHeight() * (parallel() ? 1 : distance());
     const glm::dvec3 step = unit * (-x * right() + y * upward());
     camera_.eye += step;
     camera_.target += step;
 }
 
 void CameraControl::dolly(double factor) {
+    if (parallel()) {  // the eye's distance changes nothing but what lies behind the image plane
+        zoom(factor);
+        return;
+    }
     camera_.eye = camera_.target + (camera_.eye - camera_.target) * factor;
 }
 
@@ -76,18 +119,24 @@ void CameraControl::zoom(double factor) {
     if (camera_.window) {
         ViewWindow& w = *camera_.window;
         for (double* side : {&w.left, &w.right, &w.bottom, &w.top}) *side *= factor;
+    } else if (parallel()) {
+        camera_.height *= factor;
     } else {
-        camera_.fovY = std::clamp(camera_.fovY * factor, 1.0, 170.0);
+        camera_.fovY = std::clamp(camera_.fovY * factor, kLeastFov, kGreatestFov);
     }
 }
 
 // A ball of radius r fills a picture of half angle a from the distance r / sin a; a tenth more leaves a
-// margin.
+// margin. Parallel rays need the height alone, and an image plane in front of the ball.
 void CameraControl::frame(const Ball& ball) {
-    const double sine = std::sin(std::atan(halfHeight()));
     const glm::dvec3 back = glm::normalize(camera_.eye - camera_.target);
     camera_.target = ball.center;
-    camera_.eye = ball.center + back * (1.1 * ball.radius / sine);
+    if (parallel()) {
+        zoom(1.1 * ball.radius / halfHeight());
+        camera_.eye = ball.center + back * (3 * ball.radius);
+    } else {
+        camera_.eye = ball.center + back * (1.1 * ball.radius / std::sin(std::atan(halfHeight())));
+    }
 }
 
 void CameraControl::view(Side side, const Ball& ball) {
@@ -105,18 +154,23 @@ void CameraControl::view(Side side, const Ball& ball) {
                       rotated(direction, {1, 0, 0}, side == Side::Top ? kLeastPoleAngle : -kLeastPoleAngle);
     }
     frame(ball);
+    mendPlane();
 }
 
 std::string cameraJson(const Camera& camera) {
     const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
     nlohmann::ordered_json json;
-    json["type"] = "perspective";
+    const bool parallel = camera.projection == Projection::Orthographic;
+    json["type"] = parallel ? "orthographic" : "perspective";
     json["eye"] = vector(camera.eye);
     json["target"] = vector(camera.target);
     json["up"] = vector(camera.up);
+    if (camera.planeNormal) json["planeNormal"] = vector(*camera.planeNormal);
     if (camera.window) {
         const ViewWindow& w = *camera.window;
         json["window"] = {w.left, w.right, w.bottom, w.top};
+    } else if (parallel) {
+        json["height"] = camera.height;
     } else {
         json["fovY"] = camera.fovY;
     }

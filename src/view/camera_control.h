@@ -22,7 +22,10 @@ class CameraControl {
 
     const Camera& camera() const { return camera_; }
     void setHome(const Camera& home) { home_ = home; }  // the camera itself stays
-    void reset() { camera_ = home_; }
+    void reset() {
+        camera_ = home_;
+        upright_ = false;
+    }
 
     // Radians; x to the right, y down, as the hand moves. The target stays, or with look the eye.
     void orbit(double x, double y);
@@ -35,6 +38,9 @@ class CameraControl {
     void move(const glm::dvec3& distance);
     // Field of view times `factor`, from 1 to 170 degrees; a `window` grows and shrinks with it.
     void zoom(double factor);
+    // Perspective, orthographic, then the oblique ones of both kinds, whose image plane stands upright, so
+    // that walls do. What is at the target's distance keeps its size. Returns the new kind's name.
+    std::string nextProjection();
     // All of `ball` in view, from the direction at hand or from a side.
     void frame(const Ball& ball);
     void view(Side side, const Ball& ball);
@@ -44,10 +50,14 @@ class CameraControl {
   private:
     glm::dvec3 right() const;
     glm::dvec3 upward() const;  // of the picture, not `up`
-    double halfHeight() const;  // of the picture, at distance 1
+    bool parallel() const { return camera_.projection == Projection::Orthographic; }
+    double halfHeight() const;  // of the picture: at distance 1, or anywhere with parallel rays
+    void setHalfHeight(double half);
+    void mendPlane();  // after a turn: keeps an oblique camera's plane where it can be
     glm::dvec3 turned(const glm::dvec3& arm, double x, double y) const;
 
     Camera camera_, home_;
+    bool upright_ = false;  // the image plane follows the view direction
 };
 
 // The camera as a scene file writes it: "camera": {...}

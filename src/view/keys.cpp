@@ -18,6 +18,7 @@ constexpr KeyBinding kBindings[] = {
     {Action::ToggleFly, key::kTab, 0, "Tab", "fly or orbit"},
     {Action::Reset, 'R', 0, "R", "back to the scene's camera"},
     {Action::FramePicked, 'F', 0, "F", "frame the picked object, or everything"},
+    {Action::Projection, 'P', 0, "P", "next camera: orthographic, oblique"},
     {Action::ViewFront, '1', 0, "1", "everything from the front"},
     {Action::ViewRight, '2', 0, "2", "from the right"},
     {Action::ViewBack, '3', 0, "3", "from behind"},

@@ -18,6 +18,7 @@ enum class Action {
     ExposureDown,
     ExposureUp,
     ToggleFly,
+    Projection,
     Reset,
     FramePicked,
     ViewFront,

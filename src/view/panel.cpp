@@ -105,9 +105,12 @@ void drawLights(PanelModel& m) {
         ImGui::PushID(static_cast<int>(i));
         ImGui::Checkbox("##on", &light.on);
         ImGui::SameLine();
-        const bool point = std::holds_alternative<PointLight>(m.scene->lights[i]);
+        const Light& kind = m.scene->lights[i];
+        const char* name = std::holds_alternative<PointLight>(kind)  ? "point"
+                           : std::holds_alternative<SpotLight>(kind) ? "spot"
+                                                                     : "sun";
         char label[32];
-        std::snprintf(label, sizeof(label), "%zu %s", i, point ? "point" : "sun");
+        std::snprintf(label, sizeof(label), "%zu %s", i, name);
         ImGui::SliderFloat(label, &light.dim, 0, 4, "x %.2f");
         ImGui::PopID();
     }

@@ -44,7 +44,8 @@ bool sameCamera(const Camera& a, const Camera& b) {
         return a.window->left == b.window->left && a.window->right == b.window->right &&
                a.window->bottom == b.window->bottom && a.window->top == b.window->top;
     };
-    return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fovY == b.fovY && a.nearT == b.nearT &&
+    return a.projection == b.projection && a.planeNormal == b.planeNormal && a.height == b.height &&
+           a.eye == b.eye && a.target == b.target && a.up == b.up && a.fovY == b.fovY && a.nearT == b.nearT &&
            a.farT == b.farT && sameWindow();
 }
 

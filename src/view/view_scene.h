@@ -18,8 +18,8 @@ struct ViewScene {
     PackedScene packed;  // as loaded: every light on
 };
 
-// Loads and packs. The pipeline keeps what the panel may switch on again: mirrors, if a material reflects.
-// Throws Error(Scene) as loadScene does.
+// Loads and packs. The pipeline keeps what the panel may switch on again: mirrors, if a material reflects,
+// and cameras with parallel rays. Throws Error(Scene) as loadScene does.
 std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
                                                std::optional<int> samplesPerPixel);
 

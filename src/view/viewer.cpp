@@ -225,7 +225,7 @@ void Viewer::fillModel() {
     model_.loading = loading_.running();
     model_.pick = &pick_;
     model_.targetSeconds = pace_.target();
-    model_.hasFov = !control_.camera().window.has_value();
+    model_.hasFov = !control_.camera().window && control_.camera().projection == Projection::Perspective;
     model_.fovY = control_.camera().fovY;
 }
 

@@ -207,6 +207,9 @@ bool Viewer::performCamera(Action action) {
         case Action::Reset:
             control_.reset();
             return true;
+        case Action::Projection:
+            say("camera: " + control_.nextProjection());
+            return true;
         case Action::FramePicked:
             framePicked();
             return true;

@@ -126,7 +126,8 @@ TEST(Flatten, WalksVisitTheSameLeavesInOrder) {
     }
 }
 
-// Flattening widens boxes, by one ulp or 2^-100, whichever is more: never less than a little, never more than two ulps.
+// Flattening widens boxes, by one ulp or 2^-100, whichever is more: never less than a little, never more than
+// two ulps.
 void expectWidened(const glm::vec3& lo, const glm::vec3& hi, const Box& tight) {
     for (int i = 0; i < 3; ++i) {
         const auto bound = [](float x) { return std::max(std::abs(x) * 0x1p-22f, 0x1p-99f); };

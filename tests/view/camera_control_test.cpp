@@ -108,6 +108,52 @@ TEST(CameraControl, EverySideIsAValidCamera) {
     }
 }
 
+// At the target's distance, 5, 60 degrees show 2 * 5 * tan(30).
+TEST(CameraControl, EveryProjectionIsValidAndKeepsTheSize) {
+    CameraControl control(cameraAt({1, 3, 4}));
+    const double distance = control.distance();
+    const char* const names[] = {"orthographic", "oblique perspective", "oblique orthographic",
+                                 "perspective"};
+    for (const char* name : names) {
+        EXPECT_EQ(control.nextProjection(), name);
+        const Camera& camera = control.camera();
+        if (camera.projection == Projection::Orthographic) {
+            EXPECT_NEAR(camera.height, 2 * distance * std::tan(kPi / 6), 1e-9);
+        } else {
+            EXPECT_NEAR(camera.fovY, 60, 1e-9);
+        }
+        const Scene scene = parseScene("{" + cameraJson(camera) + ", \"objects\": []}", "text", ".");
+        EXPECT_EQ(scene.camera.projection, camera.projection);
+        EXPECT_EQ(scene.camera.planeNormal, camera.planeNormal);
+        if (camera.planeNormal) {  // upright
+            EXPECT_NEAR(camera.planeNormal->y, 0, 1e-12);
+        }
+    }
+}
+
+TEST(CameraControl, AnObliqueCameraCanBeTurnedEverywhere) {
+    CameraControl control(cameraAt({1, 3, 4}));
+    control.nextProjection();
+    control.nextProjection();
+    for (int i = 0; i < 60; ++i) {
+        control.orbit(0.3, i < 30 ? 0.1 : -0.15);
+        Scene scene;
+        scene.camera = control.camera();
+        ASSERT_NO_THROW(validateScene(scene, "turned")) << i;
+    }
+}
+
+TEST(CameraControl, FramesABallWithParallelRays) {
+    CameraControl control(cameraAt({0, 0, 5}));
+    control.nextProjection();
+    control.frame({{1, 2, 3}, 2});
+    EXPECT_NEAR(control.camera().height, 4.4, 1e-12);
+    control.dolly(0.5);
+    EXPECT_NEAR(control.camera().height, 2.2, 1e-12);
+    control.pan(0.5, 0);
+    expectNear(control.camera().target, {1 - 1.1, 2, 3});
+}
+
 TEST(CameraControl, JsonHoldsEveryDigit) {
     Camera camera = cameraAt({0.1, 1e-17, 123456.789});
     camera.nearT = 0.25;

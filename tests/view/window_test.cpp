@@ -98,6 +98,21 @@ TEST_F(Window, PrintedCameraDrawsTheSameView) {
     EXPECT_NE(readBytes("shot.png"), readBytes("before.png"));
 }
 
+// Every kind of camera, in a scene that was loaded without it.
+TEST_F(Window, EveryProjectionDrawsWhatItsJsonDraws) {
+    for (int presses = 1; presses <= 3; ++presses) {
+        std::string script;
+        for (int i = 0; i < presses; ++i) script += "key P\n";
+        const Ran ran = view(script + "orbit 25 10\nkey C\nscreenshot shot.png\n", {"--spp", "1"});
+        ASSERT_EQ(ran.code, 0) << ran.err;
+        nlohmann::json scene = nlohmann::json::parse(sceneText());
+        scene["camera"] = cameraOf(ran);
+        writeText("turned.json", scene.dump());
+        render("turned.json", "rendered.png");
+        EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png")) << presses;
+    }
+}
+
 TEST_F(Window, KeysOfTheCameraAndReset) {
     const Ran moved = view("key 5\nkey Left\nkey PageUp\nkey [\nkey Tab\nhold W 4\nkey C\n");
     EXPECT_NE(cameraOf(moved), cameraOf(view("key C\n")));
