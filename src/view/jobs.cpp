@@ -93,7 +93,7 @@ VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobContr
 std::filesystem::path freeName(const std::filesystem::path& folder, const std::string& stem,
                                const std::string& extension) {
     for (int i = 1; i < 10000; ++i) {
-        char number[16];
+        char number[24];
         std::snprintf(number, sizeof(number), "-view-%03d", i);
         const std::filesystem::path candidate = folder / (stem + number + extension);
         std::error_code error;
