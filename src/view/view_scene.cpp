@@ -40,6 +40,15 @@ void visitPoints(const PackedScene& p, uint32_t object, const Point& point) {
         const bool anchored = s.anchorNormal != glm::vec3(0);  // as good as endless
         if (s.object == object && !anchored) point(s.point, static_cast<double>(s.radius));
     }
+    for (const shared::Disc& d : p.discs) {
+        if (d.object == object) point(d.center, static_cast<double>(d.radius));
+    }
+    for (const shared::Polygon& polygon : p.polygons) {
+        if (polygon.object != object) continue;
+        for (uint32_t i = 0; i <= polygon.trips * shared::kPolygonEdgesPerTrip; ++i) {
+            point(p.polygonVertices[polygon.firstVertex + i].position, 0.0);
+        }
+    }
 }
 
 }  // namespace
