@@ -26,10 +26,10 @@
 // the stackless walk. shadowless: lights shine through everything; no picture of `glint render` has it, the
 // window may ask for it.
 #define GLINT_MODES(X)    \
-    X(13, AOVS, aovs)     \
-    X(14, COST, cost)     \
-    X(15, RESUME, resume) \
-    X(16, SHADOWLESS, shadowless)
+    X(64, AOVS, aovs)     \
+    X(65, COST, cost)     \
+    X(66, RESUME, resume) \
+    X(67, SHADOWLESS, shadowless)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)               \
@@ -47,7 +47,7 @@
     X(13, polygons, Polygon)                \
     X(14, polygonVertices, PolygonVertex)
 
-#define GLINT_BINDING_COUNT 15
+#define GLINT_BINDING_COUNT 24
 
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its

@@ -25,28 +25,31 @@ const char* nameOf(KernelId id) {
     return names[static_cast<int>(id)];
 }
 
+// One value for each constant id up to the last; the ids between that no list names are not in any kernel.
+constexpr uint32_t kConstantIds = 80;
+
 std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes) {
-    std::vector<uint32_t> constants;
-#define GLINT_CONSTANT(ID, NAME, field) constants.push_back(features.field ? 1u : 0u);
+    std::vector<uint32_t> constants(kConstantIds, 0u);
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
-#define GLINT_CONSTANT(ID, NAME, field) constants.push_back(modes.field ? 1u : 0u);
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = modes.field ? 1u : 0u;
     GLINT_MODES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
     return constants;
 }
 
-// constantsOf relies on the ids being 0, 1, 2, ... in the order of the lists.
-constexpr bool idsAreConsecutive() {
-    uint32_t next = 0;
-#define GLINT_CHECK(ID, NAME, field) \
-    if (ID != next++) return false;
+constexpr bool idsAreUnique() {
+    bool used[kConstantIds] = {};
+#define GLINT_CHECK(ID, NAME, field)                  \
+    if (ID >= kConstantIds || used[ID]) return false; \
+    used[ID] = true;
     GLINT_FEATURES(GLINT_CHECK)
     GLINT_MODES(GLINT_CHECK)
 #undef GLINT_CHECK
     return true;
 }
-static_assert(idsAreConsecutive());
+static_assert(idsAreUnique());
 
 }  // namespace
 

@@ -10,14 +10,35 @@
 #include <variant>
 #include <vector>
 
+#include "core/image.h"
+
 namespace glint {
 
 using Color = glm::dvec3;  // linear RGB radiance or reflectance
+
+// Where the samples of a pixel lie (docs/sampling.md). Grid: the same regular grid in every pixel. Jittered:
+// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel.
+enum class Sampler { Grid, Jittered, LowDiscrepancy };
+
+// How samples are weighted into pixels, by their distance from the pixel's centre.
+enum class Filter { Box, Tent, Gaussian, Mitchell };
+
+// More samples where the first ones differ: pixels go on taking `samplesPerPixel` more until neighbouring
+// samples agree within `threshold` or maxSamples are taken.
+struct AdaptiveSampling {
+    int maxSamples = 64;
+    double threshold = 0.05;  // contrast, 0..1
+};
 
 struct ImageSettings {
     int width = 800;   // pixels, 1..65536
     int height = 600;  // pixels, 1..65536
     int samplesPerPixel = 1;
+    Sampler sampler = Sampler::Grid;
+    Filter filter = Filter::Box;
+    double filterRadius = 0.5;  // pixels; 0.5 is the pixel itself
+    uint32_t seed = 0;
+    std::optional<AdaptiveSampling> adaptive;
 };
 
 // The part of the image plane that the picture shows (Shirley & Marschner, Fundamentals of Computer Graphics,
@@ -46,6 +67,11 @@ struct Camera {
     // image plane of an orthographic camera. 0 <= near < far.
     double nearT = 0;
     double farT = std::numeric_limits<double>::infinity();
+    // Thin lens (Cook, Porter, Carpenter 1984): rays start on a disc of this radius about the eye, in the
+    // image plane's direction, and meet at focusDistance along the view direction. 0: a pinhole. Perspective
+    // only.
+    double lensRadius = 0;
+    double focusDistance = 0;  // > 0 with a lens; 0: the distance to the target
 };
 
 struct PointLight {
@@ -72,6 +98,30 @@ struct SpotLight {
 
 using Light = std::variant<PointLight, DirectionalLight, SpotLight>;
 
+enum class Wrap { Repeat, Clamp, Mirror };
+
+// An image on a surface, by its (u, v): u to the right, v upwards, (0, 0) the lower left corner of the image.
+struct ImageTexture {
+    std::string file;                    // for messages
+    std::shared_ptr<const Image> image;  // linear
+    Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
+    bool nearest = false;  // else bilinear
+};
+
+// Two colours in squares of the (u, v) plane, or, `solid`, in cubes of object space. Material colours are
+// multiplied with them.
+struct CheckerTexture {
+    Color a{1}, b{0};
+    bool solid = false;
+};
+
+// `scale` then `offset` turn the surface's (u, v) into the texture's; of a solid checker, lengths into cells.
+struct Texture {
+    std::variant<ImageTexture, CheckerTexture> source;
+    glm::dvec2 scale{1};
+    glm::dvec2 offset{0};
+};
+
 // L = ambient Ia + sum Ii [diffuse max(0, n.l) + specular max(0, n.h)^shininess] + mirror L_reflected
 // (Blinn 1977; Whitted 1980)
 struct Material {
@@ -81,6 +131,23 @@ struct Material {
     Color specular{0};
     double shininess = 32;  // >= 0
     Color mirror{0};        // each channel in [0, 1]
+
+    // What passes through the surface, each channel in [0, 1]; not black: a dielectric, whose exact Fresnel
+    // reflectance splits light into a reflected and a refracted part (docs/optics.md).
+    Color transmission{0};
+    double ior = 1.5;      // index of refraction, inside over outside; > 0
+    Color attenuation{0};  // Beer: light falls by exp(-attenuation * length) inside; per unit length, >= 0
+    int priority = 0;      // of overlapping dielectrics the greatest counts; equal: the one entered last
+
+    // Multiplied with the colours above; indices into Scene::textures or kNoTexture.
+    static constexpr uint32_t kNoTexture = 0xffffffffu;
+    uint32_t ambientTexture = kNoTexture;
+    uint32_t diffuseTexture = kNoTexture;
+    uint32_t specularTexture = kNoTexture;
+    uint32_t mirrorTexture = kNoTexture;
+    uint32_t transmissionTexture = kNoTexture;
+    // Where the diffuse texture's alpha is below this the surface is not there; 0: alpha is ignored.
+    double alphaCutoff = 0;
 };
 
 // Polygons already split into triangles. `corners` index `positions`; `normalCorners` index `normals` and is
@@ -92,6 +159,10 @@ struct Mesh {
     std::vector<glm::dvec3> normals;  // need not be unit length
     std::vector<glm::uvec3> corners;  // one per triangle
     std::vector<glm::uvec3> normalCorners;
+    std::vector<glm::dvec2> uvs;
+    std::vector<glm::uvec3> uvCorners;     // as normalCorners, into uvs
+    std::vector<Color> colors;             // linear; multiplied with diffuse and ambient colour
+    std::vector<glm::uvec3> colorCorners;  // as normalCorners, into colors
     std::vector<uint32_t> faces;      // per triangle: its polygon's index in the file; empty: the identity
     std::vector<uint32_t> materials;  // per triangle, into Scene::materials; empty: the object's material
 };
@@ -116,25 +187,85 @@ struct TriangleShape {
 struct PolygonShape {
     std::vector<glm::dvec3> vertices;  // counter-clockwise seen from outside, see scene/polygon_plane.h
 };
+// A x^2 + B y^2 + C z^2 + D xy + E yz + F xz + G x + H y + I z + J = 0, the part within the box [lo, hi].
+struct QuadricShape {
+    double coefficients[10] = {};
+    glm::dvec3 lo{-1}, hi{1};
+};
+struct EllipsoidShape {
+    glm::dvec3 center{0};
+    glm::dvec3 radii{1};  // > 0
+};
+struct CylinderShape {
+    glm::dvec3 base{0}, top{0, 1, 0};
+    double radius = 1;  // > 0
+    bool capped = false;
+};
+// Tapers from `radius` at the base to `topRadius` at the apex, which is 0 for a whole cone.
+struct ConeShape {
+    glm::dvec3 base{0}, apex{0, 1, 0};
+    double radius = 1;     // > 0
+    double topRadius = 0;  // >= 0, not equal to radius
+    bool capped = false;
+};
+// One sheet about the axis from base to top: `waist` the radius half way, `radius` that of both ends.
+struct HyperboloidShape {
+    glm::dvec3 base{0}, top{0, 1, 0};
+    double radius = 1;   // > waist
+    double waist = 0.5;  // > 0
+    bool capped = false;
+};
+// From the vertex to the rim, whose radius is given.
+struct ParaboloidShape {
+    glm::dvec3 vertex{0}, top{0, 1, 0};
+    double radius = 1;  // > 0
+    bool capped = false;
+};
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
 using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, MeshShape>;
+
+// x -> linear x + offset
+struct Affine {
+    glm::dmat3 linear{1};
+    glm::dvec3 offset{0};
+    bool operator==(const Affine&) const = default;
+};
 
 // `name` is where the object stands in its file ("/objects/3"), for messages.
 struct Object {
     std::string name;
     Shape shape;
     uint32_t material = 0;  // index into Scene::materials
+    // From the shape's coordinates to the world's, regular, of any kind. Meshes that several objects share
+    // are stored once.
+    std::optional<Affine> transform;
 };
+
+// Radiance from infinitely far away, in latitude and longitude: row 0 is straight up, the middle column is
+// seen along -z. `rotation` turns it about y, degrees, counter-clockwise from above.
+struct EnvironmentMap {
+    std::string file;  // for messages
+    std::shared_ptr<const Image> image;
+    double rotation = 0;
+    Color intensity{1};
+};
+
+// What a transmissive object does to shadow rays: block them, or let through what its transmission and
+// attenuation leave, straight on (docs/optics.md).
+enum class TransmissiveShadows { Colored, Full };
 
 struct Scene {
     ImageSettings image;
     Camera camera;
     Color background{0};
-    Color ambient{0};  // Ia
+    std::optional<EnvironmentMap> environment;  // instead of the background
+    Color ambient{0};                           // Ia
     int maxDepth = 5;  // greatest number of reflections followed from a camera ray, 0..1000
+    TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
     std::vector<Light> lights;
+    std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Object> objects;
     std::vector<std::string> warnings;  // one line each: what was ignored or mended while loading

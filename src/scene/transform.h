@@ -9,13 +9,6 @@
 
 namespace glint {
 
-// x -> linear x + offset
-struct Affine {
-    glm::dmat3 linear{1};
-    glm::dvec3 offset{0};
-    bool operator==(const Affine&) const = default;
-};
-
 Affine scaling(const glm::dvec3& factors);
 Affine translation(const glm::dvec3& offset);
 // Turns by `degrees` about `axis` (not zero, any length), counter-clockwise seen from its tip. Exact for
