@@ -240,7 +240,7 @@ struct Object {
     uint32_t material = 0;  // index into Scene::materials
     // From the shape's coordinates to the world's, regular, of any kind. Meshes that several objects share
     // are stored once.
-    std::optional<Affine> transform;
+    std::optional<Affine> transform = {};
 };
 
 // Radiance from infinitely far away, in latitude and longitude: row 0 is straight up, the middle column is
