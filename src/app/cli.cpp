@@ -52,6 +52,10 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
             [&](const Text& t) { options.spp = parseWhole("--spp", t, 1, kMaxSamplesPerPixel); });
     addText(command, "--max-depth", "N", "greatest number of reflections instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
+    addText(
+        command, "--build-quality", "fast|default|high",
+        "time spent on the tree of boxes: binned splits; with split triangles where they pay; all that helps",
+        [&](const Text& t) { options.buildQuality = parseBuildQuality(t); });
 }
 
 void addDevice(CLI::App& command, DeviceChoice& device) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bvh/builder.h"
 #include "core/progress.h"
 #include "scene/picture.h"
 
@@ -29,6 +30,7 @@ struct SceneOptions {
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
+    BuildQuality buildQuality = BuildQuality::Default;
 };
 
 struct DeviceChoice {

@@ -24,7 +24,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     if (options.maxDepth) loaded.scene.maxDepth = *options.maxDepth;
     loaded.loadSeconds = watch.seconds();
     watch.restart();
-    loaded.packed = packScene(loaded.scene);
+    loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
     loaded.packSeconds = watch.seconds();
     if (!quiet) {
         for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << w << '\n';

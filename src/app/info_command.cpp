@@ -49,6 +49,8 @@ void printGeometry(const PackedScene& packed, std::ostream& out) {
         out << line;
         std::snprintf(line, sizeof(line), ", depth %u, SAH cost %.2f, built in %s\n", s.depth, s.sahCost,
                       formatSeconds(s.buildSeconds).c_str());
+        if (s.splitTriangles > 0)
+            out << "  split         " << counted(s.splitTriangles, "further part") << " of triangles\n";
         out << "  BVH           " << counted(packed.nodes.size(), "node") << ", "
             << (s.leaves == 1 ? "1 leaf" : std::to_string(s.leaves) + " leaves") << line;
     }

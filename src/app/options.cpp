@@ -133,6 +133,13 @@ Backend parseBackend(const std::string& text) {
     refuse("--backend", "gpu or cpu", text);
 }
 
+BuildQuality parseBuildQuality(const std::string& text) {
+    if (text == "fast") return BuildQuality::Fast;
+    if (text == "default") return BuildQuality::Default;
+    if (text == "high") return BuildQuality::High;
+    refuse("--build-quality", "fast, default or high", text);
+}
+
 ProgressMode parseProgress(const std::string& text) {
     try {
         return parseProgressMode(text);

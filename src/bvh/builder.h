@@ -27,6 +27,9 @@ struct Box {
     double halfArea() const;
 };
 
+// How much time to spend on a tree, see build_tree.h.
+enum class BuildQuality { Fast, Default, High };
+
 struct BvhOptions {
     uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize
     uint32_t maxDepth =

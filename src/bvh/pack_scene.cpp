@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "bvh/area_vector.h"
+#include "bvh/build_tree.h"
 #include "bvh/flatten.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
@@ -269,17 +270,11 @@ void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& pac
     packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
 }
 
-void fillStatistics(const Bvh& bvh, double traversalCost, PackStatistics& statistics) {
-    statistics.depth = bvh.depth;
-    if (bvh.nodes.empty()) return;
-    // A random line that meets a convex box meets one inside it with the chance of their areas' ratio; where
-    // both are points or lines, it meets both.
-    const double rootArea = bvh.nodes[0].box.halfArea();
-    for (const BvhNode& node : bvh.nodes) {
-        const double chance = rootArea > 0 ? node.box.halfArea() / rootArea : 1.0;
-        statistics.sahCost += chance * (node.count > 0 ? node.count : traversalCost);
-        statistics.leaves += node.count > 0;
-    }
+void fillStatistics(const Tree& tree, PackStatistics& statistics) {
+    statistics.depth = tree.bvh.depth;
+    statistics.sahCost = tree.cost;
+    statistics.splitTriangles = tree.splitTriangles;
+    for (const BvhNode& node : tree.bvh.nodes) statistics.leaves += node.count > 0;
 }
 
 void addLightKind(const shared::Light& light, SceneFeatures& features) {
@@ -337,7 +332,7 @@ SceneFeatures allFeatures() {
     return f;
 }
 
-PackedScene packScene(const Scene& scene, unsigned threads) {
+PackedScene packScene(const Scene& scene, unsigned threads, BuildQuality quality) {
     const PrimitiveNumbers numbers(scene);
     const Region region = sceneRegion(scene, numbers, threads);
     PackedScene packed;
@@ -347,7 +342,9 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     const Frame frame{packed.origin, scene.camera.eye};
     Primitives primitives =
         collectPrimitives(scene, numbers, frame, threads, packed.statistics, packed.warnings);
-    BvhOptions options;
+    TreeOptions tree;
+    tree.quality = quality;
+    BvhOptions& options = tree.bvh;
     options.maxDepth = shared::kMaxBvhDepth;
     options.threads = threads;
     const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
@@ -355,11 +352,12 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     if (kinds > 1) options.groups = &primitives.kinds;
     limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
-    Bvh bvh = buildBvh(primitives.boxes, options);
+    Tree built = buildTree(primitives, scene, frame, tree);
     packed.statistics.buildSeconds = stopwatch.seconds();
+    Bvh& bvh = built.bvh;
     primitives.boxes = {};
     packed.nodes = flattenBvh(bvh, primitives.kinds);
-    fillStatistics(bvh, options.traversalCost, packed.statistics);
+    fillStatistics(built, packed.statistics);
     if (!bvh.nodes.empty()) {
         packed.boundsLo = bvh.nodes[0].box.lo;
         packed.boundsHi = bvh.nodes[0].box.hi;

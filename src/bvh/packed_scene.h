@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bvh/builder.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
 
@@ -36,6 +37,7 @@ struct PackStatistics {
     double buildSeconds = 0;  // of the BVH alone
     uint32_t leaves = 0;
     uint32_t depth = 0;
+    uint32_t splitTriangles = 0;  // further entries of triangles that were split for the BVH
     // Expected cost of a random ray in primitive tests; a node costs BvhOptions::traversalCost.
     double sahCost = 0;
     uint32_t droppedZeroArea = 0;  // triangles and polygons without area after rounding to fp32
@@ -76,7 +78,7 @@ glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 // puts primitives in leaf order. The origin is 0 unless the geometry lies far from it compared with its size,
 // see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the
 // array, its size and the limit.
-PackedScene packScene(const Scene& scene, unsigned threads = 0);
+PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
 // computed in double.

@@ -1,0 +1,38 @@
+// From primitives to a tree of the wanted quality.
+#pragma once
+
+#include "bvh/builder.h"
+#include "bvh/primitives.h"
+
+namespace glint {
+
+struct TreeOptions {
+    BvhOptions bvh;
+    BuildQuality quality = BuildQuality::Default;
+    // False where a primitive must stand in the tree once: a shadow ray that multiplies what each surface
+    // lets through would count the parts of a split triangle twice.
+    bool split = true;
+};
+
+struct Tree {
+    Bvh bvh;
+    double cost = 0;              // expectedCost
+    uint32_t splitTriangles = 0;  // entries that splitting added
+};
+
+// The expected cost of a random ray that meets the root's box, in tests of a primitive: each node by its
+// chance of being met, the ratio of areas (Goldsmith & Salmon 1987; MacDonald & Booth 1990). 0 for an empty
+// tree.
+double expectedCost(const Bvh& bvh, double traversalCost);
+
+// Builds the tree over `primitives`, to which split triangles are added as further entries
+// (splitLargeTriangles).
+//   Fast     binned surface area heuristic, nothing else.
+//   Default  besides, triangles are split if their boxes are mostly empty (emptiness, presplit.h) and the
+//   tree is cheaper
+//            for it; small trees are improved by reinsertion.
+//   High     splits are tried whatever the boxes look like, reinsertion goes on for longer, on trees of any
+//   size.
+Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options);
+
+}  // namespace glint

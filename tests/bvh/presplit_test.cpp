@@ -1,0 +1,129 @@
+// Triangles cut into boxes: together they hold the triangle, and they are smaller where its own box was
+// mostly empty.
+#include "bvh/presplit.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "bvh/build_tree.h"
+#include "bvh/packed_scene.h"
+#include "scene_maker.h"
+
+namespace glint {
+namespace {
+
+using namespace test;
+
+const Box kRoot{glm::vec3(-10), glm::vec3(10)};
+
+class SplitTriangle : public testing::Test {
+  protected:
+    glm::vec3 point() {
+        std::uniform_real_distribution<float> place(-9, 9);
+        const float x = place(random_), y = place(random_), z = place(random_);
+        return {x, y, z};
+    }
+    // A point of the triangle, in double.
+    glm::dvec3 within(const Corners& c) {
+        std::uniform_real_distribution<double> unit(0, 1);
+        double u = unit(random_), v = unit(random_);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        return (1 - u - v) * glm::dvec3(c[0]) + u * glm::dvec3(c[1]) + v * glm::dvec3(c[2]);
+    }
+    static bool holds(const Box& box, const glm::dvec3& p) {
+        for (int i = 0; i < 3; ++i)
+            if (p[i] < box.lo[i] || p[i] > box.hi[i]) return false;
+        return true;
+    }
+    std::mt19937 random_{7};
+};
+
+TEST_F(SplitTriangle, PartsHoldEveryPoint) {
+    for (int k = 0; k < 400; ++k) {
+        const Corners corners = {point(), point(), point()};
+        const uint32_t parts = 1 + static_cast<uint32_t>(k % 17);
+        const std::vector<Box> boxes = splitTriangle(corners, kRoot, parts);
+        ASSERT_GE(boxes.size(), 1u);
+        ASSERT_LE(boxes.size(), parts);
+        for (int i = 0; i < 200; ++i) {
+            const glm::dvec3 p = within(corners);
+            EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return holds(b, p); }));
+        }
+    }
+}
+
+// The diagonal needle of a cube: its box is the cube, that of n parts along it n cubes of 1/n the edge.
+TEST_F(SplitTriangle, DiagonalNeedle) {
+    const Corners needle = {glm::vec3(-8), glm::vec3(8), glm::vec3(8, 8, 7.999f)};
+    const std::vector<Box> boxes = splitTriangle(needle, {glm::vec3(-8), glm::vec3(8)}, 16);
+    ASSERT_EQ(boxes.size(), 16u);
+    double sum = 0;
+    for (const Box& box : boxes) sum += box.halfArea();
+    const double whole = 3 * 16.0 * 16;
+    EXPECT_NEAR(sum, whole / 16, 0.01 * whole / 16);
+}
+
+TEST_F(SplitTriangle, FlatOnesStayWhole) {
+    const Corners point = {glm::vec3(1), glm::vec3(1), glm::vec3(1)};
+    EXPECT_EQ(splitTriangle(point, kRoot, 8).size(), 1u);
+}
+
+// Slanting beams, as long as the scene and thin.
+Scene beams() {
+    Scene scene;
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> place(-5, 5);
+    for (int i = 0; i < 200; ++i) {
+        const double x = place(random), y = place(random);
+        const glm::dvec3 a(x - 4, y - 4, -5), b(x + 4, y + 4, 5), side(0.02, -0.02, 0);
+        addObject(scene, TriangleShape{{a, b, b + side}});
+        addObject(scene, TriangleShape{{a, b + side, a + side}});
+    }
+    return scene;
+}
+
+TEST(BuildTree, SplitsBeams) {
+    const PackedScene fast = packScene(beams(), 0, BuildQuality::Fast);
+    const PackedScene split = packScene(beams());
+    EXPECT_EQ(fast.statistics.splitTriangles, 0u);
+    EXPECT_EQ(fast.triangles.size(), 400u);
+    EXPECT_GT(split.statistics.splitTriangles, 300u);
+    EXPECT_LE(split.statistics.splitTriangles, 400u);
+    EXPECT_EQ(split.triangles.size(), 400u + split.statistics.splitTriangles);
+    EXPECT_LT(split.statistics.sahCost, 0.6 * fast.statistics.sahCost);
+}
+
+TEST(BuildTree, LeavesEvenMeshesWhole) {
+    Scene scene;
+    addObject(scene, MeshShape{gridMesh(32)});
+    for (const BuildQuality quality : {BuildQuality::Default, BuildQuality::High}) {
+        const PackedScene packed = packScene(scene, 0, quality);
+        EXPECT_EQ(packed.statistics.splitTriangles, 0u);
+        EXPECT_EQ(packed.triangles.size(), 2u * 32 * 32);
+    }
+}
+
+// Whatever is done, better quality is not a dearer tree.
+TEST(BuildTree, QualityNeverCostsMore) {
+    for (const Scene& scene : {beams(), [] {
+                                   Scene s;
+                                   addObject(s, MeshShape{gridMesh(16)});
+                                   return s;
+                               }()}) {
+        const double fast = packScene(scene, 0, BuildQuality::Fast).statistics.sahCost;
+        const double normal = packScene(scene).statistics.sahCost;
+        const double high = packScene(scene, 0, BuildQuality::High).statistics.sahCost;
+        EXPECT_LE(normal, fast);
+        EXPECT_LE(high, normal);
+    }
+}
+
+TEST(BuildTree, DoesNotDependOnThreads) {
+    const PackedScene one = packScene(beams(), 1), four = packScene(beams(), 4);
+    ASSERT_EQ(one.triangles.size(), four.triangles.size());
+    for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].id, four.triangles[i].id);
+}
+
+}  // namespace
+}  // namespace glint

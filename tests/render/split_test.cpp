@@ -1,0 +1,82 @@
+// Scenes whose triangles were split for the BVH: the same hits as without, and no leak at the cuts or edges.
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+// A closed box from `from` to `to`, square of the given thickness: 12 triangles as long as the box.
+struct Beam {
+    std::vector<dvec3> corners;
+
+    Beam(const dvec3& from, const dvec3& to, double thickness) {
+        const dvec3 along = glm::normalize(to - from);
+        const dvec3 side = thickness * glm::normalize(glm::cross(along, dvec3(0.3, 1, 0.2)));
+        const dvec3 up = glm::cross(along, side);
+        for (const dvec3& end : {from, to})
+            for (const dvec3& corner : {-side - up, side - up, side + up, -side + up})
+                corners.push_back(dvec3(glm::vec3(end + corner)));
+    }
+    static std::vector<glm::uvec3> triangles() {
+        return {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+    }
+};
+
+class SplitTest : public RenderTest {
+  protected:
+    SplitTest() {
+        scene_ = emptyScene();
+        for (int i = 0; i < 60; ++i) {
+            const dvec3 middle = random_.box(3.0);
+            const dvec3 along = 12.0 * random_.direction();
+            beams_.emplace_back(middle - along, middle + along, 0.05);
+            addMesh(scene_, beams_.back().corners, Beam::triangles());
+        }
+    }
+    Random random_{31};
+    Scene scene_;
+    std::vector<Beam> beams_;
+};
+
+// From inside each beam at points of its edges and of its diagonals, near and far.
+TEST_F(SplitTest, beamsAreClosed) {
+    const PackedScene packed = packScene(scene_);
+    ASSERT_GT(packed.statistics.splitTriangles, 300u);
+    std::vector<RayInput> rays;
+    const std::vector<glm::uvec3> triangles = Beam::triangles();
+    for (const Beam& beam : beams_) {
+        dvec3 ends[2] = {dvec3(0), dvec3(0)};
+        for (int i = 0; i < 8; ++i) ends[i / 4] += beam.corners[i] / 4.0;
+        for (int i = 0; i < 2000; ++i) {
+            const dvec3 from = glm::mix(ends[0], ends[1], random_.uniform(0.02, 0.98));
+            const glm::uvec3 t = triangles[random_.below(12)];
+            const dvec3 target = glm::mix(beam.corners[t.x], beam.corners[t.y], random_.uniform(0, 1));
+            rays.push_back(rayTowards(from, target, i % 2));
+        }
+    }
+    Renderer renderer(device(), packed);
+    EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
+}
+
+TEST_F(SplitTest, sameHitsAsWithout) {
+    const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast), split = packScene(scene_);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 20000; ++i)
+        rays.push_back(rayTowards(20.0 * random_.direction(), random_.box(4.0), i % 2));
+    Renderer a(device(), whole), b(device(), split);
+    const std::vector<RayHit> expected = a.trace(rays, false), got = b.trace(rays, false);
+    ASSERT_LT(misses(expected), rays.size() / 2);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(expected[i].hit, got[i].hit) << text(rays[i]);
+        EXPECT_EQ(expected[i].t, got[i].t);
+        EXPECT_EQ(expected[i].data.object, got[i].data.object);
+        EXPECT_EQ(expected[i].data.primitive, got[i].data.primitive);
+    }
+    const std::vector<RayHit> anyWhole = a.trace(rays, true), anySplit = b.trace(rays, true);
+    for (size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(anyWhole[i].hit, anySplit[i].hit) << text(rays[i]);
+}
+
+}  // namespace
+}  // namespace glint::render::test
