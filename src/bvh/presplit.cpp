@@ -20,16 +20,17 @@ struct Plane {
     float position = 0;
 };
 
-// The coarsest plane of the grid strictly inside (lo, hi).
+// The coarsest plane of the grid inside (lo, hi) that cuts off no sliver.
 Plane coarsestPlane(int axis, double lo, double hi, double rootLo, double rootHi) {
     Plane plane;
     const double size = rootHi - rootLo;
     if (!(hi > lo) || !(size > 0)) return plane;
+    const double sliver = (hi - lo) / 16;
     for (int level = 1; level < kLevels; ++level) {
         const double cell = std::ldexp(size, -level);
-        const double next = rootLo + (std::floor((lo - rootLo) / cell) + 1) * cell;
+        const double next = rootLo + (std::floor((lo + sliver - rootLo) / cell) + 1) * cell;
         const auto rounded = static_cast<float>(next);
-        if (rounded > lo && rounded < hi) return {axis, level, rounded};
+        if (rounded > lo + sliver && rounded < hi - sliver) return {axis, level, rounded};
         // No plane of a finer level can lie inside once the cells are smaller than the last bit.
         if (!(cell > std::abs(hi) * 0x1p-22)) break;
     }
