@@ -21,6 +21,11 @@ void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     uint index = hit.primitive & kPrimitiveIndexMask;
     Triangle triangle = loadTriangle(index);
     TriangleSurface details = loadTriangleSurface(index);
+    if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
+        float u = hit.u;
+        hit.u = hit.v;
+        hit.v = u;
+    }
     precise float w = 1.0 - hit.u - hit.v;
     precise vec3 p0 = w * triangle.v0;
     precise vec3 p1 = hit.u * triangle.v1;

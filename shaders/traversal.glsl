@@ -14,10 +14,11 @@ struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
     Hit hit;
-    // With instances: where the ray is, kNone for the world; what primitives' ids count from there; the ray as it is in the world; how
+    // With instances: where the ray is, kNone for the world; what primitives' ids count from there and whether corners are exchanged; the ray as it is in the world; how
     // much wider the world's boxes are; and, of an unfinished walk within an instance, the slot where it goes on in the world.
     uint instance;
     uint idBase;
+    bool mirrored;
     Ray world;
     float pad;
     uint worldSlot;
@@ -42,7 +43,8 @@ void accept(inout Traversal traversal, float t, float u, float v, uint primitive
     Hit hit = traversal.hit;
     bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
     if (better) {
-        traversal.hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
+        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
         traversal.ray.tMax = t;
     }
 }
@@ -67,6 +69,7 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
         traversal.instance = target;
         traversal.idBase = toWorld ? 0u : instance.idBase;
+        traversal.mirrored = !toWorld && instance.mirrored != 0u;
         root = toWorld ? kNone : instance.root;
         enters = false;
         ++traversal.trips;
@@ -240,6 +243,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     bool sound = traversal.ray.tMax > traversal.ray.tMin;
     traversal.instance = kNone;
     traversal.idBase = 0u;
+    traversal.mirrored = false;
     traversal.worldSlot = kNone;
     traversal.pad = 0.0;
     if (FEATURE_INSTANCES) {

@@ -69,12 +69,14 @@
 // A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
 // counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows toObject;
 // the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
+// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and with
+// them u and v of a hit, are exchanged; else 0.
 #define GLINT_INSTANCE_ROWS(V3F, V3U, U4) \
     V3U(place, root)                      \
     V3U(toObjectX, idBase)                \
     V3U(toObjectY, object)                \
     V3U(toObjectZ, material)              \
-    V3F(toWorldX, reserved0)              \
+    V3U(toWorldX, mirrored)               \
     V3F(toWorldY, reserved1)              \
     V3F(toWorldZ, reserved2)
 

@@ -233,6 +233,7 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
     row.toWorldZ = glm::vec3(backRows[2]);
     row.root = prototype_[slot_[object]];
     row.idBase = id;
+    row.mirrored = glm::dot(backRows[0], glm::cross(backRows[1], backRows[2])) < 0 ? 1 : 0;
     row.object = object;
     const Object& shown = scene.objects[object];
     const auto* mesh = std::get_if<MeshShape>(&shown.shape);

@@ -25,4 +25,9 @@ class InstanceFrame {
     glm::dvec3 place_;
 };
 
+// True if triangles' second and third corner, and with them u and v, are exchanged; `instance` may be kNone.
+inline bool isMirrored(const PackedScene& scene, uint32_t instance) {
+    return instance != shared::kNone && scene.instances[instance].mirrored != 0;
+}
+
 }  // namespace glint::reference

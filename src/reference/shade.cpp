@@ -2,6 +2,7 @@
 // 23(6), 1980; J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977).
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
@@ -352,8 +353,11 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
 
 }  // namespace
 
-Surface Tracer::surface(const Ray& worldRay, const Hit& hit) const {
+Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
     Surface surface;
+    Hit hit = worldHit;
+    if (kindOf(hit.primitive) == shared::kKindTriangle && isMirrored(scene_, hit.instance))
+        std::swap(hit.u, hit.v);
     const bool inInstance = hit.instance != shared::kNone;
     const Ray ray = inInstance ? InstanceFrame(scene_.instances[hit.instance]).entered(worldRay) : worldRay;
     const dvec3 point = ray.origin + hit.t * ray.direction;

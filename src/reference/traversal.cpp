@@ -1,5 +1,6 @@
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "reference/instance.h"
@@ -105,6 +106,7 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
         id += search.idBase;
+        if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
             search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id,
