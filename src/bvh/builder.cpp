@@ -100,7 +100,8 @@ void Builder::checkOptions(const std::vector<Box>& boxes) {
             throw std::invalid_argument("buildBvh: there must be one group per box");
         std::bitset<256> present;
         for (const uint8_t g : *options_.groups) present.set(g);
-        if (options_.soloGroup >= 256 || !present.test(options_.soloGroup)) leafCapacity_ = options_.maxLeafSize;
+        if (options_.soloGroup >= 256 || !present.test(options_.soloGroup))
+            leafCapacity_ = options_.maxLeafSize;
         groupLevels_ = static_cast<uint32_t>(std::bit_width(present.count() - 1));
     } else {
         options_.groups = nullptr;

@@ -17,7 +17,8 @@
 namespace glint {
 namespace {
 
-// Boxes of a prototype's top that each instance's box encloses after the transform. Measured, docs/measurements.md.
+// Boxes of a prototype's top that each instance's box encloses after the transform. Measured,
+// docs/measurements.md.
 constexpr size_t kTopBoxes = 64;
 
 glm::dmat3 magnitudes(const glm::dmat3& m) {
@@ -43,8 +44,8 @@ std::vector<Box> topBoxes(const std::vector<shared::Node>& nodes, size_t most) {
     if (!nodes.empty()) add(nodes[0]);
     while (cut.size() < most) {
         const auto worth = [](const Child& c) { return c.isNode() ? c.box.halfArea() : -1.0; };
-        const auto next = std::max_element(cut.begin(), cut.end(),
-                                           [&](const Child& a, const Child& b) { return worth(a) < worth(b); });
+        const auto next = std::max_element(
+            cut.begin(), cut.end(), [&](const Child& a, const Child& b) { return worth(a) < worth(b); });
         if (next == cut.end() || !next->isNode()) break;
         const shared::Node& node = nodes[next->child];
         cut.erase(next);
@@ -57,9 +58,10 @@ std::vector<Box> topBoxes(const std::vector<shared::Node>& nodes, size_t most) {
 
 // Spheres and discs are all the unit one (scene/placement.h), meshes are shared by address.
 std::pair<size_t, const void*> prototypeKey(const Object& object) {
-    if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) return {object.shape.index(), mesh->mesh.get()};
-    const bool unit = std::holds_alternative<SphereShape>(object.shape) ||
-                      std::holds_alternative<DiscShape>(object.shape);
+    if (const auto* mesh = std::get_if<MeshShape>(&object.shape))
+        return {object.shape.index(), mesh->mesh.get()};
+    const bool unit =
+        std::holds_alternative<SphereShape>(object.shape) || std::holds_alternative<DiscShape>(object.shape);
     return {object.shape.index(), unit ? nullptr : static_cast<const void*>(&object)};
 }
 
@@ -155,14 +157,14 @@ Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm:
         const glm::dvec3 half = 0.5 * (glm::dvec3(box.hi) - glm::dvec3(box.lo));
         const glm::dvec3 center = linear * (glm::dvec3(box.lo) + half) + place;
         // A score of roundings in double of the transform's inverse and of these sums.
-        const glm::dvec3 margin =
-            0x1p-47 * (size * (half + glm::abs(glm::dvec3(box.lo))) + glm::abs(place));
+        const glm::dvec3 margin = 0x1p-47 * (size * (half + glm::abs(glm::dvec3(box.lo))) + glm::abs(place));
         lo = glm::min(lo, center - size * half - margin);
         hi = glm::max(hi, center + size * half + margin);
     }
     Box box;
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    if (!(greatest(lo) < std::numeric_limits<float>::max() && greatest(hi) < std::numeric_limits<float>::max()))
+    if (!(greatest(lo) < std::numeric_limits<float>::max() &&
+          greatest(hi) < std::numeric_limits<float>::max()))
         return box;
     for (int i = 0; i < 3; ++i) {
         box.lo[i] = std::nextafter(static_cast<float>(lo[i]), -kInf);
@@ -210,8 +212,8 @@ std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) 
 // A device ray errs in the object's coordinates: by gamma_4 |W| |o - T| at its origin (one difference, then
 // products and sums of three), by gamma_3 |W| |d| t at a distance t. Back in the world that is up to K (7 u
 // |o - T| + 3 u r) on any axis, with K the greatest row sum of |W^-1| |W|, and r the reach of the box from T,
-// since t |d| <= |o - T| + r. So a hit may lie that far outside of the box, and the ray's boxes are widened by
-// 10 u K (|o| + B), B bounding |T| + r, which also covers the rounding of the sum.
+// since t |d| <= |o - T| + r. So a hit may lie that far outside of the box, and the ray's boxes are widened
+// by 10 u K (|o| + B), B bounding |T| + r, which also covers the rounding of the sum.
 Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint32_t id,
                                       const glm::dvec3& origin) const {
     const Prototype& prototype = prototypeOf(object);
@@ -224,8 +226,8 @@ Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint3
     row.toObjectY = glm::vec3(rows[1]);
     row.toObjectZ = glm::vec3(rows[2]);
     // The surface is where the rounded matrix says; so the way back is its inverse.
-    const glm::dmat3 toObject =
-        glm::transpose(glm::dmat3(glm::dvec3(row.toObjectX), glm::dvec3(row.toObjectY), glm::dvec3(row.toObjectZ)));
+    const glm::dmat3 toObject = glm::transpose(
+        glm::dmat3(glm::dvec3(row.toObjectX), glm::dvec3(row.toObjectY), glm::dvec3(row.toObjectZ)));
     const glm::dmat3 back = inverse({toObject, glm::dvec3(0)}).linear;
     const glm::dmat3 backRows = glm::transpose(back);
     row.toWorldX = glm::vec3(backRows[0]);

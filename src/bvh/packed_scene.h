@@ -42,7 +42,7 @@ struct PackStatistics {
     uint32_t prototypes = 0;
     uint64_t prototypeTriangles = 0;  // stored once each
     uint64_t instancedTriangles = 0;  // that these stand for
-    uint32_t droppedZeroArea = 0;  // triangles and polygons without area after rounding to fp32
+    uint32_t droppedZeroArea = 0;     // triangles and polygons without area after rounding to fp32
     uint32_t droppedNotFinite =
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
@@ -79,11 +79,11 @@ struct PackedScene {
 // of few bits, exact in fp32 too as long as |c| < 2^24 e.
 glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 
-// Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin, drops
-// degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed once,
-// behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared with its size,
-// see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the
-// array, its size and the limit.
+// Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
+// drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
+// once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
+// with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
+// naming the array, its size and the limit.
 PackedScene packScene(const Scene& scene, unsigned threads = 0);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are

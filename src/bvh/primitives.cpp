@@ -27,7 +27,7 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs",
+constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres",  "planes",   "discs",
                                                         "polygons",  "quadrics", "instances"};
 
 // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a line

@@ -1,5 +1,5 @@
-// Instances in double: the surface is the set of points x whose W (x - place) lies on the prototype, W as rounded
-// in the packed scene.
+// Instances in double: the surface is the set of points x whose W (x - place) lies on the prototype, W as
+// rounded in the packed scene.
 #pragma once
 
 #include "bvh/packed_scene.h"

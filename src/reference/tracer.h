@@ -95,8 +95,7 @@ class Tracer {
     // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
     // `source`: the primitive that the ray starts on (kind|index), or none; a plane or triangle never hits
     // itself, a sphere only at its far side.
-    std::optional<Hit> closest(const Ray& ray, const Source& source = {},
-                               uint64_t* cost = nullptr) const;
+    std::optional<Hit> closest(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // True if anything is hit.
     bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // The same by testing every primitive, without the BVH: the oracle's oracle.

@@ -109,8 +109,8 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id,
-                           search.instance};
+            search.best = {root.t, root.u,         root.v, kind << shared::kPrimitiveKindShift | i,
+                           id,     search.instance};
         }
         search.found = true;
         if constexpr (kAny) return true;

@@ -23,7 +23,8 @@ glm::dvec3 halfSizeOf(const Shape& shape);
 // Decides how each object stands in the world. Afterwards an object that still has a transform is an
 // instance: its shape is kept in its own coordinates, and rays are transformed. That is
 // - a mesh that several objects share, each transform losing no more than kMaxMeshLoss, if instances save
-//   kLeastSaving bytes or more: then all of these objects are instances, an untransformed one by the identity;
+//   kLeastSaving bytes or more: then all of these objects are instances, an untransformed one by the
+//   identity;
 // - a shape that the transform takes out of its kind. Spheres and discs become the unit sphere about 0 and
 //   the unit disc about 0 with normal z, so that all of them are stored once.
 // Everything else is baked, in double. To do it twice changes nothing.

@@ -58,8 +58,8 @@ inline constexpr KeyTable kGroup{"objects/group", detail::kGroup, detail::kNothi
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kGroup, kTransformStep};
+    kScene,  kImage, kPerspective, kOrthographic, kPoint,   kDirectional, kSpot,  kMaterial,     kMesh,
+    kSphere, kPlane, kDisc,        kTriangle,     kPolygon, kMeshObject,  kGroup, kTransformStep};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

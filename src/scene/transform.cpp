@@ -109,8 +109,7 @@ Affine then(const Affine& first, const Affine& second) {
 Affine inverse(const Affine& transform) {
     const double greatest = greatestElement(transform.linear);
     const glm::dmat3 scaled = transform.linear / greatest;
-    const glm::dmat3 linear =
-        glm::transpose(cofactors(scaled)) * (1 / (glm::determinant(scaled) * greatest));
+    const glm::dmat3 linear = glm::transpose(cofactors(scaled)) * (1 / (glm::determinant(scaled) * greatest));
     return {linear, -(linear * transform.offset)};
 }
 

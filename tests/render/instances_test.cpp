@@ -1,5 +1,5 @@
-// Instances on the device and in the reference: the cases T77, T79 and T80 of the numerical test list, order, flattened
-// copies, trips. The parser's tests hold T76 (singular transforms).
+// Instances on the device and in the reference: the cases T77, T79 and T80 of the numerical test list, order,
+// flattened copies, trips. The parser's tests hold T76 (singular transforms).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -75,7 +75,8 @@ class InstanceTest : public RenderTest {
         for (int i = 0; i < 12; ++i) {
             const dvec3 place(2.3 * (i % 4) - 3.5, 2.3 * (i / 4) - 2.3, 0.4 * (i % 3));
             const dvec3 scale(random.uniform(0.6, 1.1), random.uniform(0.6, 1.1) * (i % 3 ? 1 : -1), 0.8);
-            addObject(scene, MeshShape{ball}, turned(random.direction(), random.uniform(0, 360), scale, place),
+            addObject(scene, MeshShape{ball},
+                      turned(random.direction(), random.uniform(0, 360), scale, place),
                       addMaterial(scene, dvec3(0.2 + 0.05 * i, 0.5, 0.7), dvec3(i % 4 ? 0 : 0.4)));
         }
         addObject(scene, SphereShape{{0.1, 0, 0}, 0.5}, turned({1, 2, 0}, 40, {1, 3, 0.5}, {0, 0, 2}));
@@ -108,8 +109,8 @@ TEST_F(InstanceTest, storedOnce) {
     EXPECT_TRUE(packScene(flattened(crowd())).triangles.size() == 12 * packed.triangles.size());
 }
 
-// T77. Each triangle's normal in the prototype, times the transposed fp32 matrix, in double, is what a normal on an
-// instance must be.
+// T77. Each triangle's normal in the prototype, times the transposed fp32 matrix, in double, is what a normal
+// on an instance must be.
 TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
     Scene scene = emptyScene();
     const auto ball = bumpyBall();
@@ -122,7 +123,8 @@ TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
     Random random(77);
     for (int i = 0; i < 6000; ++i) {
         const dvec3 place(3.0 * (i % 2), 0, 0);
-        rays.push_back(rayTowards(place + scale * (random.direction() * 3.0), place + scale * random.box(0.4)));
+        rays.push_back(
+            rayTowards(place + scale * (random.direction() * 3.0), place + scale * random.box(0.4)));
     }
     const std::vector<RayHit> hits = hitsOf(packed, rays);
     ASSERT_LT(misses(hits), 60u);
@@ -145,8 +147,9 @@ TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
     EXPECT_LE(errors.back(), 1e-3);
 }
 
-// T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its normal are
-// within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within 1e-5.
+// T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its
+// normal are within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within
+// 1e-5.
 TEST_F(InstanceTest, t79translatedFarAway) {
     const Affine shape = scaling({3, 2, 1});
     for (const bool both : {true, false}) {
@@ -180,15 +183,17 @@ TEST_F(InstanceTest, t79translatedFarAway) {
     }
 }
 
-// T80. Rigid motions: t is that of a copy whose vertices were moved in double, within 8 ulp of the ray's length to it.
-// Rays that meet the surface at less than 30 degrees are left out: there the rounding of the vertices moves t by more.
+// T80. Rigid motions: t is that of a copy whose vertices were moved in double, within 8 ulp of the ray's
+// length to it. Rays that meet the surface at less than 30 degrees are left out: there the rounding of the
+// vertices moves t by more.
 TEST_F(InstanceTest, t80rigidMotion) {
     Scene scene = emptyScene();
     const auto ball = bumpyBall();
     Random random(8);
     for (int i = 0; i < 9; ++i)
-        addObject(scene, MeshShape{ball}, turned(random.direction(), random.uniform(0, 360), dvec3(1),
-                                                 {2.6 * (i % 3 - 1), 2.6 * (i / 3 - 1), 0}));
+        addObject(scene, MeshShape{ball},
+                  turned(random.direction(), random.uniform(0, 360), dvec3(1),
+                         {2.6 * (i % 3 - 1), 2.6 * (i / 3 - 1), 0}));
     const PackedScene once = packScene(scene), copies = packScene(flattened(scene));
     ASSERT_EQ(once.instances.size(), 9u);
     ASSERT_EQ(copies.instances.size(), 0u);
@@ -203,7 +208,8 @@ TEST_F(InstanceTest, t80rigidMotion) {
                                                                  a[i].data.primitive == b[i].data.primitive));
         other += !same || c.has_value() != d.has_value() || (c && c->id != d->id);
         if (!same || !a[i].hit || !c || !d || c->id != d->id) continue;
-        const double cosine = std::abs(glm::dot(glm::normalize(ray.direction), dvec3(b[i].data.geometricNormal)));
+        const double cosine =
+            std::abs(glm::dot(glm::normalize(ray.direction), dvec3(b[i].data.geometricNormal)));
         if (cosine < 0.5) continue;
         ++compared;
         const double ulp = std::ldexp(1.0, std::ilogb(b[i].t) - 23);
@@ -296,8 +302,9 @@ TEST_F(InstanceTest, nothingIsMissed) {
         const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
         const auto all = tracer.closestBruteForce(ray), tree = tracer.closest(ray);
         ASSERT_EQ(all, tree) << text(rays[i]);
-        const bool same = hits[i].hit == all.has_value() &&
-                          (!all || (hits[i].kindAndIndex == all->primitive && std::abs(hits[i].t - all->t) < 1e-4));
+        const bool same =
+            hits[i].hit == all.has_value() &&
+            (!all || (hits[i].kindAndIndex == all->primitive && std::abs(hits[i].t - all->t) < 1e-4));
         differing += !same;
     }
     EXPECT_LE(differing, 2);
@@ -336,7 +343,8 @@ TEST_F(InstanceTest, ellipsoidByItsEquation) {
     ASSERT_EQ(packed.instances.size(), 1u);
     Random random(6);
     std::vector<RayInput> rays;
-    for (int i = 0; i < 4000; ++i) rays.push_back(rayTowards(random.direction() * 7.0, center + random.box(1.8)));
+    for (int i = 0; i < 4000; ++i)
+        rays.push_back(rayTowards(random.direction() * 7.0, center + random.box(1.8)));
     const std::vector<RayHit> hits = hitsOf(packed, rays);
     const reference::Tracer tracer(packed);
     int found = 0;
@@ -350,7 +358,8 @@ TEST_F(InstanceTest, ellipsoidByItsEquation) {
         if (disc < 0) continue;
         ++found;
         const double t = -b / a - std::sqrt(disc);
-        const auto reference = tracer.closest(reference::Ray{dvec3(rays[i].origin), dvec3(rays[i].direction)});
+        const auto reference =
+            tracer.closest(reference::Ray{dvec3(rays[i].origin), dvec3(rays[i].direction)});
         ASSERT_TRUE(reference);
         // The matrix is rounded to 2^-24; near grazing the root takes 1 / sqrt(disc) > 1/30 as many digits.
         EXPECT_NEAR(reference->t, t, 1e-5) << text(rays[i]);
