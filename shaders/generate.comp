@@ -19,7 +19,7 @@ void main() {
         precise vec3 moved = camera.eye + (x * camera.originStepX + y * camera.originStepY);
         origin = moved;
     }
-    storeRay(path, Ray(origin, unit, inside ? camera.nearT : kInfinity, camera.farT, kNone));
+    storeRay(path, Ray(origin, unit, inside ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
     storeRow(kRowThroughput, path, packRow(vec3(1.0), 2166136261u));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
     if (dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));

@@ -14,10 +14,12 @@ void main() {
     traversal.cost = 0u;
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x);
+    uvec4 instanceRow = loadInstanceRow(path);
+    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     if (live) {
         Hit hit = traversal.hit;
         storeRow(kRowHit, path, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
+        storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));
         storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));
         if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
     }

@@ -16,8 +16,8 @@ const float kFarPad = 1.00000083446503;
 bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out float tNear) {
     vec3 nearPlane = mix(lo, hi, frame.negative);
     vec3 farPlane = mix(hi, lo, frame.negative);
-    precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
-    precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
+    precise vec3 t0 = (nearPlane - frame.nearOrigin) * frame.inverse;
+    precise vec3 t1 = (farPlane - frame.farOrigin) * frame.inverse;
     // Written as comparisons: these compile to one instruction each where min and max take three, for NaN's sake.
     float near = ray.tMin;
     near = t0.x > near ? t0.x : near;
@@ -172,15 +172,6 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
     }
     t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
     return inside && speed != 0.0 && t > ray.tMin && t <= ray.tMax;
-}
-
-// Takes the hit if it is closer, or as close with a lower id.
-void accept(inout Ray ray, inout Hit hit, float t, float u, float v, uint primitive, uint id) {
-    bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
-    if (better) {
-        hit = Hit(t, u, v, primitive, id);
-        ray.tMax = t;
-    }
 }
 
 #endif

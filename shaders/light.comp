@@ -76,11 +76,12 @@ void main() {
 
     Traversal traversal;
     traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive);
-    traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone);
+                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);
+    traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x);
+    uvec4 instanceRow = loadInstanceRow(path);
+    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     bool occluded = traversal.hit.primitive != kNone;
     if (occluded || !facing) slot = kNone;
 
@@ -93,6 +94,7 @@ void main() {
     }
     if (live) {
         uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
+        storeInstanceRow(path, uvec4(instanceRow.xy, traversal.instance, traversal.worldSlot));
         storeRow(kRowWalk, path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
         if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
     }

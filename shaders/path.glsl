@@ -26,23 +26,38 @@ bool pixelOf(out uvec2 pixel) {
 // A path that has ended keeps a ray whose interval is empty.
 bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 
+// Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
+uint rowInstance() { return MODE_AOVS ? kPathRowsWithAovs : kPathRows; }
+
+uvec4 loadInstanceRow(uint path) {
+    uvec4 row = uvec4(kNone);
+    if (FEATURE_INSTANCES) row = loadRow(rowInstance(), path);
+    return row;
+}
+
+void storeInstanceRow(uint path, uvec4 row) {
+    if (FEATURE_INSTANCES) storeRow(rowInstance(), path, row);
+}
+
 // tMax is in the hit row.
 Ray loadRay(uint path) {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
-    return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w), kInfinity, origin.w);
+    return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w), kInfinity, origin.w,
+               loadInstanceRow(path).y);
 }
 
 void storeRay(uint path, Ray ray) {
     storeRow(kRowOrigin, path, packRow(ray.origin, ray.source));
     storeRow(kRowDirection, path, packRow(ray.direction, floatBitsToUint(ray.tMin)));
     storeRow(kRowHit, path, uvec4(floatBitsToUint(ray.tMax), 0u, 0u, kNone));
+    storeInstanceRow(path, uvec4(kNone, ray.sourceInstance, kNone, kNone));
 }
 
 // The best hit so far; before any, t is the end of the ray's interval. `id` is in the walk row.
 Hit loadHit(uint path, uint id) {
     uvec4 row = loadRow(kRowHit, path);
-    return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w, id);
+    return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w, loadInstanceRow(path).x, id);
 }
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef GLINT_RAY_GLSL
 #define GLINT_RAY_GLSL
 
-#include "shared/layout.h"
+#include "storage.glsl"
 
 // gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and Stability, 2002, sec. 3.1).
 const float kUnit = 5.9604645e-8;
@@ -19,6 +19,7 @@ struct Ray {
     float tMin;
     float tMax;
     uint source;  // primitive that the ray starts on, or kNone
+    uint sourceInstance;  // and the instance it is one of, or kNone
 };
 
 struct Hit {
@@ -26,6 +27,7 @@ struct Hit {
     float u;
     float v;
     uint primitive;  // kNone: a miss
+    uint instance;   // that the primitive is one of, or kNone
     uint id;         // of the best hit: equal t goes to the lowest
 };
 
@@ -33,6 +35,8 @@ bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
 
 // What the box and triangle tests need of a ray, once a ray.
 struct RayFrame {
+    vec3 nearOrigin;  // the origin as near planes of boxes are measured from it
+    vec3 farOrigin;   // the same for far ones: apart where boxes are to be wider, see makeFrame
     vec3 inverse;    // 1/d, finite, with the sign of d kept where d is 0
     bvec3 negative;  // 1/d < 0: the far plane of a slab is its lower one
     uint axis;       // of the largest component of d: 0, 1, 2
@@ -42,7 +46,8 @@ struct RayFrame {
 // (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
 vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v); }
 
-RayFrame makeFrame(vec3 d) {
+// Boxes are taken for wider by `pad` on all sides.
+RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     RayFrame frame;
     // |1/d| stays below 2^125, so that (plane - origin) * inverse is +-inf or finite for any coordinates in range,
     // never 0 * inf = NaN.
@@ -54,6 +59,15 @@ RayFrame makeFrame(vec3 d) {
     precise vec3 inverse = 1.0 / guarded;
     frame.inverse = inverse;
     frame.negative = lessThan(inverse, vec3(0.0));
+    frame.nearOrigin = o;
+    frame.farOrigin = o;
+    if (FEATURE_INSTANCES) {
+        vec3 outwards = mix(vec3(pad), vec3(-pad), frame.negative);
+        precise vec3 nearOrigin = o + outwards;
+        precise vec3 farOrigin = o - outwards;
+        frame.nearOrigin = nearOrigin;
+        frame.farOrigin = farOrigin;
+    }
     vec3 a = abs(d);
     frame.axis = a.x > a.y ? (a.x > a.z ? 0u : 2u) : (a.y > a.z ? 1u : 2u);
     vec3 turned = turnToZ(d, frame.axis);

@@ -58,7 +58,8 @@ void main() {
     }
     if (FEATURE_MIRRORS) {
         vec3 origin = offsetOrigin(surface.position, surface.error, surface.normal);
-        storeRay(path, Ray(origin, mirrored(surface, ray.direction), goesOn ? 0.0 : kInfinity, kInfinity, hit.primitive));
+        storeRay(path, Ray(origin, mirrored(surface, ray.direction), goesOn ? 0.0 : kInfinity, kInfinity, hit.primitive,
+                           hit.instance));
         storeRow(kRowThroughput, path, packRow(onward, hash));
         storeRow(kRowWalk, path, uvec4(kNone, 0u, walkRow.z, walkRow.w));
         if (goesOn) atomicAdd(counters[kCounterAlive], 1u);

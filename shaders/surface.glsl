@@ -2,6 +2,7 @@
 #ifndef GLINT_SURFACE_GLSL
 #define GLINT_SURFACE_GLSL
 
+#include "instance.glsl"
 #include "intersect.glsl"
 
 struct Surface {
@@ -15,10 +16,16 @@ struct Surface {
 };
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed., sec. 6.8.5), far below the error of o + t d.
-void triangleSurface(Hit hit, inout Surface surface) {
+// `instance`: of the hit, if it has one.
+void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     uint index = hit.primitive & kPrimitiveIndexMask;
     Triangle triangle = loadTriangle(index);
     TriangleSurface details = loadTriangleSurface(index);
+    if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
+        float u = hit.u;
+        hit.u = hit.v;
+        hit.v = u;
+    }
     precise float w = 1.0 - hit.u - hit.v;
     precise vec3 p0 = w * triangle.v0;
     precise vec3 p1 = hit.u * triangle.v1;
@@ -31,7 +38,13 @@ void triangleSurface(Hit hit, inout Surface surface) {
     if (FEATURE_VERTEX_NORMALS) {
         bool smoothed = details.vertexNormals != kNone;
         VertexNormals corners = loadVertexNormals(smoothed ? details.vertexNormals : 0u);
-        vec3 sum = w * corners.n0 + hit.u * corners.n1 + hit.v * corners.n2;
+        vec3 weights = vec3(w, hit.u, hit.v);
+        if (FEATURE_INSTANCES && hit.instance != kNone) {
+            // Unit vectors in the world are what is interpolated there.
+            weights /= vec3(stretchOfNormal(instance, corners.n0), stretchOfNormal(instance, corners.n1),
+                            stretchOfNormal(instance, corners.n2));
+        }
+        vec3 sum = weights.x * corners.n0 + weights.y * corners.n1 + weights.z * corners.n2;
         float size = dot(sum, sum);
         vec3 direction = sum * inversesqrt(max(size, 1e-30));
         if (smoothed && size > 1e-30) surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
@@ -107,8 +120,21 @@ void polygonSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = polygon.material;
 }
 
+void surfaceInWorld(Instance instance, inout Surface surface) {
+    leaveInstance(instance, surface.position, surface.error);
+    surface.normal = normalInWorld(instance, surface.normal);
+    vec3 shading = normalInWorld(instance, surface.shadingNormal);
+    surface.shadingNormal = dot(shading, surface.normal) < 0.0 ? -shading : shading;
+    surface.object = instance.object;
+    if (instance.material != kNone) surface.material = instance.material;
+}
+
 // hit.primitive must not be kNone.
 Surface surfaceAt(Ray ray, Hit hit) {
+    Instance instance;
+    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
+    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
+    if (inInstance) enterInstance(instance, ray.origin, ray.direction);
     Surface surface;
     surface.position = vec3(0.0);
     surface.error = vec3(0.0);
@@ -118,11 +144,12 @@ Surface surfaceAt(Ray ray, Hit hit) {
     surface.primitive = 0u;
     surface.material = 0u;
     uint kind = hit.primitive >> kPrimitiveKindShift;
-    if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
+    if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, instance, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
     if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
+    if (inInstance) surfaceInWorld(instance, surface);
     return surface;
 }
 

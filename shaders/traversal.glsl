@@ -7,12 +7,21 @@
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
+#include "instance.glsl"
 #include "intersect.glsl"
 
 struct Traversal {
-    Ray ray;
+    Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
     Hit hit;
+    // With instances: where the ray is, kNone for the world; what primitives' ids count from there and whether corners are exchanged; the ray as it is in the world; how
+    // much wider the world's boxes are; and, of an unfinished walk within an instance, the slot where it goes on in the world.
+    uint instance;
+    uint idBase;
+    bool mirrored;
+    Ray world;
+    float pad;
+    uint worldSlot;
     uint trips;
     uint cost;
 };
@@ -28,6 +37,46 @@ bool settled(Traversal traversal) {
 #endif
 }
 
+// Takes the hit if it is closer, or as close with a lower id.
+void accept(inout Traversal traversal, float t, float u, float v, uint primitive, uint ownId) {
+    uint id = FEATURE_INSTANCES ? traversal.idBase + ownId : ownId;
+    Hit hit = traversal.hit;
+    bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
+    if (better) {
+        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
+        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        traversal.ray.tMax = t;
+    }
+}
+
+bool isInstance(uint child) {
+    return FEATURE_INSTANCES && (child >> kLeafKindShift) == ((kLeafFlag >> kLeafKindShift) | kKindInstance);
+}
+
+// Takes the ray into an instance, or back into the world for kNone. Returns the root of the tree there, kNone for the world's. A loop of
+// one trip, as lavapipe skips work only by not entering a loop.
+uint enterSpace(inout Traversal traversal, uint target, bool enters) {
+    uint root = kNone;
+    while (enters) {
+        bool toWorld = target == kNone;
+        Instance instance = loadInstance(toWorld ? 0u : target);
+        vec3 origin = traversal.world.origin;
+        vec3 direction = traversal.world.direction;
+        if (!toWorld) enterInstance(instance, origin, direction);
+        traversal.ray.origin = origin;
+        traversal.ray.direction = direction;
+        traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
+        traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
+        traversal.instance = target;
+        traversal.idBase = toWorld ? 0u : instance.idBase;
+        traversal.mirrored = !toWorld && instance.mirrored != 0u;
+        root = toWorld ? kNone : instance.root;
+        enters = false;
+        ++traversal.trips;
+    }
+    return root;
+}
+
 // Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
@@ -41,7 +90,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             float t, u, v;
             if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, u, v, primitive, triangle.id);
+                accept(traversal, t, u, v, primitive, triangle.id);
             }
             ++index;
             ++traversal.trips;
@@ -55,7 +104,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
             if (intersectSphere(traversal.ray, sphere, primitive, t)) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, sphere.id);
+                accept(traversal, t, 0.0, 0.0, primitive, sphere.id);
             }
             ++index;
             ++traversal.trips;
@@ -69,7 +118,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
             if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, disc.id);
+                accept(traversal, t, 0.0, 0.0, primitive, disc.id);
             }
             ++index;
             ++traversal.trips;
@@ -83,7 +132,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
             if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, polygon.id);
+                accept(traversal, t, 0.0, 0.0, primitive, polygon.id);
             }
             ++index;
             // This loop's, the edges', and the one that ends theirs.
@@ -99,7 +148,7 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
         if (intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source) {
-            accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, plane.id);
+            accept(traversal, t, 0.0, 0.0, primitive, plane.id);
         }
         if (MODE_COST) ++traversal.cost;
     }
@@ -111,6 +160,7 @@ uint traverse(inout Traversal traversal, uint root) {
     // One entry for each level at most: the far child of a node on the current path.
     uint stack[kMaxBvhDepth + 1u];
     uint top = 0u;
+    uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     while (current != kNone && traversal.trips < dispatch.tripBudget) {
         while (isNode(current) && traversal.trips < dispatch.tripBudget) {
@@ -126,21 +176,32 @@ uint traverse(inout Traversal traversal, uint root) {
             if (both) stack[top] = farChild;
             top += both ? 1u : 0u;
             bool pop = !hit0 && !hit1;
-            bool empty = top == 0u;
+            bool empty = top == base;
             uint popped = stack[empty ? 0u : top - 1u];
             top -= pop && !empty ? 1u : 0u;
             current = both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : (empty ? kNone : popped)));
             ++traversal.trips;
             if (MODE_COST) traversal.cost += 2u;
         }
-        if (current != kNone && !isNode(current)) {
+        if (current != kNone && !isNode(current) && !isInstance(current)) {
             testLeaf(traversal, current);
-            bool done = top == 0u || settled(traversal);
+            bool done = top == base || settled(traversal);
             current = done ? kNone : stack[top == 0u ? 0u : top - 1u];
             top -= done ? 0u : 1u;
         }
+        if (FEATURE_INSTANCES) {
+            // The way out of an instance may lead straight into the next.
+            bool leaves = current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
+            if (leaves) current = stack[top == 0u ? 0u : top - 1u];
+            top -= leaves ? 1u : 0u;
+            bool enters = current != kNone && isInstance(current);
+            uint root = enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
+            if (enters) current = root;
+            base = enters ? top : (leaves ? 0u : base);
+        }
         ++traversal.trips;
     }
+    if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
 
@@ -156,9 +217,16 @@ uint walk(inout Traversal traversal, uint slot) {
                                     second ? node.hi1 : node.hi0, tEnd, near);
         uint next = second ? node.escape : slot + 1u;
         if (entered && isNode(child)) next = child << 1;
-        bool leaf = entered && child != kNone && !isNode(child);
+        bool leaf = entered && child != kNone && !isNode(child) && !isInstance(child);
         if (leaf) testLeaf(traversal, child);
         slot = settled(traversal) ? kNone : next;
+        if (FEATURE_INSTANCES) {
+            bool enters = entered && child != kNone && isInstance(child);
+            if (enters) traversal.worldSlot = next;
+            bool leaves = !enters && slot == kNone && traversal.instance != kNone && !settled(traversal);
+            uint root = enterSpace(traversal, enters ? child & kLeafFirstMask : kNone, enters || leaves);
+            slot = enters ? root << 1 : (leaves ? traversal.worldSlot : slot);
+        }
         ++traversal.trips;
         if (MODE_COST) ++traversal.cost;
     }
@@ -166,17 +234,33 @@ uint walk(inout Traversal traversal, uint slot) {
 }
 
 // Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
-// Returns kNone when finished, else the slot to resume from.
-uint trace(inout Traversal traversal, Environment environment, uint slot) {
+// `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when finished, else the slot to resume from.
+uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
     vec3 size = abs(traversal.ray.direction);
     bool valid = isFinite(traversal.ray.origin) && isFinite(traversal.ray.direction) &&
                  max(size.x, max(size.y, size.z)) > 0.0;
     if (!valid) traversal.ray.tMax = -1.0;
     bool sound = traversal.ray.tMax > traversal.ray.tMin;
-    traversal.frame = makeFrame(traversal.ray.direction);
-    if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
+    traversal.instance = kNone;
+    traversal.idBase = 0u;
+    traversal.mirrored = false;
+    traversal.worldSlot = kNone;
+    traversal.pad = 0.0;
+    if (FEATURE_INSTANCES) {
+        traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) + environment.instancePadAtOrigin;
+        traversal.world = traversal.ray;
+        if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kNone;
+    }
+    traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
+    if (MODE_RESUME) {
+        if (FEATURE_INSTANCES) {
+            traversal.worldSlot = place.y;
+            enterSpace(traversal, place.x, sound && slot != kNone && place.x != kNone);
+        }
+        return walk(traversal, sound ? slot : kNone);
+    }
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_INSTANCES) && sound && !settled(traversal);
     return traverse(traversal, inTree ? environment.root : kNone);
 }
 

@@ -19,7 +19,8 @@
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)
+    X(12, POLYGONS, polygons)                   \
+    X(14, INSTANCES, instances)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
@@ -45,7 +46,8 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(16, instances, Instance)
 
 #define GLINT_BINDING_COUNT 24
 
@@ -84,6 +86,9 @@ GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
 GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+
+// With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit, instance
+// the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree; kNone for none.
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

@@ -66,6 +66,20 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
+// A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
+// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows toObject;
+// the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
+// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and with
+// them u and v of a hit, are exchanged; else 0.
+#define GLINT_INSTANCE_ROWS(V3F, V3U, U4) \
+    V3U(place, root)                      \
+    V3U(toObjectX, idBase)                \
+    V3U(toObjectY, object)                \
+    V3U(toObjectZ, material)              \
+    V3U(toWorldX, mirrored)               \
+    V3F(toWorldY, reserved1)              \
+    V3F(toWorldZ, reserved2)
+
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, reserved0)               \
@@ -92,10 +106,12 @@
     V3F(originStepX, reserved0)         \
     V3F(originStepY, reserved1)
 
-// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
+// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. With
+// instances the boxes of the world's tree are wider by instancePad times the greatest coordinate of the ray's
+// origin, plus instancePadAtOrigin (bvh/instances.cpp).
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
-    V3F(background, reserved0)               \
-    V3F(ambient, reserved1)                  \
+    V3F(background, instancePad)             \
+    V3F(ambient, instancePadAtOrigin)        \
     U4(root, planeCount, lightCount, maxDepth)
 
 #define GLINT_STRUCTS(X)                            \
@@ -108,6 +124,7 @@
     X(Disc, GLINT_DISC_ROWS)                        \
     X(Polygon, GLINT_POLYGON_ROWS)                  \
     X(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)     \
+    X(Instance, GLINT_INSTANCE_ROWS)                \
     X(Material, GLINT_MATERIAL_ROWS)                \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
@@ -168,7 +185,8 @@ GLINT_CONST_UINT(kKindSphere, 1u);
 GLINT_CONST_UINT(kKindPlane, 2u);
 GLINT_CONST_UINT(kKindDisc, 3u);
 GLINT_CONST_UINT(kKindPolygon, 4u);
-GLINT_CONST_UINT(kKindCount, 5u);
+GLINT_CONST_UINT(kKindInstance, 6u);  // of leaves, which hold a single one; never of a primitive that is hit
+GLINT_CONST_UINT(kKindCount, 7u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
@@ -176,7 +194,8 @@ GLINT_CONST_UINT(kLightDirectional, 2u);
 GLINT_CONST_UINT(kLightSpot, 3u);
 GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
-// Levels of the BVH below the root that the builder may use; a traversal pushes at most one entry per level.
+// Levels of the BVH below the root that the builder may use, those of the world's tree and of a prototype's
+// together; a traversal pushes at most one entry per level.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
 // Infinite planes are tested one by one, outside the BVH; the bound keeps that loop far below the 65,535
 // trips after which lavapipe ends every loop.

@@ -66,6 +66,8 @@ class Builder {
     // left over.
     uint32_t capacity(uint32_t levels) const;
     bool mixed(const Range& range) const;
+    // True if the boxes of the range must not share a leaf, whatever their number.
+    bool apart(const Range& range) const;
     Plan plan(const Range& range, const sah::Binning& binning, const sah::BinSet& bins) const;
     void split(const Range& range, const Plan& plan, const sah::Binning& binning, Range& left, Range& right);
     uint32_t partitionBins(const Range& range, const Plan& plan, const sah::Binning& binning, Bounds& left,
@@ -75,7 +77,8 @@ class Builder {
     Bounds boundsOf(uint32_t begin, uint32_t end) const;
 
     BvhOptions options_;
-    uint32_t groupLevels_ = 0;  // levels that splitting a small range by group may take
+    uint32_t leafCapacity_ = 1;  // boxes that any leaf may hold
+    uint32_t groupLevels_ = 0;   // levels that splitting a small range by group may take
     std::vector<Item> items_;
     Range root_;
     Bvh bvh_;
@@ -97,9 +100,12 @@ void Builder::checkOptions(const std::vector<Box>& boxes) {
             throw std::invalid_argument("buildBvh: there must be one group per box");
         std::bitset<256> present;
         for (const uint8_t g : *options_.groups) present.set(g);
+        if (options_.soloGroup >= 256 || !present.test(options_.soloGroup))
+            leafCapacity_ = options_.maxLeafSize;
         groupLevels_ = static_cast<uint32_t>(std::bit_width(present.count() - 1));
     } else {
         options_.groups = nullptr;
+        leafCapacity_ = options_.maxLeafSize;
     }
     if (boxes.size() > (size_t{1} << 31) || options_.maxDepth < groupLevels_ ||
         capacity(options_.maxDepth) < boxes.size())
@@ -251,7 +257,7 @@ uint32_t Builder::binsFor(uint32_t count) const {
 
 uint32_t Builder::capacity(uint32_t levels) const {
     const uint32_t halvings = levels > groupLevels_ ? levels - groupLevels_ : 0;
-    return halvings >= 28 ? 0x80000000u : options_.maxLeafSize << halvings;
+    return halvings >= 28 ? 0x80000000u : leafCapacity_ << halvings;
 }
 
 bool Builder::mixed(const Range& range) const {
@@ -260,12 +266,18 @@ bool Builder::mixed(const Range& range) const {
     return false;
 }
 
+bool Builder::apart(const Range& range) const {
+    if (leafCapacity_ == options_.maxLeafSize || range.count() == 1) return false;
+    return std::any_of(items_.begin() + range.begin, items_.begin() + range.end,
+                       [&](const Item& item) { return item.group == options_.soloGroup; });
+}
+
 // Keeps count <= capacity(levels left), so that a median split always leads to leaves in time: half of a
 // range that capacity(n) admits is admitted by capacity(n - 1). A mixed range of a leaf's size has
 // groupLevels_ levels left, enough to halve its groups.
 Plan Builder::plan(const Range& range, const sah::Binning& binning, const sah::BinSet& bins) const {
     const uint32_t count = range.count();
-    const bool small = count <= options_.maxLeafSize;
+    const bool small = count <= options_.maxLeafSize && !apart(range);
     if (small && mixed(range)) return {Plan::How::Groups};
     const uint32_t levels = options_.maxDepth - range.depth;
     if (count == 1 || (small && levels == 0)) return {Plan::How::Leaf};

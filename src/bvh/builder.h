@@ -41,6 +41,7 @@ struct BvhOptions {
     unsigned threads = 0;  // 0: all
     // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.
     const std::vector<uint8_t>* groups = nullptr;
+    uint32_t soloGroup = 256;  // each box of this group gets a leaf of its own
 };
 
 struct BvhNode {

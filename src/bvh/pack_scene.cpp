@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -7,12 +6,15 @@
 #include "bvh/area_vector.h"
 #include "bvh/build_tree.h"
 #include "bvh/flatten.h"
+#include "bvh/instances.h"
+#include "bvh/pack_geometry.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
 #include "bvh/region.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "scene/placement.h"
 #include "scene/polygon_plane.h"
 #include "shared/dispatch.h"
 
@@ -99,21 +101,17 @@ uint32_t packedVertices(const PolygonShape& polygon) {
 class LeafOrderWriter {
   public:
     LeafOrderWriter(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame,
-                    const Primitives& primitives, const std::vector<uint32_t>& order, PackedScene& packed)
+                    const Primitives& primitives, const std::vector<uint32_t>& order, PackedScene& packed,
+                    Materials& materials)
         : scene_(scene),
           numbers_(numbers),
           frame_(frame),
           primitives_(primitives),
           order_(order),
           packed_(packed),
-          used_(scene.materials.size()) {}
+          materials_(materials) {}
 
     void write(unsigned threads);
-    bool used(size_t material) const { return used_[material].load(std::memory_order_relaxed); }
-    void use(size_t material) {
-        // Read first: many threads writing the same byte would pass its cache line around.
-        if (!used(material)) used_[material].store(true, std::memory_order_relaxed);
-    }
 
   private:
     struct Counts {
@@ -130,6 +128,8 @@ class LeafOrderWriter {
     void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals);
     void writeSphere(Primitives::Source source, uint32_t slot);
     void writeDisc(Primitives::Source source, uint32_t slot);
+    void writeInstance(Primitives::Source source, uint32_t slot);
+    void use(uint32_t material) { materials_.use(material); }
     void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
 
     const Scene& scene_;
@@ -138,7 +138,7 @@ class LeafOrderWriter {
     const Primitives& primitives_;
     const std::vector<uint32_t>& order_;
     PackedScene& packed_;
-    std::vector<std::atomic<bool>> used_;
+    Materials& materials_;
 };
 
 void LeafOrderWriter::write(unsigned threads) {
@@ -160,6 +160,7 @@ void LeafOrderWriter::write(unsigned threads) {
     packed_.discs.resize(total.kinds[shared::kKindDisc]);
     packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
     packed_.polygonVertices.resize(total.polygonVertices);
+    packed_.instances.resize(total.kinds[shared::kKindInstance]);
     packed_.vertexNormals.resize(total.normals);
     parallelFor(
         chunks, [&](size_t i) { writeChunk(i, first[i]); }, threads);
@@ -173,6 +174,8 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
         if (primitives_.kinds[primitive] == shared::kKindTriangle) {
             const TriangleSource triangles(scene_.objects[source.object]);
             counts.normals += vertexNormals(triangles.mesh(), source.face, normals);
+        } else if (primitives_.kinds[primitive] == shared::kKindInstance) {
+            return;
         } else if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
             counts.polygonVertices += packedVertices(*polygon);
         }
@@ -186,6 +189,7 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         const uint32_t slot = next.kinds[kind]++;
         if (kind == shared::kKindSphere) return writeSphere(source, slot);
         if (kind == shared::kKindDisc) return writeDisc(source, slot);
+        if (kind == shared::kKindInstance) return writeInstance(source, slot);
         if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
             writePolygon(source, slot, next.polygonVertices);
             next.polygonVertices += packedVertices(*polygon);
@@ -258,6 +262,14 @@ void LeafOrderWriter::writePolygon(Primitives::Source source, uint32_t slot, uin
     use(polygon.material);
 }
 
+void LeafOrderWriter::writeInstance(Primitives::Source source, uint32_t slot) {
+    shared::Instance& instance = packed_.instances[slot];
+    instance = frame_.instances->row(source.object);
+    if (instance.material != shared::kNone) return use(instance.material);
+    for (const uint32_t material : std::get<MeshShape>(scene_.objects[source.object].shape).mesh->materials)
+        use(material);
+}
+
 // A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
 void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
     uint32_t trips = 0;
@@ -300,6 +312,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.planes = !packed.planes.empty();
     f.discs = !packed.discs.empty();
     f.polygons = !packed.polygons.empty();
+    f.instances = !packed.instances.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {
@@ -332,24 +345,24 @@ SceneFeatures allFeatures() {
     return f;
 }
 
-PackedScene packScene(const Scene& scene, unsigned threads, BuildQuality quality) {
-    const PrimitiveNumbers numbers(scene);
-    const Region region = sceneRegion(scene, numbers, threads);
-    PackedScene packed;
-    packed.origin = originOf(region);
-    packPlanes(scene, numbers, region, packed);
-
-    const Frame frame{packed.origin, scene.camera.eye};
+void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxDepth,
+                  const PackOptions& pack, PackedScene& packed, Materials& materials) {
+    const unsigned threads = pack.threads;
     Primitives primitives =
         collectPrimitives(scene, numbers, frame, threads, packed.statistics, packed.warnings);
     TreeOptions tree;
-    tree.quality = quality;
+    tree.quality = pack.quality;
+    tree.split = pack.split;
     BvhOptions& options = tree.bvh;
-    options.maxDepth = shared::kMaxBvhDepth;
+    options.maxDepth = maxDepth;
     options.threads = threads;
     const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
                                      [](uint32_t count) { return count > 0; });
     if (kinds > 1) options.groups = &primitives.kinds;
+    if (primitives.counts[shared::kKindInstance] > 0) {
+        options.groups = &primitives.kinds;
+        options.soloGroup = shared::kKindInstance;
+    }
     limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
     Tree built = buildTree(primitives, scene, frame, tree);
@@ -363,12 +376,28 @@ PackedScene packScene(const Scene& scene, unsigned threads, BuildQuality quality
         packed.boundsHi = bvh.nodes[0].box.hi;
     }
     bvh.nodes = {};
+    LeafOrderWriter(scene, numbers, frame, primitives, bvh.order, packed, materials).write(threads);
+}
 
-    LeafOrderWriter writer(scene, numbers, frame, primitives, bvh.order, packed);
-    writer.write(threads);
+PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality) {
+    const PackOptions options{threads, quality};
+    Scene copy;
+    const Scene& scene = placedScene(given, copy);
+    const PrimitiveNumbers numbers(scene);
+    Instances instances(scene, numbers, options);
+    const Region region = sceneRegion(scene, numbers, &instances, threads);
+    PackedScene packed;
+    packed.origin = originOf(region);
+    packPlanes(scene, numbers, region, packed);
+    instances.place(scene, numbers, packed.origin, threads);
+
+    Materials materials(scene.materials.size());
+    packGeometry(scene, numbers, {packed.origin, scene.camera.eye, &instances}, instances.depthOfTop(),
+                 options, packed, materials);
     packEnvironment(scene, packed);
-    for (const shared::Plane& plane : packed.planes) writer.use(plane.material);
-    packed.features = featuresOf(packed, [&](size_t material) { return writer.used(material); });
+    instances.append(packed);
+    for (const shared::Plane& plane : packed.planes) materials.use(plane.material);
+    packed.features = featuresOf(packed, [&](size_t material) { return materials.used(material); });
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     return packed;
 }

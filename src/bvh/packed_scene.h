@@ -26,6 +26,7 @@ struct SceneFeatures {
     bool discs = false;
     bool polygons = false;
     bool spotLights = false;
+    bool instances = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
 };
@@ -40,7 +41,10 @@ struct PackStatistics {
     uint32_t splitTriangles = 0;  // further entries of triangles that were split for the BVH
     // Expected cost of a random ray in primitive tests; a node costs BvhOptions::traversalCost.
     double sahCost = 0;
-    uint32_t droppedZeroArea = 0;  // triangles and polygons without area after rounding to fp32
+    uint32_t prototypes = 0;
+    uint64_t prototypeTriangles = 0;  // stored once each
+    uint64_t instancedTriangles = 0;  // that these stand for
+    uint32_t droppedZeroArea = 0;     // triangles and polygons without area after rounding to fp32
     uint32_t droppedNotFinite =
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
@@ -56,6 +60,9 @@ struct PackedScene {
     std::vector<shared::Disc> discs;
     std::vector<shared::Polygon> polygons;
     std::vector<shared::PolygonVertex> polygonVertices;
+    std::vector<shared::Instance> instances;
+    // How many times instances make rounding worse at most: the greatest row sum of |A| |A^-1|; 0 without.
+    double instanceGain = 0;
     uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;
@@ -74,10 +81,11 @@ struct PackedScene {
 // of few bits, exact in fp32 too as long as |c| < 2^24 e.
 glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 
-// Flattens a valid scene: rounds to fp32 relative to the origin, drops degenerate triangles, builds the BVH,
-// puts primitives in leaf order. The origin is 0 unless the geometry lies far from it compared with its size,
-// see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h, naming the
-// array, its size and the limit.
+// Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
+// drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
+// once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
+// with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
+// naming the array, its size and the limit.
 PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are

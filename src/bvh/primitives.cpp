@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "bvh/area_vector.h"
+#include "bvh/instances.h"
 #include "bvh/unit_vector.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -26,8 +27,8 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs",
-                                                        "polygons"};
+constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres",  "planes",   "discs",
+                                                        "polygons",  "quadrics", "instances"};
 
 // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a line
 // has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection tests
@@ -36,6 +37,11 @@ Fate judgeTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& ori
     const auto v = roundTriangle(world, origin);
     if (!v) return Fate::NotFinite;
     return areaVector((*v)[0], (*v)[1], (*v)[2]) == glm::dvec3(0) ? Fate::NoArea : Fate::Kept;
+}
+
+Fate judgeInstance(const Instances& instances, uint32_t object) {
+    if (!instances.showsAnything(object)) return Fate::Absent;
+    return instances.isFinite(object) ? Fate::Kept : Fate::NotFinite;
 }
 
 Fate judge(const Object& object, uint32_t face, const glm::dvec3& origin) {
@@ -48,16 +54,17 @@ Fate judge(const Object& object, uint32_t face, const glm::dvec3& origin) {
     return polygonPlane(widened(*vertices)) ? Fate::Kept : Fate::NoArea;
 }
 
-ChunkCount judgeChunk(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
-                      size_t chunk, std::vector<Fate>& fates) {
+ChunkCount judgeChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, size_t chunk,
+                      std::vector<Fate>& fates) {
     ChunkCount count;
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
-        const uint8_t kind = kindOf(scene.objects[object].shape);
+        const uint8_t kind = kindOf(scene.objects[object]);
         if (kind == shared::kKindPlane) return;  // infinite: not in the BVH
-        Fate* fate = &fates[numbers.firstId(object)];
+        Fate* fate = &fates[numbers.firstItem(object)];
         Dropped dropped{object, 0, 0};
         for (uint32_t face = begin; face < end; ++face) {
-            fate[face] = judge(scene.objects[object], face, origin);
+            fate[face] = kind == shared::kKindInstance ? judgeInstance(*frame.instances, object)
+                                                       : judge(scene.objects[object], face, frame.origin);
             count.kept[kind] += fate[face] == Fate::Kept;
             dropped.noArea += fate[face] == Fate::NoArea;
             dropped.notFinite += fate[face] == Fate::NotFinite;
@@ -72,7 +79,7 @@ void warn(const Scene& scene, const PrimitiveNumbers& numbers, const Dropped& dr
     const std::string& name = scene.objects[dropped.object].name;
     const std::string where = name.empty() ? "/objects/" + std::to_string(dropped.object) : name;
     const std::string of = " of " + std::to_string(numbers.facesOf(dropped.object)) + " " +
-                           kKindNames[kindOf(scene.objects[dropped.object].shape)] + " dropped: ";
+                           kKindNames[kindOf(scene.objects[dropped.object])] + " dropped: ";
     if (dropped.noArea > 0)
         warnings.push_back(where + ": " + std::to_string(dropped.noArea) + of +
                            "no area after rounding to fp32");
@@ -117,11 +124,12 @@ Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
 void collectChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, size_t chunk,
                   const std::vector<Fate>& fates, size_t next, Primitives& out) {
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
-        const Fate* fate = &fates[numbers.firstId(object)];
-        const uint8_t kind = kindOf(scene.objects[object].shape);
+        const Fate* fate = &fates[numbers.firstItem(object)];
+        const uint8_t kind = kindOf(scene.objects[object]);
         for (uint32_t face = begin; face < end; ++face) {
             if (fate[face] != Fate::Kept) continue;
-            out.boxes[next] = boxOf(scene.objects[object], face, frame);
+            out.boxes[next] = kind == shared::kKindInstance ? frame.instances->box(object)
+                                                            : boxOf(scene.objects[object], face, frame);
             out.kinds[next] = kind;
             out.sources[next++] = {object, face};
         }
@@ -146,15 +154,19 @@ void setRounded(Box& box, int axis, double center, double extent, double margin)
 }  // namespace
 
 PrimitiveNumbers::PrimitiveNumbers(const Scene& scene) {
-    uint64_t next = 0;
+    uint64_t id = 0, item = 0;
     first_.reserve(scene.objects.size() + 1);
+    ids_.reserve(scene.objects.size());
     for (const Object& object : scene.objects) {
-        first_.push_back(static_cast<uint32_t>(next));
+        first_.push_back(static_cast<uint32_t>(item));
+        ids_.push_back(static_cast<uint32_t>(id));
         const auto* mesh = std::get_if<MeshShape>(&object.shape);
-        next += mesh != nullptr ? mesh->mesh->corners.size() : 1;
-        checkLimit("primitives", next, shared::kNone - 1);
+        const size_t faces = mesh != nullptr ? mesh->mesh->corners.size() : 1;
+        id += faces;
+        item += object.transform ? 1 : faces;
+        checkLimit("primitives", id, shared::kNone - 1);
     }
-    first_.push_back(static_cast<uint32_t>(next));
+    first_.push_back(static_cast<uint32_t>(item));
 }
 
 void checkLimit(const char* what, uint64_t count, uint64_t limit) {
@@ -277,6 +289,10 @@ uint32_t polygonTrips(size_t vertices) {
     return (static_cast<uint32_t>(vertices) + kEdges - 1) / kEdges;
 }
 
+uint8_t kindOf(const Object& object) {
+    return object.transform ? uint8_t{shared::kKindInstance} : kindOf(object.shape);
+}
+
 uint8_t kindOf(const Shape& shape) {
     struct Kind {
         uint32_t operator()(const SphereShape&) const { return shared::kKindSphere; }
@@ -294,7 +310,7 @@ Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers
                              std::vector<std::string>& warnings) {
     std::vector<Fate> fates(numbers.total(), Fate::Absent);
     std::vector<ChunkCount> counts(numbers.chunks());
-    const auto judge = [&](size_t i) { counts[i] = judgeChunk(scene, numbers, frame.origin, i, fates); };
+    const auto judge = [&](size_t i) { counts[i] = judgeChunk(scene, numbers, frame, i, fates); };
     parallelFor(counts.size(), judge, threads);
     reportDropped(scene, numbers, counts, statistics, warnings);
 

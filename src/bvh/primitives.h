@@ -17,19 +17,21 @@
 namespace glint {
 
 // Ids are consecutive over objects and, within a mesh, over its triangles; every primitive has one, packed or
-// not.
+// not. Items are what is packed: the primitives, and an instance as a whole.
 class PrimitiveNumbers {
   public:
-    static constexpr uint32_t kChunk = 32768;  // ids that one thread treats at a time
+    static constexpr uint32_t kChunk = 32768;  // items that one thread treats at a time
 
     explicit PrimitiveNumbers(const Scene& scene);
 
-    uint32_t firstId(uint32_t object) const { return first_[object]; }
+    uint32_t firstId(uint32_t object) const { return ids_[object]; }
+    uint32_t firstItem(uint32_t object) const { return first_[object]; }
     uint32_t facesOf(uint32_t object) const { return first_[object + 1] - first_[object]; }
     uint32_t total() const { return first_.back(); }
     size_t chunks() const { return (total() + size_t{kChunk} - 1) / kChunk; }
 
-    // Calls visit(object, firstFace, endFace) for each object that has ids in the chunk.
+    // Calls visit(object, firstFace, endFace) for each object that has items in the chunk; an instance
+    // has the single face 0.
     template <class Visit>
     void visitChunk(size_t chunk, Visit&& visit) const {
         const uint32_t begin = static_cast<uint32_t>(chunk * kChunk);
@@ -45,7 +47,8 @@ class PrimitiveNumbers {
     }
 
   private:
-    std::vector<uint32_t> first_;  // per object, and one past the last
+    std::vector<uint32_t> first_;  // item, per object, and one past the last
+    std::vector<uint32_t> ids_;    // per object
 };
 
 // The triangles of an object, or none.
@@ -67,10 +70,13 @@ class TriangleSource {
     const Mesh* mesh_ = nullptr;
 };
 
+class Instances;
+
 // Where the packed scene is seen from: what rounding needs to know.
 struct Frame {
     glm::dvec3 origin{0};
-    glm::dvec3 eye{0};  // world
+    glm::dvec3 eye{0};                     // world
+    const Instances* instances = nullptr;  // placed
 };
 
 using Corners = std::array<glm::vec3, 3>;
@@ -101,6 +107,8 @@ uint32_t polygonTrips(size_t vertices);
 
 // shared::kKind... of the primitives that a shape is made of.
 uint8_t kindOf(const Shape& shape);
+// The same, or kKindInstance.
+uint8_t kindOf(const Object& object);
 
 // What goes into the BVH, in the order of ids.
 struct Primitives {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/instances.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
+#include "scene/placement.h"
 
 namespace glint {
 namespace {
@@ -17,10 +19,15 @@ glm::dvec3 nearestOnPlane(const glm::dvec3& from, const glm::dvec3& point, const
     return from - glm::dot(from - point, normal) * normal;
 }
 
-Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, size_t chunk) {
+Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
+                     size_t chunk) {
     Region region;
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
         const Object& o = scene.objects[object];
+        if (o.transform) {
+            for (const glm::dvec3& corner : instances->corners(scene, object)) region.include(corner);
+            return;
+        }
         if (const auto* sphere = std::get_if<SphereShape>(&o.shape)) {
             region.include(sphere->center - sphere->radius);
             region.include(sphere->center + sphere->radius);
@@ -57,12 +64,19 @@ double Region::halfExtent() const {
     return largestComponent(0.5 * hi - 0.5 * lo);
 }
 
-Region sceneRegion(const Scene& scene, const PrimitiveNumbers& numbers, unsigned threads) {
+Region geometryRegion(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
+                      unsigned threads) {
     std::vector<Region> parts(numbers.chunks());
-    const auto measure = [&](size_t i) { parts[i] = boundsOfChunk(scene, numbers, i); };
+    const auto measure = [&](size_t i) { parts[i] = boundsOfChunk(scene, numbers, instances, i); };
     parallelFor(parts.size(), measure, threads);
     Region region;
     for (const Region& part : parts) region.include(part);
+    return region;
+}
+
+Region sceneRegion(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
+                   unsigned threads) {
+    Region region = geometryRegion(scene, numbers, instances, threads);
 
     const glm::dvec3& eye = scene.camera.eye;
     if (region.empty()) {
@@ -89,8 +103,12 @@ glm::dvec3 originOf(const Region& region) {
     return glm::round(center / step) * step;
 }
 
-glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads) {
-    return originOf(sceneRegion(scene, PrimitiveNumbers(scene), threads));
+glm::dvec3 chooseOrigin(const Scene& given, unsigned threads) {
+    Scene copy;
+    const Scene& scene = placedScene(given, copy);
+    const PrimitiveNumbers numbers(scene);
+    const Instances instances(scene, numbers, threads);
+    return originOf(sceneRegion(scene, numbers, &instances, threads));
 }
 
 glm::dvec3 planeAnchor(const glm::dvec3& point, const glm::dvec3& normal, const Region& region) {

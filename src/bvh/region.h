@@ -21,7 +21,11 @@ struct Region {
     double halfExtent() const;  // along the longest edge
 };
 
-Region sceneRegion(const Scene& scene, const PrimitiveNumbers& numbers, unsigned threads);
+// Of the finite geometry alone; `instances` may be null where there are none.
+Region geometryRegion(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
+                      unsigned threads);
+Region sceneRegion(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
+                   unsigned threads);
 glm::dvec3 originOf(const Region& region);
 
 // The point by which fp32 can best hold a plane that is used near `region`: the given one, or, where that

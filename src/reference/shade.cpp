@@ -2,7 +2,9 @@
 // 23(6), 1980; J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977).
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "reference/instance.h"
 #include "reference/intersect.h"
 #include "reference/tracer.h"
 
@@ -53,6 +55,12 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
     }
 }
 
+double geometryScale(const PackedScene& scene, const Hit& hit) {
+    const double own = geometryScale(scene, hit.primitive);
+    if (hit.instance == shared::kNone) return own;
+    return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
+}
+
 // Moves rays as struct Jitter says. splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom
 // Number Generators", OOPSLA 2014.
 class RayMover {
@@ -91,6 +99,37 @@ class RayMover {
     double step_;
 };
 
+// The unit vertex normals are interpolated in the world.
+dvec3 vertexNormal(const PackedScene& scene, const Hit& hit, const glm::vec3& normal) {
+    if (hit.instance == shared::kNone) return dvec3(normal);
+    return InstanceFrame(scene.instances[hit.instance]).normalInWorld(dvec3(normal));
+}
+
+void moveToWorld(const PackedScene& scene, const Hit& hit, Surface& surface) {
+    const shared::Instance& instance = scene.instances[hit.instance];
+    const InstanceFrame frame(instance);
+    surface.position = frame.pointInWorld(surface.position);
+    surface.geometricNormal = frame.normalInWorld(surface.geometricNormal);
+    surface.shadingNormal = surface.geometricNormal;
+    surface.object = instance.object;
+    if (instance.material != shared::kNone) surface.material = instance.material;
+}
+
+// Vertex normals make the shading normal another one.
+void smoothTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
+    if (kindOf(hit.primitive) != shared::kKindTriangle) return;
+    const uint32_t index = scene.triangleSurfaces[indexOf(hit.primitive)].vertexNormals;
+    if (index == shared::kNone) return;
+    const shared::VertexNormals& normals = scene.vertexNormals[index];
+    const dvec3 sum = (1 - hit.u - hit.v) * vertexNormal(scene, hit, normals.n0) +
+                      hit.u * vertexNormal(scene, hit, normals.n1) +
+                      hit.v * vertexNormal(scene, hit, normals.n2);
+    const double length = glm::length(sum);
+    if (length == 0) return;
+    const double side = glm::dot(sum, surface.geometricNormal) < 0 ? -1 : 1;
+    surface.shadingNormal = side / length * sum;
+}
+
 void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
     const uint32_t index = indexOf(hit.primitive);
     const shared::Triangle& triangle = scene.triangles[index];
@@ -103,13 +142,6 @@ void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
     surface.position = w * v0 + hit.u * v1 + hit.v * v2;
     surface.geometricNormal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
     surface.shadingNormal = surface.geometricNormal;
-    if (data.vertexNormals == shared::kNone) return;
-    const shared::VertexNormals& normals = scene.vertexNormals[data.vertexNormals];
-    const dvec3 sum = w * dvec3(normals.n0) + hit.u * dvec3(normals.n1) + hit.v * dvec3(normals.n2);
-    const double length = glm::length(sum);
-    if (length == 0) return;
-    const double side = glm::dot(sum, surface.geometricNormal) < 0 ? -1 : 1;
-    surface.shadingNormal = side / length * sum;
 }
 
 // `point` is near the sphere: one step brings it onto the sphere, as far as double goes.
@@ -158,15 +190,16 @@ class PathTracer {
   private:
     // A hit as shading sees it: normals turned against the ray.
     struct Site {
-        uint32_t primitive;
+        Source source;
         dvec3 position;
         dvec3 n, s;          // geometric and shading normal, unit
         dvec3 view;          // towards where the ray came from, unit
         double originScale;  // greatest coordinate of the ray's origin
+        double scale;        // greatest number that a coordinate of the position is a sum of
         double offset;       // bound on the error of `position` along n
     };
 
-    std::optional<Hit> closest(const Ray& ray, uint32_t source);
+    std::optional<Hit> closest(const Ray& ray, const Source& source);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
     double spotFactor(const shared::Light& light, dvec3 toLight);
@@ -182,13 +215,13 @@ class PathTracer {
 
 // Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
 // moved ray, and double always breaks the tie in the same way.
-std::optional<Hit> PathTracer::closest(const Ray& ray, uint32_t source) {
+std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source) {
     const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
     if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
     Ray narrow = ray;
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
     narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
-    const std::optional<Hit> other = tracer_.closest(narrow, hit->primitive);
+    const std::optional<Hit> other = tracer_.closest(narrow, sourceOf(*hit));
     return other ? other : hit;
 }
 
@@ -196,7 +229,7 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     Site site;
     const dvec3 d = glm::normalize(ray.direction);
     const double side = glm::dot(surface.geometricNormal, d) > 0 ? -1 : 1;
-    site.primitive = hit.primitive;
+    site.source = sourceOf(hit);
     site.position = surface.position;
     site.n = side * surface.geometricNormal;
     site.s = side * surface.shadingNormal;
@@ -206,8 +239,11 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
     // rounded again.
-    const double scale = std::max(greatestCoordinate(site.position), geometryScale(scene_, hit.primitive));
-    site.offset = 32 * kUnitRoundoff * scale;
+    const double scale = std::max(greatestCoordinate(site.position), geometryScale(scene_, hit));
+    // An instance's transform there and back makes more of each rounding.
+    const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
+    site.scale = scale;
+    site.offset = 32 * kUnitRoundoff * scale * gain;
     return site;
 }
 
@@ -216,7 +252,7 @@ Ray PathTracer::rayFrom(const Site& site, const dvec3& direction, double tMax) {
     ray.origin = site.position + site.offset * site.n;
     ray.direction = direction;
     ray.tMax = tMax;
-    mover_.move(ray, std::max(site.originScale, site.offset / (32 * kUnitRoundoff)));
+    mover_.move(ray, std::max(site.originScale, site.scale));
     return ray;
 }
 
@@ -256,7 +292,7 @@ dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material
         const double part = isSpot(light) ? spotFactor(light, l) : 1;
         if (part == 0) continue;
         const double end = directional ? std::numeric_limits<double>::infinity() : kPointLightEnd;
-        if (tracer_.occluded(rayFrom(site, toLight, end), site.primitive, &record_.cost)) {
+        if (tracer_.occluded(rayFrom(site, toLight, end), site.source, &record_.cost)) {
             if (first && i < 32) record_.shadowBits |= 1u << i;
             if (keepPath_) record_.path.back().occluded[i] = 1;
             continue;
@@ -282,7 +318,7 @@ dvec3 PathTracer::reflect(const Site& site) const {
 PixelRecord PathTracer::run(const Ray& cameraRay) {
     const shared::Environment& environment = scene_.environment;
     dvec3 throughput(1);
-    uint32_t source = shared::kNone;
+    Source source;
     Ray ray = cameraRay;
     mover_.move(ray, std::max(greatestCoordinate(ray.origin), ray.originScale));
     record_.pathHash = kHashStart;
@@ -310,15 +346,20 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
         if (material.mirror == glm::vec3(0) || record_.bounces >= environment.maxDepth) break;
         throughput *= dvec3(material.mirror);
         ray = rayFrom(site, reflect(site), std::numeric_limits<double>::infinity());
-        source = hit->primitive;
+        source = sourceOf(*hit);
     }
     return std::move(record_);
 }
 
 }  // namespace
 
-Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
+Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
     Surface surface;
+    Hit hit = worldHit;
+    if (kindOf(hit.primitive) == shared::kKindTriangle && isMirrored(scene_, hit.instance))
+        std::swap(hit.u, hit.v);
+    const bool inInstance = hit.instance != shared::kNone;
+    const Ray ray = inInstance ? InstanceFrame(scene_.instances[hit.instance]).entered(worldRay) : worldRay;
     const dvec3 point = ray.origin + hit.t * ray.direction;
     switch (kindOf(hit.primitive)) {
         case shared::kKindTriangle:
@@ -342,6 +383,8 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
             fillFlat(plane, plane.point, point, surface);
         }
     }
+    if (inInstance) moveToWorld(scene_, hit, surface);
+    smoothTriangle(scene_, hit, surface);
     return surface;
 }
 

@@ -32,8 +32,19 @@ struct Hit {
     double u = 0, v = 0;                 // triangles: P = (1-u-v)a + u b + v c; spheres and planes: 0
     uint32_t primitive = shared::kNone;  // kind and index in leaf order, as in shared/layout.h
     uint32_t id = 0;                     // global primitive number
+    uint32_t instance = shared::kNone;   // that the primitive is one of, index in PackedScene::instances
     bool operator==(const Hit&) const = default;
 };
+
+// What a ray starts on: a primitive in the world by itself, or one of an instance. Of a hit: sourceOf.
+struct Source {
+    Source(uint32_t p = shared::kNone, uint32_t i = shared::kNone) : primitive(p), instance(i) {}
+    uint32_t primitive;  // kind and index
+    uint32_t instance;
+};
+inline Source sourceOf(const Hit& hit) {
+    return {hit.primitive, hit.instance};
+}
 
 // A hit as the user sees it.
 struct Surface {
@@ -82,14 +93,13 @@ class Tracer {
     explicit Tracer(const PackedScene& scene);  // keeps a reference: the scene must outlive the tracer
 
     // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
-    // `source`: the primitive that the ray starts on (kind|index) or kNone; a plane or triangle never hits
+    // `source`: the primitive that the ray starts on (kind|index), or none; a plane or triangle never hits
     // itself, a sphere only at its far side.
-    std::optional<Hit> closest(const Ray& ray, uint32_t source = shared::kNone,
-                               uint64_t* cost = nullptr) const;
+    std::optional<Hit> closest(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // True if anything is hit.
-    bool occluded(const Ray& ray, uint32_t source = shared::kNone, uint64_t* cost = nullptr) const;
+    bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // The same by testing every primitive, without the BVH: the oracle's oracle.
-    std::optional<Hit> closestBruteForce(const Ray& ray, uint32_t source = shared::kNone) const;
+    std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;
 
     Surface surface(const Ray& ray, const Hit& hit) const;
 

@@ -1,6 +1,9 @@
 #include <array>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "reference/instance.h"
 #include "reference/intersect.h"
 #include "reference/tracer.h"
 
@@ -20,11 +23,21 @@ constexpr double kFarPad = 1 + 8 * kUnitRoundoff;
 // that is left out.
 constexpr double kCullPad = 1 + 0x1p-30;
 
-// A box and primitive counter and the best hit so far.
+// The best hit so far, a counter of boxes and primitives, and where the search is: the instance and what its
+// ids count from, kNone and 0 in the world.
 struct Search {
     Hit best;
     uint64_t cost = 0;
     bool found = false;
+    uint32_t instance = kNone;
+    uint32_t idBase = 0;
+};
+
+// The world, as a ray was given to it.
+struct World {
+    const PackedScene& scene;
+    const Ray& ray;
+    const Source& source;
 };
 
 // Where the ray is inside the box of a child (0 or 1) of a node: from the returned t on; NaN-free. > limit:
@@ -92,9 +105,12 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         uint32_t id = 0;
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        id += search.idBase;
+        if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};
+            search.best = {root.t, root.u,         root.v, kind << shared::kPrimitiveKindShift | i,
+                           id,     search.instance};
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -103,26 +119,49 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
 }
 
 template <bool kAny>
-bool testLeaf(const PackedScene& scene, const PreparedRay& ray, uint32_t leaf, uint32_t source,
-              Search& search) {
-    return testPrimitives<kAny>(
-        scene, ray, leaf >> shared::kLeafKindShift & shared::kLeafKindMask, leaf & shared::kLeafFirstMask,
-        (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1, source, search);
+void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search);
+
+// Everything of an instance that the ray may hit. True if an any-hit search is over.
+template <bool kAny>
+bool searchInstance(const World& world, uint32_t index, Search& search) {
+    const shared::Instance& instance = world.scene.instances[index];
+    const PreparedRay inside(InstanceFrame(instance).entered(world.ray));
+    if (!inside.valid) return false;
+    search.instance = index;
+    search.idBase = instance.idBase;
+    const uint32_t source = world.source.instance == index ? world.source.primitive : kNone;
+    searchTree<kAny>(world, inside, source, instance.root, search);
+    search.instance = kNone;
+    search.idBase = 0;
+    return kAny && search.found;
+}
+
+template <bool kAny>
+bool testLeaf(const World& world, const PreparedRay& ray, uint32_t leaf, uint32_t source, Search& search) {
+    const uint32_t kind = leaf >> shared::kLeafKindShift & shared::kLeafKindMask;
+    const uint32_t first = leaf & shared::kLeafFirstMask;
+    const uint32_t count = (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+    if (kind != shared::kKindInstance)
+        return testPrimitives<kAny>(world.scene, ray, kind, first, count, source, search);
+    for (uint32_t i = first; i < first + count; ++i)
+        if (searchInstance<kAny>(world, i, search)) return true;
+    return false;
 }
 
 // search.best.t holds the end of the ray's interval on entry.
 template <bool kAny>
-void searchTree(const PackedScene& scene, const PreparedRay& ray, uint32_t source, Search& search) {
+void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search) {
+    const PackedScene& scene = world.scene;
     struct Entry {
         double t;
         uint32_t child;
     };
     std::array<Entry, shared::kMaxBvhDepth + 1> stack;
     size_t size = 0;
-    uint32_t child = scene.environment.root;
+    uint32_t child = root;
     for (;;) {
         if (child & shared::kLeafFlag) {
-            if (testLeaf<kAny>(scene, ray, child, source, search)) return;
+            if (testLeaf<kAny>(world, ray, child, source, search)) return;
         } else {
             const shared::Node& node = scene.nodes[child];
             const auto* planes = reinterpret_cast<const float*>(&node);
@@ -154,16 +193,59 @@ void searchTree(const PackedScene& scene, const PreparedRay& ray, uint32_t sourc
     }
 }
 
+void testAll(const PackedScene& scene, const PreparedRay& ray, uint32_t source, Search& search) {
+    const size_t counts[shared::kKindCount] = {scene.triangles.size(), scene.spheres.size(),
+                                               scene.planes.size(), scene.discs.size(),
+                                               scene.polygons.size()};
+    for (uint32_t kind = 0; kind < shared::kKindCount; ++kind)
+        testPrimitives<false>(scene, ray, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
+}
+
+// Every leaf of a tree and of the trees of its instances, without a look at the boxes.
+void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Search& search) {
+    const bool inWorld = search.instance == kNone;
+    const uint32_t source = world.source.instance == search.instance ? world.source.primitive : kNone;
+    std::vector<uint32_t> pending{root};
+    while (!pending.empty()) {
+        const uint32_t child = pending.back();
+        pending.pop_back();
+        if (child == kNone) continue;
+        if (!(child & shared::kLeafFlag)) {
+            pending.push_back(world.scene.nodes[child].child0);
+            pending.push_back(world.scene.nodes[child].child1);
+            continue;
+        }
+        const uint32_t kind = child >> shared::kLeafKindShift & shared::kLeafKindMask;
+        const uint32_t first = child & shared::kLeafFirstMask;
+        const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+        if (kind != shared::kKindInstance) {
+            testPrimitives<false>(world.scene, ray, kind, first, count, source, search);
+            continue;
+        }
+        for (uint32_t i = first; inWorld && i < first + count; ++i) {
+            const shared::Instance& instance = world.scene.instances[i];
+            search.instance = i;
+            search.idBase = instance.idBase;
+            const PreparedRay inside(InstanceFrame(instance).entered(world.ray));
+            if (inside.valid) testLeaves(world, inside, instance.root, search);
+            search.instance = kNone;
+            search.idBase = 0;
+        }
+    }
+}
+
 template <bool kAny>
-Search searchScene(const PackedScene& scene, const Ray& ray, uint32_t source, uint64_t* cost) {
+Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from, uint64_t* cost) {
     Search search;
+    const World world{scene, ray, from};
+    const uint32_t source = from.instance == kNone ? from.primitive : kNone;
     const PreparedRay prepared(ray);
     if (!prepared.valid) return search;
     search.best.t = ray.tMax;
     const auto planes = static_cast<uint32_t>(scene.planes.size());
     if (!testPrimitives<kAny>(scene, prepared, shared::kKindPlane, 0, planes, source, search) &&
         scene.environment.root != kNone) {
-        searchTree<kAny>(scene, prepared, source, search);
+        searchTree<kAny>(world, prepared, source, scene.environment.root, search);
     }
     if (cost) *cost += search.cost;
     return search;
@@ -173,25 +255,26 @@ Search searchScene(const PackedScene& scene, const Ray& ray, uint32_t source, ui
 
 Tracer::Tracer(const PackedScene& scene) : scene_(scene) {}
 
-std::optional<Hit> Tracer::closest(const Ray& ray, uint32_t source, uint64_t* cost) const {
+std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
     const Search search = searchScene<false>(scene_, ray, source, cost);
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 
-bool Tracer::occluded(const Ray& ray, uint32_t source, uint64_t* cost) const {
+bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {
     return searchScene<true>(scene_, ray, source, cost).found;
 }
 
-std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) const {
+std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
     Search search;
     const PreparedRay prepared(ray);
     if (!prepared.valid) return std::nullopt;
     search.best.t = ray.tMax;
-    const size_t counts[shared::kKindCount] = {scene_.triangles.size(), scene_.spheres.size(),
-                                               scene_.planes.size(), scene_.discs.size(),
-                                               scene_.polygons.size()};
-    for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) {
-        testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
+    if (scene_.instances.empty()) {
+        testAll(scene_, prepared, source.primitive, search);
+    } else {
+        testPrimitives<false>(scene_, prepared, shared::kKindPlane, 0,
+                              static_cast<uint32_t>(scene_.planes.size()), source.primitive, search);
+        testLeaves({scene_, ray, source}, prepared, scene_.environment.root, search);
     }
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }

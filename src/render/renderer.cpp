@@ -56,16 +56,16 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
 // lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2
-// kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
-// Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
-// no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
-// loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
+// kMaxLeafSize + 3 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
+// Besides, lavapipe enters each of the (at most 7) inner loops once in every trip of the outer one even with
+// no lane live, and the outer loop's trips are those of its longest lane: 7 (B + slack) more. The planes'
+// loop comes on top. So (S + 7)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
 // compiler's own.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint32_t slack = 2 * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 7) - slack;
+    const uint32_t slack = 2 * shared::kMaxLeafSize + 3 + polygonTripsPerLeaf;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 8) - slack;
 }
 
 struct Renderer::State {
@@ -107,6 +107,11 @@ struct Renderer::State {
 
     uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
     void reservePaths(uint32_t capacity, uint32_t rows);
+    // One more for instances, where the kernels know of them.
+    uint32_t rowsFor(const TraceModes& modes) const {
+        const bool instances = !options.leaveOut || scene.features.instances;
+        return (modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows) + (instances ? 1 : 0);
+    }
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
@@ -121,7 +126,7 @@ struct Renderer::State {
     void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
     void readData(const Slice& slice, Picture& picture) const;
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
-    void writeRays(std::span<const RayInput> rays) const;
+    void writeRays(std::span<const RayInput> rays, const TraceModes& modes) const;
     void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
 };
 
@@ -315,7 +320,7 @@ void Renderer::State::readData(const Slice& slice, Picture& picture) const {
 }
 
 // What generate.comp would have written, for rays that the host brings.
-void Renderer::State::writeRays(std::span<const RayInput> rays) const {
+void Renderer::State::writeRays(std::span<const RayInput> rays, const TraceModes& modes) const {
     const RowEntry zero = {{0, 0, 0, 0}};
     std::vector<RowEntry> origin(paths.capacity(), zero), direction = origin, hit = origin, walk = origin;
     for (uint32_t i = 0; i < paths.capacity(); ++i) {
@@ -334,11 +339,16 @@ void Renderer::State::writeRays(std::span<const RayInput> rays) const {
     paths.writeRow(device, shared::kRowWalk, walk);
     paths.writeRow(device, shared::kRowThroughput, zeros);
     paths.writeRow(device, shared::kRowRadiance, zeros);
+    const uint32_t plainRows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+    if (rowsFor(modes) == plainRows) return;
+    RowEntry none;
+    std::fill_n(none.u, 4, shared::kNone);
+    paths.writeRow(device, plainRows, std::vector<RowEntry>(paths.capacity(), none));
 }
 
 void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits) {
-    writeRays(rays);
     const TraceModes modes = {.aovs = !any};
+    writeRays(rays, modes);
     const uint32_t count = static_cast<uint32_t>(rays.size());
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
     Slice slice;
@@ -391,7 +401,7 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
-    const uint32_t rows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+    const uint32_t rows = s.rowsFor(modes);
     const uint32_t limit =
         fittingPaths(s.device.info(), s.access,
                      s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
@@ -435,7 +445,8 @@ std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any)
     std::vector<RayHit> hits(rays.size());
     const size_t batch = std::min(kBatch, rays.size());
     const size_t groups = std::max<size_t>(1, (batch + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize);
-    state_->reservePaths(static_cast<uint32_t>(groups) * shared::kWorkgroupSize, shared::kPathRowsWithAovs);
+    state_->reservePaths(static_cast<uint32_t>(groups) * shared::kWorkgroupSize,
+                         state_->rowsFor({.aovs = true}));
     for (size_t first = 0; first < rays.size(); first += kBatch) {
         const size_t count = std::min(kBatch, rays.size() - first);
         state_->traceBatch(std::span(rays).subspan(first, count), any, std::span(hits).subspan(first, count));

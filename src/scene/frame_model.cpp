@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "scene/load.h"
@@ -30,30 +31,62 @@ bool finite(const glm::dvec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Calls visit(point, radius) for the finite geometry that will be drawn: triangles with a bad vertex are left
-// out, planes have no size.
+// Of a vector, at least: the Frobenius norm.
+double greatestStretch(const glm::dmat3& m) {
+    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+}
+
+// Calls visit(point, radius) for the finite geometry of a shape that will be drawn: triangles with a bad
+// vertex are left out, planes have no size.
 template <typename Visit>
-void forEachPoint(const Scene& scene, const Visit& visit) {
+void forEachPointOf(const Shape& anyShape, const Visit& visit) {
     const auto triangle = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
         if (!finite(a) || !finite(b) || !finite(c)) return;
         visit(a, 0.0);
         visit(b, 0.0);
         visit(c, 0.0);
     };
+    if (const auto* sphere = std::get_if<SphereShape>(&anyShape)) {
+        visit(sphere->center, sphere->radius);
+    } else if (const auto* disc = std::get_if<DiscShape>(&anyShape)) {
+        visit(disc->center, disc->radius);  // the sphere around it
+    } else if (const auto* flat = std::get_if<TriangleShape>(&anyShape)) {
+        triangle(flat->vertices[0], flat->vertices[1], flat->vertices[2]);
+    } else if (const auto* polygon = std::get_if<PolygonShape>(&anyShape)) {
+        for (const glm::dvec3& vertex : polygon->vertices) visit(vertex, 0.0);
+    } else if (const auto* shape = std::get_if<MeshShape>(&anyShape)) {
+        const auto& positions = shape->mesh->positions;
+        for (const glm::uvec3& c : shape->mesh->corners)
+            triangle(positions[c.x], positions[c.y], positions[c.z]);
+    }
+}
+
+// The same of a scene, in the world. Of meshes that are stored once the corners of their boxes.
+template <typename Visit>
+void forEachPoint(const Scene& scene, const Visit& visit) {
+    std::map<const Mesh*, Box> boxes;
     for (const Object& object : scene.objects) {
-        if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
-            visit(sphere->center, sphere->radius);
-        } else if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
-            visit(disc->center, disc->radius);  // the sphere around it
-        } else if (const auto* flat = std::get_if<TriangleShape>(&object.shape)) {
-            triangle(flat->vertices[0], flat->vertices[1], flat->vertices[2]);
-        } else if (const auto* polygon = std::get_if<PolygonShape>(&object.shape)) {
-            for (const glm::dvec3& vertex : polygon->vertices) visit(vertex, 0.0);
-        } else if (const auto* shape = std::get_if<MeshShape>(&object.shape)) {
-            const auto& positions = shape->mesh->positions;
-            for (const glm::uvec3& c : shape->mesh->corners)
-                triangle(positions[c.x], positions[c.y], positions[c.z]);
+        if (!object.transform) {
+            forEachPointOf(object.shape, visit);
+            continue;
         }
+        const Affine& world = *object.transform;
+        const auto placed = [&](const glm::dvec3& point, double radius) {
+            visit(world.linear * point + world.offset, radius * greatestStretch(world.linear));
+        };
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape == nullptr) {
+            forEachPointOf(object.shape, placed);
+            continue;
+        }
+        const auto [known, fresh] = boxes.try_emplace(shape->mesh.get());
+        Box& box = known->second;
+        if (fresh) forEachPointOf(object.shape, [&](const glm::dvec3& point, double) { box.add(point); });
+        if (box.empty()) continue;
+        for (int i = 0; i < 8; ++i)
+            placed({i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                    i & 4 ? box.high.z : box.low.z},
+                   0);
     }
 }
 

@@ -38,6 +38,9 @@ inline constexpr double kMaxCondition = 1e12;
 // (kMaxPolygonTrips in shaders/shared/layout.h).
 inline constexpr size_t kMaxPolygonVertices = 8192;
 
+// Of groups within groups: within kMaxJsonDepth, of which a group takes two levels.
+inline constexpr size_t kMaxGroupDepth = 24;
+
 // Against input that would exhaust the stack or the memory.
 inline constexpr size_t kMaxJsonDepth = 64;
 inline constexpr size_t kMaxJsonValues = size_t{1} << 24;

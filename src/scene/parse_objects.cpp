@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "scene/limits.h"
 #include "scene/near_names.h"
 #include "scene/parse_transform.h"
+#include "scene/transform.h"
 #include "scene/validate.h"
 
 namespace glint {
@@ -23,28 +25,15 @@ std::string hintIn(const std::string& hint) {
     return hint.empty() ? "" : " (" + hint + ")";
 }
 
-Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCursor& where) {
-    if (!similarityFactor(transform.linear))
-        where.fail(
-            "a sphere can only be scaled alike in all directions; ellipsoids come with a later version");
-    return transformed(sphere, transform);
-}
-Shape applied(const PlaneShape& plane, const Affine& transform, const JsonCursor&) {
-    return transformed(plane, transform);
-}
-Shape applied(const DiscShape& disc, const Affine& transform, const JsonCursor& where) {
-    if (!discFactor(disc.normal, transform.linear))
-        where.fail("a disc must stay round; in its plane it can only be scaled alike in all directions");
-    return transformed(disc, transform);
-}
-Shape applied(const TriangleShape& triangle, const Affine& transform, const JsonCursor&) {
-    return transformed(triangle, transform);
-}
-Shape applied(const PolygonShape& polygon, const Affine& transform, const JsonCursor&) {
-    return transformed(polygon, transform);
-}
-Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&) {
-    return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
+// First the object's own transform, then that of what is around it.
+std::optional<Affine> composed(const JsonCursor& object, const std::optional<Affine>& around) {
+    const auto own = object.find("transform");
+    if (!own) return around;
+    const Affine affine = parseTransform(*own);
+    if (!around) return affine;
+    const Affine both = then(affine, *around);
+    checkTransform(both, *own, " together with the transforms of the groups around it");
+    return both;
 }
 
 }  // namespace
@@ -68,30 +57,40 @@ ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::fil
     for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
 }
 
-void ObjectParser::parse(const JsonCursor& object) {
+void ObjectParser::parseGroup(const JsonCursor& group, const Surrounding& around) {
+    group.expectKeys(keys::kGroup);
+    if (around.depth == kMaxGroupDepth)
+        group.fail("groups must not be nested deeper than " + std::to_string(kMaxGroupDepth));
+    Surrounding inside = around;
+    ++inside.depth;
+    inside.transform = composed(group, around.transform);
+    if (const auto material = group.find("material")) inside.material = findMaterial(*material);
+    const JsonCursor objects = group.require("objects");
+    if (!objects.value().array()) objects.failWanted("must be a list of objects");
+    for (size_t i = 0; i < objects.size(); i++) parse(objects.item(i), inside);
+}
+
+void ObjectParser::parse(const JsonCursor& object, const Surrounding& around) {
     object.expectObject();
     const std::string_view type = readType(object.require("type"), keys::kObjectTypes);
+    if (type == "group") return parseGroup(object, around);
     object.expectKeys(keysOf(type));
 
     Object result;
     result.name = object.pointer();
-    const auto material = object.find("material");
+    std::optional<uint32_t> material = around.material;
+    if (const auto name = object.find("material")) material = findMaterial(*name);
     if (type == "mesh") {
-        result.material = material ? findMaterial(*material) : Mesh::kNoIndex;
+        result.material = material.value_or(Mesh::kNoIndex);
         result.shape = MeshShape{parseMesh(object, result.material)};
     } else {
-        result.material = material ? findMaterial(*material) : defaultMaterial();
+        result.material = material ? *material : defaultMaterial();
         result.shape = parseShape(object, type);
         // Before the transform, so that the message shows the number in the file; meshes are looked at once,
         // at the end.
         validateShape(result.shape, {file_, result.name}, 0);
     }
-    if (const auto transform = object.find("transform")) {
-        const Affine affine = parseTransform(*transform);
-        if (affine != Affine{})
-            result.shape =
-                std::visit([&](const auto& s) { return applied(s, affine, *transform); }, result.shape);
-    }
+    result.transform = composed(object, around.transform);
     scene_.objects.push_back(std::move(result));
 }
 

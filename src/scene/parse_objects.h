@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "scene/importers.h"
@@ -23,7 +24,8 @@ class ObjectParser {
     ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
                  const JsonCursor* meshes);
 
-    void parse(const JsonCursor& object);
+    // Appends the object, or those of a group, to the scene.
+    void parse(const JsonCursor& object) { parse(object, {}); }
     void warnOfUnusedMeshes();
 
   private:
@@ -33,6 +35,15 @@ class ObjectParser {
         uint32_t material = 0;              // the first of the file's materials in the scene
     };
 
+    // What the groups around an object say.
+    struct Surrounding {
+        std::optional<Affine> transform;
+        std::optional<uint32_t> material;  // of objects that name none
+        size_t depth = 0;
+    };
+
+    void parse(const JsonCursor& object, const Surrounding& around);
+    void parseGroup(const JsonCursor& group, const Surrounding& around);
     Shape parseShape(const JsonCursor& object, std::string_view type);
     std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material);
     LoadedMesh& load(const JsonCursor& name);

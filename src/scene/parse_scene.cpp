@@ -5,6 +5,7 @@
 #include "scene/limits.h"
 #include "scene/load.h"
 #include "scene/parse_objects.h"
+#include "scene/placement.h"
 #include "scene/scene_keys.h"
 
 namespace glint {
@@ -173,6 +174,7 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
             scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i)));
     }
     parseObjects(root, scene, name, folder);
+    placeObjects(scene);
     validateScene(scene, name);
     return scene;
 }

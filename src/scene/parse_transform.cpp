@@ -56,17 +56,21 @@ Affine parseTransform(const JsonCursor& transform) {
     } else {
         for (size_t i = 0; i < transform.size(); i++) result = then(result, parseStep(transform.item(i)));
     }
+    checkTransform(result, transform, "");
+    return result;
+}
+
+void checkTransform(const Affine& result, const JsonCursor& transform, const std::string& context) {
     const double condition = conditionNumber(result.linear);
     if (std::isnan(condition) || !std::isfinite(result.offset.x + result.offset.y + result.offset.z))
-        transform.fail("is not finite");
-    if (std::isinf(condition)) transform.fail("is singular, it flattens the object");
+        transform.fail("is not finite" + context);
+    if (std::isinf(condition)) transform.fail("is singular, it flattens the object" + context);
     if (condition > kMaxCondition) {
         char rounded[32];
         std::snprintf(rounded, sizeof rounded, "%.6g", condition);
-        transform.fail(std::string("is nearly singular (condition number ") + rounded + ", the limit is " +
+        transform.fail("is nearly singular" + context + " (condition number " + rounded + ", the limit is " +
                        describe(kMaxCondition) + ")");
     }
-    return result;
 }
 
 }  // namespace glint

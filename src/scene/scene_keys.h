@@ -35,6 +35,7 @@ inline constexpr auto kDisc = names("type", "center", "normal", "radius", "mater
 inline constexpr auto kTriangle = names("type", "vertices", "material", "transform");
 inline constexpr auto kPolygon = names("type", "vertices", "material", "transform");
 inline constexpr auto kMeshObject = names("type", "mesh", "material", "transform");
+inline constexpr auto kGroup = names("type", "objects", "material", "transform");
 inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
 }  // namespace detail
 
@@ -53,11 +54,12 @@ inline constexpr KeyTable kDisc{"objects/disc", detail::kDisc, detail::kNothing}
 inline constexpr KeyTable kTriangle{"objects/triangle", detail::kTriangle, detail::kNothing};
 inline constexpr KeyTable kPolygon{"objects/polygon", detail::kPolygon, detail::kNothing};
 inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detail::kNothing};
+inline constexpr KeyTable kGroup{"objects/group", detail::kGroup, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep};
+    kScene,  kImage, kPerspective, kOrthographic, kPoint,   kDirectional, kSpot,  kMaterial,     kMesh,
+    kSphere, kPlane, kDisc,        kTriangle,     kPolygon, kMeshObject,  kGroup, kTransformStep};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {
@@ -69,7 +71,7 @@ struct TypeTable {
 namespace detail {
 inline constexpr auto kCameraTypes = names("perspective", "orthographic");
 inline constexpr auto kLightTypes = names("point", "directional", "spot");
-inline constexpr auto kObjectTypes = names("sphere", "plane", "disc", "triangle", "polygon", "mesh");
+inline constexpr auto kObjectTypes = names("sphere", "plane", "disc", "triangle", "polygon", "mesh", "group");
 inline constexpr auto kObjectTypesLater =
     names("quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
 }  // namespace detail

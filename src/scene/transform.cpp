@@ -106,6 +106,13 @@ Affine then(const Affine& first, const Affine& second) {
     return {second.linear * first.linear, second.linear * first.offset + second.offset};
 }
 
+Affine inverse(const Affine& transform) {
+    const double greatest = greatestElement(transform.linear);
+    const glm::dmat3 scaled = transform.linear / greatest;
+    const glm::dmat3 linear = glm::transpose(cofactors(scaled)) * (1 / (glm::determinant(scaled) * greatest));
+    return {linear, -(linear * transform.offset)};
+}
+
 double conditionNumber(const glm::dmat3& linear) {
     const double greatest = greatestElement(linear);
     if (std::isnan(greatest)) return greatest;

@@ -17,6 +17,9 @@ Affine rotation(const glm::dvec3& axis, double degrees);
 // First `first`, then `second`.
 Affine then(const Affine& first, const Affine& second);
 
+// `linear` must be regular.
+Affine inverse(const Affine& transform);
+
 // |A| |A^-1| in the Frobenius norm: 3 for a similarity, 1 to 3 times the spectral condition number in
 // general, infinite for a singular matrix and NaN for one that is not finite.
 double conditionNumber(const glm::dmat3& linear);

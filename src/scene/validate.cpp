@@ -12,8 +12,10 @@
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
+#include "scene/placement.h"
 #include "scene/polygon_plane.h"
 #include "scene/text_file.h"
+#include "scene/transform.h"
 
 namespace glint {
 
@@ -224,6 +226,22 @@ struct ShapeCheck {
     }
 };
 
+void checkTransform(const Object& object, const Place& place) {
+    if (!object.transform) return;
+    const double condition = conditionNumber(object.transform->linear);
+    checkPoint(place, "transform", object.transform->offset);
+    if (!(condition <= kMaxCondition))
+        place.fail("transform", "is nearly singular (condition number " + sixDigits(condition) +
+                                    ", the limit is " + describe(kMaxCondition) + ")");
+    // Meshes are instances only where little is lost.
+    if (std::holds_alternative<MeshShape>(object.shape) || baked(object.shape, *object.transform)) return;
+    const double loss = transformLoss(object.transform->linear, halfSizeOf(object.shape));
+    if (loss > kMaxTransformLoss)
+        place.fail("transform", "stretches too unevenly for single precision, which would be off by " +
+                                    sixDigits(loss) + " roundings (the limit is " +
+                                    describe(kMaxTransformLoss) + "); give the shape as a mesh");
+}
+
 }  // namespace
 
 void Place::fail(std::string_view key, const std::string& what) const {
@@ -298,6 +316,7 @@ void validateScene(const Scene& scene, const std::string& name) {
         if (object.material >= scene.materials.size())
             place.fail("material", "there is no material number " + std::to_string(object.material) +
                                        " (there are " + std::to_string(scene.materials.size()) + ")");
+        checkTransform(object, place);
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
         validateShape(object.shape, place, scene.materials.size());

@@ -59,7 +59,10 @@ bool isTie(const DifferingPixel& pixel) {
 //   the distance t of the hit that is 10 M / t;
 // - a secondary origin: gamma_7 of the coordinates, twice for the offset: 14 C / t, C the greatest
 // coordinate. M and C are bounded by the scene's box and the points of the path; t is the shortest distance
-// along the path.
+// along the path;
+// - in an instance: what is off by so much in its coordinates is off by K times as much in the world, K the
+// greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by gamma_3
+// |A^-1| |d| t at the hit, together no more than 10 K C (bvh/instances.cpp), and its next origin by as much.
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
                      const PixelData& device) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
@@ -71,6 +74,8 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }
     if (!std::isfinite(shortest) || shortest <= 0) return 8;
+    if (scene.features.instances)
+        return 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
     return 8 + (10 * 2 + 14) * extent / shortest;
 }
 

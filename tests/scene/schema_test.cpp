@@ -32,6 +32,7 @@ const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"objects/triangle", "/$defs/triangle"},
     {"objects/polygon", "/$defs/polygon"},
     {"objects/mesh", "/$defs/meshObject"},
+    {"objects/group", "/$defs/group"},
     {"transformStep", "/$defs/transformStep"}};
 
 std::set<std::string> keysOf(const json& object) {

@@ -1,0 +1,64 @@
+// Into the coordinates of an instance and back. Numerics: docs/architecture.md; the host's part is src/bvh/instances.cpp.
+#ifndef GLINT_INSTANCE_GLSL
+#define GLINT_INSTANCE_GLSL
+
+#include "ray.glsl"
+
+// The rows of a matrix times a vector.
+vec3 timesRows(vec3 x, vec3 y, vec3 z, vec3 v) {
+    precise vec3 product = vec3(dot(x, v), dot(y, v), dot(z, v));
+    return product;
+}
+
+// Always from the ray in the world. The direction is not made a unit vector: t is the world's. The difference comes first, so that
+// errors go with the distance between the ray's origin and the instance, not with their coordinates.
+void enterInstance(Instance instance, inout vec3 origin, inout vec3 direction) {
+    precise vec3 away = origin - instance.place;
+    origin = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, away);
+    direction = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, direction);
+}
+
+float greatestComponent(vec3 v) {
+    vec3 a = abs(v);
+    return larger(a.x, larger(a.y, a.z));
+}
+
+// Normals go by the inverse transpose: by W^T.
+vec3 turnNormal(Instance instance, vec3 normal) {
+    precise vec3 n = normal.x * instance.toObjectX + normal.y * instance.toObjectY + normal.z * instance.toObjectZ;
+    return n;
+}
+
+// Unit, or zero for zero; scaled first, as squares of a scale could overflow.
+vec3 normalInWorld(Instance instance, vec3 normal) {
+    vec3 n = turnNormal(instance, normal);
+    float size = greatestComponent(n);
+    precise vec3 scaled = size > 0.0 ? n / size : n;
+    precise vec3 unit = scaled / (size > 0.0 ? length(scaled) : 1.0);
+    return unit;
+}
+
+// The length that a unit normal comes to have, up to a factor that is the same for all.
+float stretchOfNormal(Instance instance, vec3 normal) {
+    float unit = larger(greatestComponent(instance.toObjectX),
+                        larger(greatestComponent(instance.toObjectY), greatestComponent(instance.toObjectZ)));
+    return max(length(turnNormal(instance, normal) / unit), 1e-30);
+}
+
+vec3 sizesInWorld(Instance instance, vec3 sizes) {
+    return timesRows(abs(instance.toWorldX), abs(instance.toWorldY), abs(instance.toWorldZ), sizes);
+}
+
+// A point with its error box. Rounding of the matrix, of products, sums and of adding the place: gamma_5 of the sum of magnitudes (PBRT 4th
+// ed., sec. 6.8). And a ray that starts there is rounded into the instance's coordinates again, by gamma_4 of |W| |x - place|: it
+// must come to lie on the same side of the surface there too.
+void leaveInstance(Instance instance, inout vec3 position, inout vec3 error) {
+    vec3 away = timesRows(instance.toWorldX, instance.toWorldY, instance.toWorldZ, position);
+    vec3 entered = timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), abs(away));
+    vec3 inObject = error + gammaBound(5.0) * abs(position) + gammaBound(5.0) * entered;
+    precise vec3 moved = away + instance.place;
+    position = moved;
+    error = (1.0 + gammaBound(5.0)) * sizesInWorld(instance, inObject) + gammaBound(2.0) * abs(instance.place);
+}
+
+#endif

@@ -1,0 +1,33 @@
+// Instances in double: the surface is the set of points x whose W (x - place) lies on the prototype, W as
+// rounded in the packed scene.
+#pragma once
+
+#include "bvh/packed_scene.h"
+#include "reference/tracer.h"
+
+namespace glint::reference {
+
+class InstanceFrame {
+  public:
+    explicit InstanceFrame(const shared::Instance& instance);
+
+    // The same points at the same t, in the instance's coordinates.
+    Ray entered(const Ray& ray) const;
+    glm::dvec3 pointInWorld(const glm::dvec3& point) const;
+    // Unit; by the inverse transpose.
+    glm::dvec3 normalInWorld(const glm::dvec3& normal) const;
+    // The greatest coordinate, and the greatest number that one in the world is a sum of, of points with
+    // coordinates no greater than `size`.
+    double scaleInWorld(double size) const;
+
+  private:
+    glm::dmat3 toObject_, toWorld_;
+    glm::dvec3 place_;
+};
+
+// True if triangles' second and third corner, and with them u and v, are exchanged; `instance` may be kNone.
+inline bool isMirrored(const PackedScene& scene, uint32_t instance) {
+    return instance != shared::kNone && scene.instances[instance].mirrored != 0;
+}
+
+}  // namespace glint::reference

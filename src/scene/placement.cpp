@@ -1,0 +1,169 @@
+#include "scene/placement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <unordered_set>
+
+#include "scene/transform.h"
+
+namespace glint {
+namespace {
+
+// On the device, at the least: a triangle, its surface, and its third of a node; an instance and a node.
+constexpr double kTriangleBytes = 48 + 32 + 64.0 / 3;
+constexpr double kInstanceBytes = 112 + 64;
+
+const glm::dvec3 kUnitNormal(0, 0, 1);  // of the unit disc
+
+bool staysRound(const SphereShape&, const Affine& transform) {
+    return similarityFactor(transform.linear).has_value();
+}
+bool staysRound(const DiscShape& disc, const Affine& transform) {
+    return discFactor(disc.normal, transform.linear).has_value();
+}
+
+template <class S>
+std::optional<Shape> bakedShape(const S& shape, const Affine& transform) {
+    if constexpr (requires { staysRound(shape, transform); }) {
+        if (!staysRound(shape, transform)) return std::nullopt;
+    }
+    if constexpr (requires { transformed(shape, transform); }) {
+        return transformed(shape, transform);
+    } else {
+        return std::nullopt;
+    }
+}
+std::optional<Shape> bakedShape(const MeshShape& shape, const Affine& transform) {
+    return MeshShape{std::make_shared<const Mesh>(transformed(*shape.mesh, transform))};
+}
+
+glm::dmat3 magnitudes(const glm::dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
+}
+
+double greatest(const glm::dvec3& v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+glm::dvec3 halfSizeOfMesh(const Mesh& mesh) {
+    glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
+    for (const glm::dvec3& p : mesh.positions) {
+        if (!std::isfinite(p.x + p.y + p.z)) continue;
+        lo = glm::min(lo, p);
+        hi = glm::max(hi, p);
+    }
+    return lo.x > hi.x ? glm::dvec3(0) : 0.5 * hi - 0.5 * lo;
+}
+
+// The same object with the unit shape, so that spheres and discs of any size share one prototype.
+void makeUnit(Object& object) {
+    if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
+        const Affine own{glm::dmat3(sphere->radius), sphere->center};
+        object.transform = then(own, *object.transform);
+        object.shape = SphereShape{};
+    } else if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
+        const glm::dvec3 size = glm::abs(disc->normal);
+        const glm::dvec3 n = glm::normalize(disc->normal / greatest(size));
+        glm::dvec3 aside(0);
+        aside[std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2] = 1;
+        const glm::dvec3 u = glm::normalize(glm::cross(aside, n));
+        if (disc->center != glm::dvec3(0) || disc->normal != kUnitNormal || disc->radius != 1)
+            object.transform =
+                then({disc->radius * glm::dmat3(u, glm::cross(n, u), n), disc->center}, *object.transform);
+        object.shape = DiscShape{glm::dvec3(0), kUnitNormal, 1};
+    }
+}
+
+struct MeshUse {
+    glm::dvec3 halfSize{0};
+    size_t instances = 0;  // objects that may be
+    bool shared = false;   // they are
+};
+using MeshUses = std::map<const Mesh*, MeshUse>;
+
+bool mayBeInstance(const Object& object, const MeshUse& use) {
+    return !object.transform || transformLoss(object.transform->linear, use.halfSize) <= kMaxMeshLoss;
+}
+
+MeshUses countUses(const Scene& scene) {
+    MeshUses uses;
+    std::map<const Mesh*, size_t> objects;
+    for (const Object& object : scene.objects)
+        if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) ++objects[mesh->mesh.get()];
+    for (const Object& object : scene.objects) {
+        const auto* mesh = std::get_if<MeshShape>(&object.shape);
+        if (mesh == nullptr || objects[mesh->mesh.get()] < 2) continue;
+        const auto [use, fresh] = uses.try_emplace(mesh->mesh.get());
+        if (fresh) use->second.halfSize = halfSizeOfMesh(*mesh->mesh);
+        use->second.instances += mayBeInstance(object, use->second);
+    }
+    for (auto& [mesh, use] : uses) {
+        const double n = static_cast<double>(use.instances);
+        const double saved =
+            (n - 1) * kTriangleBytes * static_cast<double>(mesh->corners.size()) - n * kInstanceBytes;
+        use.shared = use.instances > 1 && saved >= kLeastSaving;
+    }
+    return uses;
+}
+
+// True if the object is an instance of its mesh.
+bool placeMesh(Object& object, const MeshUses& uses) {
+    const auto use = uses.find(std::get<MeshShape>(object.shape).mesh.get());
+    if (use == uses.end() || !use->second.shared || !mayBeInstance(object, use->second)) return false;
+    if (!object.transform) object.transform = Affine{};
+    return true;
+}
+
+}  // namespace
+
+std::optional<Shape> baked(const Shape& shape, const Affine& transform) {
+    return std::visit([&](const auto& s) { return bakedShape(s, transform); }, shape);
+}
+
+double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize) {
+    const glm::dmat3 a = magnitudes(linear), w = magnitudes(inverse({linear, glm::dvec3(0)}).linear);
+    const glm::dvec3 size = a * halfSize;
+    return greatest(size) > 0 ? greatest(a * (w * size)) / greatest(size) : 0;
+}
+
+glm::dvec3 halfSizeOf(const Shape& shape) {
+    const auto* mesh = std::get_if<MeshShape>(&shape);
+    return mesh != nullptr ? halfSizeOfMesh(*mesh->mesh) : glm::dvec3(1);
+}
+
+void placeObjects(Scene& scene) {
+    const MeshUses uses = countUses(scene);
+    for (Object& object : scene.objects) {
+        if (std::holds_alternative<MeshShape>(object.shape) && placeMesh(object, uses)) continue;
+        if (!object.transform) continue;
+        if (*object.transform == Affine{}) {
+            object.transform.reset();
+        } else if (auto shape = baked(object.shape, *object.transform)) {
+            object.shape = std::move(*shape);
+            object.transform.reset();
+        } else {
+            makeUnit(object);
+        }
+    }
+}
+
+bool isPlaced(const Scene& scene) {
+    std::unordered_set<const Mesh*> meshes;
+    for (const Object& object : scene.objects) {
+        if (object.transform) return false;
+        const auto* mesh = std::get_if<MeshShape>(&object.shape);
+        if (mesh != nullptr && !meshes.insert(mesh->mesh.get()).second) return false;
+    }
+    return true;
+}
+
+const Scene& placedScene(const Scene& scene, Scene& copy) {
+    if (isPlaced(scene)) return scene;
+    copy = scene;
+    placeObjects(copy);
+    return copy;
+}
+
+}  // namespace glint

@@ -1,0 +1,374 @@
+// Instances on the device and in the reference: the cases T77, T79 and T80 of the numerical test list, order,
+// flattened copies, trips. The parser's tests hold T76 (singular transforms).
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "reference/tracer.h"
+#include "scene/transform.h"
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dmat3;
+using glm::dvec3;
+
+// A closed surface with a bump here and there, of 2 n n triangles; large enough to be worth storing once.
+std::shared_ptr<const Mesh> bumpyBall(uint32_t n = 48) {
+    auto mesh = std::make_shared<Mesh>();
+    for (uint32_t i = 0; i <= n; ++i)
+        for (uint32_t j = 0; j <= n; ++j) {
+            const double a = std::numbers::pi * i / n, b = 2 * std::numbers::pi * (j % n) / n;
+            const double r = 1 + 0.15 * std::sin(5 * b) * std::sin(a) * std::sin(3 * a);
+            const dvec3 p = r * dvec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b));
+            mesh->positions.push_back(dvec3(glm::vec3(p)));
+        }
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t j = 0; j < n; ++j) {
+            const uint32_t p = i * (n + 1) + j, q = p + n + 1;
+            mesh->corners.emplace_back(p, p + 1, q);
+            mesh->corners.emplace_back(p + 1, q + 1, q);
+        }
+    return mesh;
+}
+
+Affine turned(const dvec3& axis, double degrees, const dvec3& scale, const dvec3& place) {
+    return then(then(rotation(axis, degrees), scaling(scale)), translation(place));
+}
+
+void addObject(Scene& scene, Shape shape, const Affine& transform, uint32_t material = 0) {
+    scene.objects.push_back({"", std::move(shape), material, transform});
+}
+
+// As a mesh of its own each: nothing is shared, so everything is baked.
+Scene flattened(Scene scene) {
+    for (Object& object : scene.objects)
+        if (auto* shape = std::get_if<MeshShape>(&object.shape))
+            shape->mesh = std::make_shared<const Mesh>(*shape->mesh);
+    return scene;
+}
+
+double greatest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+double angle(const dvec3& a, const dvec3& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+class InstanceTest : public RenderTest {
+  protected:
+    static std::vector<RayHit> hitsOf(const PackedScene& packed, const std::vector<RayInput>& rays,
+                                      const Options& options = {}) {
+        Renderer renderer(device(), packed, options);
+        return renderer.trace(rays, false);
+    }
+    // Twelve turned, stretched and mirrored balls, two ellipsoids and an ellipse.
+    static Scene crowd() {
+        Scene scene = emptyScene();
+        const auto ball = bumpyBall();
+        Random random(80);
+        for (int i = 0; i < 12; ++i) {
+            const dvec3 place(2.3 * (i % 4) - 3.5, 2.3 * (i / 4) - 2.3, 0.4 * (i % 3));
+            const dvec3 scale(random.uniform(0.6, 1.1), random.uniform(0.6, 1.1) * (i % 3 ? 1 : -1), 0.8);
+            addObject(scene, MeshShape{ball},
+                      turned(random.direction(), random.uniform(0, 360), scale, place),
+                      addMaterial(scene, dvec3(0.2 + 0.05 * i, 0.5, 0.7), dvec3(i % 4 ? 0 : 0.4)));
+        }
+        addObject(scene, SphereShape{{0.1, 0, 0}, 0.5}, turned({1, 2, 0}, 40, {1, 3, 0.5}, {0, 0, 2}));
+        addObject(scene, SphereShape{{0, 0, 0}, 2}, turned({0, 1, 1}, 70, {0.2, 0.6, 1}, {3, 2, 1}));
+        addObject(scene, DiscShape{{0, 0, 0}, {1, 1, 0}, 1}, turned({0, 0, 1}, 10, {1, 2, 1}, {-3, 2, 2}));
+        scene.lights.push_back(PointLight{{4, 6, 9}, dvec3(0.9)});
+        scene.camera.eye = {0.4, 0.7, 11};
+        scene.maxDepth = 3;
+        return scene;
+    }
+    static std::vector<RayInput> raysAt(const Scene& scene, int count, uint32_t seed) {
+        std::vector<RayInput> rays;
+        Random random(seed);
+        for (int i = 0; i < count; ++i) {
+            const Object& object = scene.objects[random.below(static_cast<uint32_t>(scene.objects.size()))];
+            rays.push_back(rayTowards(random.direction() * 12.0, object.transform->offset + random.box(0.9)));
+        }
+        return rays;
+    }
+};
+
+TEST_F(InstanceTest, storedOnce) {
+    const PackedScene packed = packScene(crowd());
+    EXPECT_EQ(packed.instances.size(), 15u);
+    EXPECT_EQ(packed.statistics.prototypes, 3u);
+    EXPECT_EQ(packed.spheres.size(), 1u);
+    EXPECT_EQ(packed.discs.size(), 1u);
+    EXPECT_LE(packed.triangles.size(), 2u * 48 * 48);
+    EXPECT_EQ(packed.statistics.instancedTriangles, 12 * packed.triangles.size());
+    EXPECT_TRUE(packScene(flattened(crowd())).triangles.size() == 12 * packed.triangles.size());
+}
+
+// T77. Each triangle's normal in the prototype, times the transposed fp32 matrix, in double, is what a normal
+// on an instance must be.
+TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
+    Scene scene = emptyScene();
+    const auto ball = bumpyBall();
+    const dvec3 scale(1e-4, 1, 1e4);
+    for (int i = 0; i < 2; ++i)
+        addObject(scene, MeshShape{ball}, turned({1, 2, 3}, 33, scale, {3.0 * i, 0, 0}));
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.instances.size(), 2u);
+    std::vector<RayInput> rays;
+    Random random(77);
+    for (int i = 0; i < 6000; ++i) {
+        const dvec3 place(3.0 * (i % 2), 0, 0);
+        rays.push_back(
+            rayTowards(place + scale * (random.direction() * 3.0), place + scale * random.box(0.4)));
+    }
+    const std::vector<RayHit> hits = hitsOf(packed, rays);
+    ASSERT_LT(misses(hits), 60u);
+    std::vector<double> errors;
+    const reference::Tracer tracer(packed);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (!hits[i].hit) continue;
+        const shared::Instance* instance = nullptr;
+        for (const shared::Instance& row : packed.instances)
+            if (row.object == hits[i].data.object) instance = &row;
+        ASSERT_NE(instance, nullptr);
+        const auto& surface = packed.triangleSurfaces[hits[i].kindAndIndex & shared::kPrimitiveIndexMask];
+        const dvec3 n(surface.normal);
+        const dvec3 expected = n.x * dvec3(instance->toObjectX) + n.y * dvec3(instance->toObjectY) +
+                               n.z * dvec3(instance->toObjectZ);
+        errors.push_back(angle(dvec3(hits[i].data.geometricNormal), expected));
+    }
+    std::sort(errors.begin(), errors.end());
+    EXPECT_LE(errors[errors.size() * 99 / 100], 1e-6);
+    EXPECT_LE(errors.back(), 1e-3);
+}
+
+// T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its
+// normal are within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within
+// 1e-5.
+TEST_F(InstanceTest, t79translatedFarAway) {
+    const Affine shape = scaling({3, 2, 1});
+    for (const bool both : {true, false}) {
+        Scene scene = emptyScene();
+        for (const double side : {1e7, -1e7}) {
+            if (!both && side < 0) continue;
+            addObject(scene, SphereShape{}, then(shape, translation({side, side, -side})));
+            // And a translation there and back, which must leave nothing.
+            const Affine back = then(then(shape, translation(dvec3(side))), translation(dvec3(-side)));
+            EXPECT_EQ(back.offset, dvec3(0));
+        }
+        scene.camera.eye = {1e7, 1e7, -1e7 + 20};
+        scene.camera.target = {1e7, 1e7, -1e7};
+        const PackedScene packed = packScene(scene);
+        EXPECT_EQ(packed.origin == dvec3(0), both);
+        const dvec3 center = dvec3(1e7, 1e7, -1e7) - packed.origin;
+        Random random(79);
+        const reference::Tracer tracer(packed);
+        for (int i = 0; i < 200; ++i) {
+            const glm::vec3 from(center + 16.0 * glm::normalize(random.direction() + dvec3(0, 0, 1.5)));
+            const RayInput ray = rayTowards(dvec3(from), center);
+            const RayHit hit = hitsOf(packed, {ray})[0];
+            const auto expected = tracer.closest(reference::Ray{dvec3(ray.origin), dvec3(ray.direction)});
+            ASSERT_TRUE(hit.hit && expected) << text(ray);
+            const dvec3 world = packed.origin + dvec3(ray.origin) + expected->t * dvec3(ray.direction);
+            EXPECT_LE(greatest(hit.data.position - world), both ? 2 : 1e-5) << text(ray);
+            // On the ellipsoid: (x/3)^2 + (y/2)^2 + z^2 = 1, about its exact centre.
+            const dvec3 p = (world - dvec3(1e7, 1e7, -1e7)) / dvec3(3, 2, 1);
+            EXPECT_NEAR(glm::length(p), 1, both ? 1 : 1e-6) << text(ray);
+        }
+    }
+}
+
+// T80. Rigid motions: t is that of a copy whose vertices were moved in double, within 8 ulp of the ray's
+// length to it. Rays that meet the surface at less than 30 degrees are left out: there the rounding of the
+// vertices moves t by more.
+TEST_F(InstanceTest, t80rigidMotion) {
+    Scene scene = emptyScene();
+    const auto ball = bumpyBall();
+    Random random(8);
+    for (int i = 0; i < 9; ++i)
+        addObject(scene, MeshShape{ball},
+                  turned(random.direction(), random.uniform(0, 360), dvec3(1),
+                         {2.6 * (i % 3 - 1), 2.6 * (i / 3 - 1), 0}));
+    const PackedScene once = packScene(scene), copies = packScene(flattened(scene));
+    ASSERT_EQ(once.instances.size(), 9u);
+    ASSERT_EQ(copies.instances.size(), 0u);
+    const std::vector<RayInput> rays = raysAt(scene, 20000, 81);
+    const std::vector<RayHit> a = hitsOf(once, rays), b = hitsOf(copies, rays);
+    const reference::Tracer tracerOnce(once), tracerCopies(copies);
+    int compared = 0, other = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+        const auto c = tracerOnce.closest(ray), d = tracerCopies.closest(ray);
+        const bool same = a[i].hit == b[i].hit && (!a[i].hit || (a[i].data.object == b[i].data.object &&
+                                                                 a[i].data.primitive == b[i].data.primitive));
+        other += !same || c.has_value() != d.has_value() || (c && c->id != d->id);
+        if (!same || !a[i].hit || !c || !d || c->id != d->id) continue;
+        const double cosine =
+            std::abs(glm::dot(glm::normalize(ray.direction), dvec3(b[i].data.geometricNormal)));
+        if (cosine < 0.5) continue;
+        ++compared;
+        const double ulp = std::ldexp(1.0, std::ilogb(b[i].t) - 23);
+        EXPECT_LE(std::abs(double{a[i].t} - double{b[i].t}), 8 * ulp) << text(rays[i]);
+        EXPECT_LE(std::abs(c->t - d->t), 8 * ulp) << text(rays[i]);
+    }
+    EXPECT_GT(compared, 8000);
+    EXPECT_LT(other, 40);  // edges: 2e-3 of the rays
+}
+
+TEST_F(InstanceTest, orderIsIrrelevant) {
+    const Scene scene = crowd();
+    const size_t count = scene.objects.size();
+    Scene reversed = scene;
+    std::reverse(reversed.objects.begin(), reversed.objects.end());
+    const std::vector<RayInput> rays = raysAt(scene, 6000, 5);
+    const std::vector<RayHit> a = hitsOf(packScene(scene), rays), b = hitsOf(packScene(reversed), rays);
+    EXPECT_GT(rays.size() - misses(a), 3000u);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
+        if (!a[i].hit) continue;
+        ASSERT_EQ(std::bit_cast<uint32_t>(a[i].t), std::bit_cast<uint32_t>(b[i].t)) << text(rays[i]);
+        EXPECT_EQ(a[i].data.object, count - 1 - b[i].data.object) << text(rays[i]);
+        EXPECT_EQ(a[i].data.primitive, b[i].data.primitive);
+        EXPECT_EQ(a[i].data.position, b[i].data.position);
+        EXPECT_EQ(a[i].data.normal, b[i].data.normal);
+    }
+    const Case one = makeCase(scene, 64, 48), other = makeCase(reversed, 64, 48);
+    EXPECT_EQ(draw(device(), one).color.pixels, draw(device(), other).color.pixels);
+}
+
+// Both pictures verify, and they agree but where an edge falls on a pixel's centre.
+TEST_F(InstanceTest, flattenedCopyLooksTheSame) {
+    const Case once = makeCase(crowd(), 160, 120), copies = makeCase(flattened(crowd()), 160, 120);
+    ASSERT_GT(once.packed.instances.size(), copies.packed.instances.size());
+    Renderer first(device(), once.packed), second(device(), copies.packed);
+    const Picture a = draw(first, once), b = draw(second, copies);
+    int differing = 0;
+    for (size_t i = 0; i < a.color.pixels.size(); i += 4) {
+        float difference = 0;
+        for (size_t c = 0; c < 3; ++c)
+            difference = std::max(difference, std::abs(a.color.pixels[i + c] - b.color.pixels[i + c]));
+        const PixelData &p = a.data[i / 4], &q = b.data[i / 4];
+        const bool same = p.object == q.object && p.primitive == q.primitive;
+        if (same && p.object != PixelData::kNoIndex) {
+            EXPECT_NEAR(p.u, q.u, 1e-3);
+            EXPECT_NEAR(p.v, q.v, 1e-3);
+        }
+        differing += !same || difference > 1.0f / 512;
+    }
+    EXPECT_LE(differing, 160 * 120 / 200);
+    for (const auto& [renderer, c] : {std::pair(&first, &once), std::pair(&second, &copies)}) {
+        verify::Options options;
+        options.width = c->width;
+        options.height = c->height;
+        EXPECT_EQ(verify::verify(*renderer, c->packed, c->camera, options).unexplained, 0u);
+    }
+}
+
+TEST_F(InstanceTest, anyBudgetDrawsTheSamePicture) {
+    const Case c = makeCase(crowd(), 40, 30);
+    Options plenty;
+    plenty.tripBudget = 5000;
+    Renderer renderer(device(), c.packed, plenty);
+    const Picture picture = draw(renderer, c);
+    EXPECT_EQ(renderer.times().resumes, 0u);
+    const std::vector<RayInput> rays = raysAt(crowd(), 2000, 7);
+    const std::vector<RayHit> closest = renderer.trace(rays, false), any = renderer.trace(rays, true);
+    for (const uint32_t budget : {1u, 2u, 3u, 5u, 20u, 60u}) {
+        Options options;
+        options.tripBudget = budget;
+        Renderer tight(device(), c.packed, options);
+        EXPECT_TRUE(sameBits(draw(tight, c), picture)) << "budget " << budget;
+        EXPECT_GT(tight.times().resumes, 0u) << "budget " << budget;
+        EXPECT_TRUE(sameBits(tight.trace(rays, false), closest, rays)) << "budget " << budget;
+        const std::vector<RayHit> hits = tight.trace(rays, true);
+        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].hit, any[i].hit) << text(rays[i]);
+    }
+}
+
+// The device agrees with the search of every primitive of every instance, which reads no box.
+TEST_F(InstanceTest, nothingIsMissed) {
+    const Scene scene = crowd();
+    const PackedScene packed = packScene(scene);
+    const reference::Tracer tracer(packed);
+    const std::vector<RayInput> rays = raysAt(scene, 400, 9);
+    const std::vector<RayHit> hits = hitsOf(packed, rays);
+    int differing = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const reference::Ray ray{dvec3(rays[i].origin), dvec3(rays[i].direction)};
+        const auto all = tracer.closestBruteForce(ray), tree = tracer.closest(ray);
+        ASSERT_EQ(all, tree) << text(rays[i]);
+        const bool same =
+            hits[i].hit == all.has_value() &&
+            (!all || (hits[i].kindAndIndex == all->primitive && std::abs(hits[i].t - all->t) < 1e-4));
+        differing += !same;
+    }
+    EXPECT_LE(differing, 2);
+}
+
+// 5000 of 400,000 triangles: 2 x 10^9 of them, ids beyond 2^30 and a hit on the last; 11,000 are too many.
+TEST_F(InstanceTest, twoBillionTriangles) {
+    Scene grid = emptyScene();
+    addGrid(grid, 447);
+    const auto mesh = std::get<MeshShape>(grid.objects[0].shape).mesh;
+    ASSERT_GE(mesh->corners.size() * 5005, 2000000000u);
+    Scene scene = emptyScene();
+    for (int i = 0; i < 5005; ++i) addObject(scene, MeshShape{mesh}, translation({0, 0, -0.01 * i}));
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.instances.size(), 5005u);
+    // From behind the last one.
+    const RayHit hit = hitsOf(packed, {rayOf({0.3f, 0.6f, -60}, {0, 0, 1})})[0];
+    ASSERT_TRUE(hit.hit);
+    EXPECT_EQ(hit.data.object, 5004u);
+    const reference::Tracer tracer(packed);
+    const auto expected = tracer.closest(reference::Ray{dvec3(glm::vec3(0.3f, 0.6f, -60)), {0, 0, 1}});
+    ASSERT_TRUE(expected);
+    EXPECT_EQ(expected->id, 5004u * mesh->corners.size() + hit.data.primitive);
+    EXPECT_GT(expected->id, 1u << 30);
+    while (scene.objects.size() < 11000) addObject(scene, MeshShape{mesh}, translation({0, 0, 5}));
+    EXPECT_THROW(packScene(scene), Error);
+}
+
+// An ellipsoid against its equation: |diag(1/a) R^T (o + t d - c)| = 1, solved in long double.
+TEST_F(InstanceTest, ellipsoidByItsEquation) {
+    const dvec3 radii(2, 0.7, 1.1), center(0.3, -0.2, 0.5);
+    const Affine turn = rotation({1, -1, 2}, 65);
+    Scene scene = emptyScene();
+    addObject(scene, SphereShape{}, then(then(scaling(radii), turn), translation(center)));
+    const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.instances.size(), 1u);
+    Random random(6);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 4000; ++i)
+        rays.push_back(rayTowards(random.direction() * 7.0, center + random.box(1.8)));
+    const std::vector<RayHit> hits = hitsOf(packed, rays);
+    const reference::Tracer tracer(packed);
+    int found = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const dvec3 o = glm::transpose(turn.linear) * (dvec3(rays[i].origin) - center) / radii;
+        const dvec3 d = glm::transpose(turn.linear) * dvec3(rays[i].direction) / radii;
+        const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
+        const double disc = (b * b - a * c) / (a * a);
+        if (std::abs(disc) < 1e-3) continue;
+        ASSERT_EQ(hits[i].hit, disc > 0) << text(rays[i]);
+        if (disc < 0) continue;
+        ++found;
+        const double t = -b / a - std::sqrt(disc);
+        const auto reference =
+            tracer.closest(reference::Ray{dvec3(rays[i].origin), dvec3(rays[i].direction)});
+        ASSERT_TRUE(reference);
+        // The matrix is rounded to 2^-24; near grazing the root takes 1 / sqrt(disc) > 1/30 as many digits.
+        EXPECT_NEAR(reference->t, t, 1e-5) << text(rays[i]);
+        EXPECT_NEAR(hits[i].t, t, 2e-5) << text(rays[i]);
+        const dvec3 normal = glm::normalize(turn.linear * ((o + t * d) / radii));
+        EXPECT_LT(angle(dvec3(hits[i].data.normal), normal), 1e-4) << text(rays[i]);
+    }
+    EXPECT_GT(found, 1000);
+}
+
+}  // namespace
+}  // namespace glint::render::test
