@@ -8,6 +8,7 @@
 #define GLINT_TRAVERSAL_GLSL
 
 #include "intersect.glsl"
+#include "quadric.glsl"
 
 struct Traversal {
     Ray ray;
@@ -88,6 +89,21 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
+            if (MODE_COST) ++traversal.cost;
+        }
+    }
+    if (FEATURE_QUADRICS) {
+        uint index = kind == kKindQuadric ? first : end;
+        while (index < end) {
+            Quadric quadric = loadQuadric(index);
+            uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
+            float t;
+            uint part;
+            if (intersectQuadric(traversal.ray, quadric, primitive, t, part)) {
+                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            }
+            ++index;
+            ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
         }
     }
@@ -176,7 +192,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot) {
     traversal.frame = makeFrame(traversal.ray.direction);
     if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS) && sound && !settled(traversal);
     return traverse(traversal, inTree ? environment.root : kNone);
 }
 

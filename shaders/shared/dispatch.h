@@ -19,7 +19,8 @@
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)
+    X(12, POLYGONS, polygons)                   \
+    X(13, QUADRICS, quadrics)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
@@ -45,7 +46,8 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(15, quadrics, Quadric)
 
 #define GLINT_BINDING_COUNT 24
 

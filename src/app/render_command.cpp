@@ -119,6 +119,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["planes"] = loaded.packed.planes.size();
     json["discs"] = loaded.packed.discs.size();
     json["polygons"] = loaded.packed.polygons.size();
+    json["quadrics"] = loaded.packed.quadrics.size();
     json["notFinite"] = outcome.picture.notFinite;
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},

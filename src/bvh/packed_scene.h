@@ -24,6 +24,7 @@ struct SceneFeatures {
     bool mirrors = false;   // some material reflects, and maxDepth > 0
     bool discs = false;
     bool polygons = false;
+    bool quadrics = false;
     bool spotLights = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
@@ -54,6 +55,7 @@ struct PackedScene {
     std::vector<shared::Disc> discs;
     std::vector<shared::Polygon> polygons;
     std::vector<shared::PolygonVertex> polygonVertices;
+    std::vector<shared::Quadric> quadrics;
     uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "reference/intersect.h"
+#include "reference/quadric.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -52,7 +53,7 @@ bool isSource(uint32_t kind, uint32_t index, uint32_t source) {
 }
 
 bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
-                        uint32_t source, double tMax, Root& root, uint32_t& id) {
+                        uint32_t source, double tMax, Root& root, uint32_t& id, uint32_t& part) {
     switch (kind) {
         case shared::kKindTriangle: {
             const shared::Triangle& triangle = scene.triangles[index];
@@ -75,6 +76,12 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
             return !isSource(kind, index, source) &&
                    intersectPolygon(polygon, outlineOf(scene, polygon), ray, tMax, root);
         }
+        case shared::kKindQuadric: {
+            const shared::Quadric& quadric = scene.quadrics[index];
+            id = quadric.id;
+            return intersectQuadric(quadric, ray, kind << shared::kPrimitiveKindShift | index, source, tMax,
+                                    root, part);
+        }
         default: {
             const shared::Plane& plane = scene.planes[index];
             id = plane.id;
@@ -89,12 +96,13 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
                     uint32_t count, uint32_t source, Search& search) {
     for (uint32_t i = first; i < first + count; ++i) {
         Root root;
-        uint32_t id = 0;
+        uint32_t id = 0, part = 0;
         ++search.cost;
-        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id, part)) continue;
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};
+            const uint32_t primitive = kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
+            search.best = {root.t, root.u, root.v, primitive, id};
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -189,7 +197,7 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) co
     search.best.t = ray.tMax;
     const size_t counts[shared::kKindCount] = {scene_.triangles.size(), scene_.spheres.size(),
                                                scene_.planes.size(), scene_.discs.size(),
-                                               scene_.polygons.size()};
+                                               scene_.polygons.size(), scene_.quadrics.size()};
     for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) {
         testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
     }
