@@ -161,5 +161,7 @@ uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 GLINT_FEATURES(GLINT_FEATURE_CONSTANT)
 #define GLINT_MODE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool MODE_##NAME = false;
 GLINT_MODES(GLINT_MODE_CONSTANT)
+#define GLINT_CHOICE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const uint NAME = 0u;
+GLINT_CHOICES(GLINT_CHOICE_CONSTANT)
 
 #endif

@@ -9,6 +9,7 @@
 
 #include "intersect.glsl"
 #include "quadric.glsl"
+#include "textbook.glsl"
 
 struct Traversal {
     Ray ray;
@@ -40,7 +41,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+            if (meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
                 accept(traversal.ray, traversal.hit, t, u, v, primitive, triangle.id);
             }
@@ -55,7 +56,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
-            if (intersectSphere(traversal.ray, sphere, primitive, t)) {
+            if (meetSphere(traversal.ray, sphere, primitive, t)) {
                 accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, sphere.id);
             }
             ++index;

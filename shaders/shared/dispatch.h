@@ -32,6 +32,12 @@
     X(66, RESUME, resume) \
     X(67, SHADOWLESS, shadowless)
 
+// X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
+// kSphere... below.
+#define GLINT_CHOICES(X)          \
+    X(70, INTERSECTOR, triangles) \
+    X(71, SPHERE_FORM, spheres)
+
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)               \
     X(2, nodes, Node)                       \
@@ -86,6 +92,14 @@ GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
 GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+
+GLINT_CONST_UINT(kTriangleWatertight, 0u);
+GLINT_CONST_UINT(kTriangleBarycentric, 1u);
+GLINT_CONST_UINT(kTriangleProjection, 2u);
+GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
+GLINT_CONST_UINT(kSphereRobust, 0u);
+GLINT_CONST_UINT(kSphereAlgebraic, 1u);
+GLINT_CONST_UINT(kSphereGeometric, 2u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

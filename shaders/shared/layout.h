@@ -66,12 +66,12 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
-// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T has the
-// rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves fp32's range.
-// Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside is where the left
-// side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower) or hi.z (kCapUpper).
-// The box then has room on its other sides. Where the eye is close to a surface of little curvature, `point`
-// lies on it, and constant vanishes.
+// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
+// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
+// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
+// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
+// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
+// little curvature, `point` lies on it, and constant vanishes.
 #define GLINT_QUADRIC_ROWS(V3F, V3U, U4) \
     V3U(point, id)                       \
     V3F(toLocal0, constant)              \

@@ -87,6 +87,8 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
+    out << "  tests         triangles " << nameOf(packed.methods.triangles) << ", spheres "
+        << nameOf(packed.methods.spheres) << '\n';
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/methods.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
 
@@ -61,6 +62,7 @@ struct PackedScene {
     std::vector<shared::Light> lights;
     shared::Environment environment;
     SceneFeatures features;
+    Methods methods;  // the intersection tests of both tracers; packScene leaves the default
     PackStatistics statistics;
     std::vector<std::string> warnings;
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing

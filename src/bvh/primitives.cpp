@@ -27,8 +27,8 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs",
-                                                        "polygons",  "quadrics"};
+constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres",  "planes",
+                                                        "discs",     "polygons", "quadrics"};
 
 // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a line
 // has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection tests

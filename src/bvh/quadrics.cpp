@@ -56,7 +56,8 @@ struct Axis {
 
 Axis placeOnAxis(const dvec3& base, const dvec3& top, double radius, Form& form) {
     const dvec3 w = unitVector(top - base).value();
-    // The coordinate axis after the greatest component of w: an axis parallel to a coordinate axis gets a frame of them.
+    // The coordinate axis after the greatest component of w: an axis parallel to a coordinate axis gets a
+    // frame of them.
     const int greatest = std::abs(w.x) > std::abs(w.y) ? (std::abs(w.x) > std::abs(w.z) ? 0 : 2)
                                                        : (std::abs(w.y) > std::abs(w.z) ? 1 : 2);
     dvec3 helper(0);
@@ -113,14 +114,13 @@ struct ExactForm {
     }
     Form operator()(const ConeShape& shape) const {
         Form form;
-        const Axis axis =
-            placeOnAxis(shape.base, shape.apex, std::max(shape.radius, shape.topRadius), form);
+        const Axis axis = placeOnAxis(shape.base, shape.apex, std::max(shape.radius, shape.topRadius), form);
         const double r0 = shape.radius / axis.unit, r1 = shape.topRadius / axis.unit;
         const double slope = (r1 - r0) / (2 * axis.half), r = 0.5 * (r0 + r1);
         form.squares = diagonal({1, 1, -slope * slope});
         form.caps = bothCaps(shape.capped);
-        // From its apex, where all but the squares vanish: rounded constants would open or fill the tip. A cone
-        // whose apex is far away is almost a cylinder, and has no tip.
+        // From its apex, where all but the squares vanish: rounded constants would open or fill the tip. A
+        // cone whose apex is far away is almost a cylinder, and has no tip.
         const double apex = shape.topRadius == 0 ? axis.half : shape.radius == 0 ? -axis.half : -r / slope;
         if (std::abs(apex) <= 4 * axis.half) {
             form.center += glm::inverse(form.toLocal) * dvec3(0, 0, apex);
@@ -163,9 +163,7 @@ struct ExactForm {
 struct Support {
     dvec3 n;
 
-    double across(const dvec3& axis) const {
-        return glm::length(glm::cross(n, unitVector(axis).value()));
-    }
+    double across(const dvec3& axis) const { return glm::length(glm::cross(n, unitVector(axis).value())); }
     double operator()(const QuadricShape& s) const {
         const dvec3 a = n * s.lo, b = n * s.hi;
         return std::max(a.x, b.x) + std::max(a.y, b.y) + std::max(a.z, b.z);
@@ -204,9 +202,9 @@ Form formOf(const Object& object) {
     return form;
 }
 
-// The point of the surface nearest the eye, if that is no farther than 1/64 of the surface's size, by Newton's
-// steps along the gradient: there the constant, and with it the radius of curvature, drops out of the equation, as it
-// does from an anchored sphere's.
+// The point of the surface nearest the eye, if that is no farther than 1/64 of the surface's size, by
+// Newton's steps along the gradient: there the constant, and with it the radius of curvature, drops out of
+// the equation, as it does from an anchored sphere's.
 std::optional<dvec3> anchorOf(const Form& form, const dvec3& eye) {
     constexpr double kNear = 1.0 / 64;
     dvec3 y = eye;
@@ -229,9 +227,9 @@ double greatestOf(const dvec3& v) {
 
 // Coefficients near 1, by a power of two.
 void scaleEquation(Form& form) {
-    const double greatest = std::max({greatestOf(form.squares[0]), greatestOf(form.squares[1]),
-                                      greatestOf(form.squares[2]), greatestOf(form.linear),
-                                      std::abs(form.constant)});
+    const double greatest =
+        std::max({greatestOf(form.squares[0]), greatestOf(form.squares[1]), greatestOf(form.squares[2]),
+                  greatestOf(form.linear), std::abs(form.constant)});
     const double unit = binade(greatest);
     form.squares /= unit;
     form.linear /= unit;
@@ -287,8 +285,8 @@ shared::Quadric roundQuadric(const Object& object, const Frame& frame) {
 // clipping box's size; both come back to the world through |T^-1|.
 Box quadricBox(const Object& object, const Frame& frame, const shared::Quadric& rounded) {
     const Extent extent = quadricExtent(object);
-    const dmat3 toLocal = glm::transpose(
-        dmat3(dvec3(rounded.toLocal0), dvec3(rounded.toLocal1), dvec3(rounded.toLocal2)));
+    const dmat3 toLocal =
+        glm::transpose(dmat3(dvec3(rounded.toLocal0), dvec3(rounded.toLocal1), dvec3(rounded.toLocal2)));
     const dmat3 back = glm::inverse(toLocal);
     const dvec3 point = dvec3(rounded.point) + frame.origin;
     const dvec3 reach = glm::max(glm::abs(extent.lo - point), glm::abs(extent.hi - point));

@@ -1,4 +1,5 @@
-// Quadrics of every name as the one form that the tracers know (Quadric in shared/layout.h); internal to the packing.
+// Quadrics of every name as the one form that the tracers know (Quadric in shared/layout.h); internal to the
+// packing.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -18,8 +19,8 @@ struct Extent {
 Extent quadricExtent(const Object& object);
 
 // The object's geometry rounded to fp32: everything of shared::Quadric but its ids and material. The surface
-// is what the rounded numbers say; it differs from the exact one by 2^-24 of the distance from `point` and of the
-// object's size.
+// is what the rounded numbers say; it differs from the exact one by 2^-24 of the distance from `point` and of
+// the object's size.
 shared::Quadric roundQuadric(const Object& object, const Frame& frame);
 
 // Encloses the rounded quadric.

@@ -88,8 +88,8 @@ struct Equation {
     T bTerms;
     T disc, bound;  // b^2 - a c and the bound of its error
 
-    // Each sum has 16 products of three factors, one of them a sum of three products of a difference: its error is below 32 u
-    // of its terms.
+    // Each sum has 16 products of three factors, one of them a sum of three products of a difference: its
+    // error is below 32 u of its terms.
     Equation(const HomogeneousForm<T>& form, const LocalRay<T>& ray, double roundoff) {
         a = form(ray.d, ray.d);
         b = form(ray.o, ray.d);
@@ -211,8 +211,8 @@ QuadricSite quadricSite(const shared::Quadric& quadric, uint32_t part, const dve
     if (part != shared::kPartSide) {
         const bool upper = part == shared::kPartUpperCap;
         const dvec3 row = transposed[2];
-        const double height = glm::dot(row, point - origin) -
-                              static_cast<double>(upper ? quadric.hi.z : quadric.lo.z);
+        const double height =
+            glm::dot(row, point - origin) - static_cast<double>(upper ? quadric.hi.z : quadric.lo.z);
         site.position = point - height / glm::dot(row, row) * row;
         site.normal = glm::normalize(upper ? row : -row);
         return site;

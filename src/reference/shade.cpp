@@ -37,7 +37,8 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
         }
         case shared::kKindSphere: {
             const shared::Sphere& s = scene.spheres[indexOf(primitive)];
-            return greatestCoordinate(s.point) + (isAnchored(s) ? 0 : s.radius);
+            return greatestCoordinate(s.point) +
+                   (isAnchored(s) && scene.methods.spheres == SphereMethod::Robust ? 0 : s.radius);
         }
         case shared::kKindDisc: {
             const shared::Disc& disc = scene.discs[indexOf(primitive)];
@@ -157,8 +158,7 @@ void fillQuadric(const shared::Quadric& quadric, const Ray& ray, const Hit& hit,
     surface.primitive = quadric.primitive;
     surface.material = quadric.material;
     const uint32_t part = hit.primitive >> shared::kQuadricPartShift & shared::kQuadricPartMask;
-    const QuadricSite site =
-        quadricSite(quadric, part, ray.origin + hit.t * ray.direction, ray.direction);
+    const QuadricSite site = quadricSite(quadric, part, ray.origin + hit.t * ray.direction, ray.direction);
     surface.position = site.position;
     surface.geometricNormal = surface.shadingNormal = site.normal;
 }

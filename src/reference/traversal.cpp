@@ -3,6 +3,7 @@
 
 #include "reference/intersect.h"
 #include "reference/quadric.h"
+#include "reference/textbook.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -58,12 +59,18 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
         case shared::kKindTriangle: {
             const shared::Triangle& triangle = scene.triangles[index];
             id = triangle.id;
-            return !isSource(kind, index, source) && intersectTriangle(triangle, ray, tMax, root);
+            if (isSource(kind, index, source)) return false;
+            if (scene.methods.triangles != TriangleMethod::Watertight)
+                return textbookTriangle(scene.methods.triangles, triangle, ray, tMax, root);
+            return intersectTriangle(triangle, ray, tMax, root);
         }
         case shared::kKindSphere: {
             const shared::Sphere& sphere = scene.spheres[index];
             id = sphere.id;
-            return intersectSphere(sphere, ray, isSource(kind, index, source), tMax, root);
+            const bool own = isSource(kind, index, source);
+            if (scene.methods.spheres != SphereMethod::Robust)
+                return textbookSphere(scene.methods.spheres, sphere, ray, own, tMax, root);
+            return intersectSphere(sphere, ray, own, tMax, root);
         }
         case shared::kKindDisc: {
             const shared::Disc& disc = scene.discs[index];
@@ -101,7 +108,8 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id, part)) continue;
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            const uint32_t primitive = kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
+            const uint32_t primitive =
+                kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
             search.best = {root.t, root.u, root.v, primitive, id};
         }
         search.found = true;
@@ -196,8 +204,8 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) co
     if (!prepared.valid) return std::nullopt;
     search.best.t = ray.tMax;
     const size_t counts[shared::kKindCount] = {scene_.triangles.size(), scene_.spheres.size(),
-                                               scene_.planes.size(), scene_.discs.size(),
-                                               scene_.polygons.size(), scene_.quadrics.size()};
+                                               scene_.planes.size(),    scene_.discs.size(),
+                                               scene_.polygons.size(),  scene_.quadrics.size()};
     for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) {
         testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
     }

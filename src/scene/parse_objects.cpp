@@ -51,8 +51,8 @@ Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&)
     return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
 }
 
-// Quadrics are packed with a linear map of their own, so any transform goes into that. A sphere that does not stay
-// one becomes an ellipsoid.
+// Quadrics are packed with a linear map of their own, so any transform goes into that. A sphere that does not
+// stay one becomes an ellipsoid.
 bool takesTransform(Shape& shape, const Affine& transform) {
     if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
         if (similarityFactor(transform.linear)) return false;

@@ -16,7 +16,8 @@ QuadricShape parseGeneral(const JsonCursor& object) {
         coefficients.failWanted("must be ten numbers [A, B, C, D, E, F, G, H, I, J]");
     for (size_t i = 0; i < 10; i++) shape.coefficients[i] = coefficients.item(i).number();
     const JsonCursor bounds = object.require("bounds");
-    if (!bounds.value().array() || bounds.size() != 2) bounds.failWanted("must be two points [[x, y, z], [x, y, z]]");
+    if (!bounds.value().array() || bounds.size() != 2)
+        bounds.failWanted("must be two points [[x, y, z], [x, y, z]]");
     shape.lo = bounds.item(0).vector3();
     shape.hi = bounds.item(1).vector3();
     return shape;

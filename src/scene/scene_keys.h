@@ -70,10 +70,11 @@ inline constexpr KeyTable kParaboloid{"objects/paraboloid", detail::kParaboloid,
 inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
-inline constexpr std::array kAllTables{
-    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep,
-    kQuadric, kEllipsoid, kCylinder, kCone, kHyperboloid, kParaboloid};
+inline constexpr std::array kAllTables{kScene,         kImage,     kPerspective, kOrthographic, kPoint,
+                                       kDirectional,   kSpot,      kMaterial,    kMesh,         kSphere,
+                                       kPlane,         kDisc,      kTriangle,    kPolygon,      kMeshObject,
+                                       kTransformStep, kQuadric,   kEllipsoid,   kCylinder,     kCone,
+                                       kHyperboloid,   kParaboloid};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

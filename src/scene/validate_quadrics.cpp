@@ -16,8 +16,7 @@ void checkAxis(const Place& place, std::string_view fromKey, const glm::dvec3& f
     checkPoint(place, fromKey, from);
     checkPoint(place, toKey, to);
     const double height = glm::length(to - from);
-    if (!(height >= kMinRadius))
-        place.fail(toKey, "must differ from " + std::string(fromKey) + got(to));
+    if (!(height >= kMinRadius)) place.fail(toKey, "must differ from " + std::string(fromKey) + got(to));
     if (!(height <= kMaxAspect * radius && radius <= kMaxAspect * height))
         place.fail({}, "height and radius must not differ by more than a factor of " + describe(kMaxAspect) +
                            " (got " + describe(height) + " and " + describe(radius) + ")");
@@ -30,25 +29,28 @@ void checkQuadric(const QuadricShape& shape, const Place& place) {
     checkPoint(place, "bounds/1", shape.hi);
     for (int axis = 0; axis < 3; axis++)
         if (!(shape.lo[axis] < shape.hi[axis]))
-            place.fail("bounds", std::string("the first corner must be less than the second in x, y and z (got ") +
-                                     text(shape.lo) + " and " + text(shape.hi) + ")");
+            place.fail("bounds",
+                       std::string("the first corner must be less than the second in x, y and z (got ") +
+                           text(shape.lo) + " and " + text(shape.hi) + ")");
     if (greatest(shape.hi - shape.lo) < kMinRadius)
         place.fail("bounds", "must be " + describe(kMinRadius) + " wide or more" + got(shape.hi - shape.lo));
     bool any = false;
     for (int i = 0; i < 10; i++) {
         const double c = shape.coefficients[i];
         if (!(std::abs(c) <= kMaxCoefficient))
-            place.fail("coefficients/" + std::to_string(i),
-                       "must be from -" + describe(kMaxCoefficient) + " to " + describe(kMaxCoefficient) + got(c));
+            place.fail("coefficients/" + std::to_string(i), "must be from -" + describe(kMaxCoefficient) +
+                                                                " to " + describe(kMaxCoefficient) + got(c));
         any = any || (i < 9 && c != 0);
     }
     if (!any)
-        place.fail("coefficients", "one of A to I must not be 0: J = 0 alone is no surface, but nothing or everything");
+        place.fail("coefficients",
+                   "one of A to I must not be 0: J = 0 alone is no surface, but nothing or everything");
 }
 
 void checkQuadric(const EllipsoidShape& shape, const Place& place) {
     checkPoint(place, "center", shape.center);
-    for (int axis = 0; axis < 3; axis++) checkLength(place, "radii/" + std::to_string(axis), shape.radii[axis]);
+    for (int axis = 0; axis < 3; axis++)
+        checkLength(place, "radii/" + std::to_string(axis), shape.radii[axis]);
 }
 
 void checkQuadric(const CylinderShape& shape, const Place& place) {
