@@ -4,6 +4,7 @@
 
 #include "instance.glsl"
 #include "intersect.glsl"
+#include "quadric.glsl"
 
 struct Surface {
     vec3 position;
@@ -120,6 +121,18 @@ void polygonSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = polygon.material;
 }
 
+void quadricSurface(Ray ray, Hit hit, inout Surface surface) {
+    Quadric quadric = loadQuadric(hit.primitive & kLeafFirstMask);
+    QuadricPoint found = quadricPoint(ray, hit, quadric);
+    surface.position = found.position;
+    surface.error = found.error;
+    surface.normal = found.normal;
+    surface.shadingNormal = found.normal;
+    surface.object = quadric.object;
+    surface.primitive = quadric.primitive;
+    surface.material = quadric.material;
+}
+
 void surfaceInWorld(Instance instance, inout Surface surface) {
     leaveInstance(instance, surface.position, surface.error);
     surface.normal = normalInWorld(instance, surface.normal);
@@ -149,6 +162,7 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
     if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
+    if (FEATURE_QUADRICS && kind == kKindQuadric) quadricSurface(ray, hit, surface);
     if (inInstance) surfaceInWorld(instance, surface);
     return surface;
 }

@@ -9,6 +9,8 @@
 
 #include "instance.glsl"
 #include "intersect.glsl"
+#include "quadric.glsl"
+#include "textbook.glsl"
 
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
@@ -88,7 +90,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+            if (meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
                 accept(traversal, t, u, v, primitive, triangle.id);
             }
@@ -103,7 +105,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
-            if (intersectSphere(traversal.ray, sphere, primitive, t)) {
+            if (meetSphere(traversal.ray, sphere, primitive, t)) {
                 accept(traversal, t, 0.0, 0.0, primitive, sphere.id);
             }
             ++index;
@@ -137,6 +139,21 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
+            if (MODE_COST) ++traversal.cost;
+        }
+    }
+    if (FEATURE_QUADRICS) {
+        uint index = kind == kKindQuadric ? first : end;
+        while (index < end) {
+            Quadric quadric = loadQuadric(index);
+            uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
+            float t;
+            uint part;
+            if (intersectQuadric(traversal.ray, quadric, primitive, t, part)) {
+                accept(traversal, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            }
+            ++index;
+            ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
         }
     }
@@ -260,7 +277,8 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
         return walk(traversal, sound ? slot : kNone);
     }
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_INSTANCES) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS ||
+                   FEATURE_INSTANCES) && sound && !settled(traversal);
     return traverse(traversal, inTree ? environment.root : kNone);
 }
 

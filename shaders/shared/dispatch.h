@@ -20,6 +20,7 @@
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
     X(12, POLYGONS, polygons)                   \
+    X(13, QUADRICS, quadrics)                   \
     X(14, INSTANCES, instances)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
@@ -31,6 +32,12 @@
     X(65, COST, cost)     \
     X(66, RESUME, resume) \
     X(67, SHADOWLESS, shadowless)
+
+// X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
+// kSphere... below.
+#define GLINT_CHOICES(X)          \
+    X(70, INTERSECTOR, triangles) \
+    X(71, SPHERE_FORM, spheres)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)               \
@@ -47,6 +54,7 @@
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
     X(14, polygonVertices, PolygonVertex)   \
+    X(15, quadrics, Quadric)                \
     X(16, instances, Instance)
 
 #define GLINT_BINDING_COUNT 24
@@ -87,8 +95,16 @@ GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path has
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
 
-// With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit, instance
-// the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree; kNone for none.
+// With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit,
+// instance the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree;
+// kNone for none.
+GLINT_CONST_UINT(kTriangleWatertight, 0u);
+GLINT_CONST_UINT(kTriangleBarycentric, 1u);
+GLINT_CONST_UINT(kTriangleProjection, 2u);
+GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
+GLINT_CONST_UINT(kSphereRobust, 0u);
+GLINT_CONST_UINT(kSphereAlgebraic, 1u);
+GLINT_CONST_UINT(kSphereGeometric, 2u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

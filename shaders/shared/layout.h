@@ -66,11 +66,27 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
+// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
+// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
+// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
+// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
+// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
+// little curvature, `point` lies on it, and constant vanishes.
+#define GLINT_QUADRIC_ROWS(V3F, V3U, U4) \
+    V3U(point, id)                       \
+    V3F(toLocal0, constant)              \
+    V3U(toLocal1, object)                \
+    V3U(toLocal2, primitive)             \
+    V3U(squares, material)               \
+    V3U(products, caps)                  \
+    V3F(linear, reserved0)               \
+    V3F(lo, reserved1)                   \
+    V3F(hi, reserved2)
 // A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
-// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows toObject;
-// the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
-// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and with
-// them u and v of a hit, are exchanged; else 0.
+// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
+// toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
+// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
+// with them u and v of a hit, are exchanged; else 0.
 #define GLINT_INSTANCE_ROWS(V3F, V3U, U4) \
     V3U(place, root)                      \
     V3U(toObjectX, idBase)                \
@@ -124,6 +140,7 @@
     X(Disc, GLINT_DISC_ROWS)                        \
     X(Polygon, GLINT_POLYGON_ROWS)                  \
     X(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)     \
+    X(Quadric, GLINT_QUADRIC_ROWS)                  \
     X(Instance, GLINT_INSTANCE_ROWS)                \
     X(Material, GLINT_MATERIAL_ROWS)                \
     X(Light, GLINT_LIGHT_ROWS)                      \
@@ -185,8 +202,19 @@ GLINT_CONST_UINT(kKindSphere, 1u);
 GLINT_CONST_UINT(kKindPlane, 2u);
 GLINT_CONST_UINT(kKindDisc, 3u);
 GLINT_CONST_UINT(kKindPolygon, 4u);
+GLINT_CONST_UINT(kKindQuadric, 5u);
 GLINT_CONST_UINT(kKindInstance, 6u);  // of leaves, which hold a single one; never of a primitive that is hit
 GLINT_CONST_UINT(kKindCount, 7u);
+
+// Of a quadric, the part that is hit stands in the primitive too, above the 25 bits that a leaf leaves to an
+// index: a ray that starts there must not meet that part again, but may meet the others.
+GLINT_CONST_UINT(kQuadricPartShift, 26u);
+GLINT_CONST_UINT(kQuadricPartMask, 3u);
+GLINT_CONST_UINT(kPartSide, 0u);
+GLINT_CONST_UINT(kPartLowerCap, 1u);
+GLINT_CONST_UINT(kPartUpperCap, 2u);
+GLINT_CONST_UINT(kCapLower, 1u);
+GLINT_CONST_UINT(kCapUpper, 2u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);

@@ -10,6 +10,7 @@
 
 #include "bvh/builder.h"
 #include "core/progress.h"
+#include "scene/methods.h"
 #include "scene/picture.h"
 
 namespace glint::app {
@@ -31,6 +32,7 @@ struct SceneOptions {
     std::optional<int> spp;
     std::optional<int> maxDepth;
     BuildQuality buildQuality = BuildQuality::Default;
+    Methods methods;
 };
 
 struct DeviceChoice {

@@ -19,6 +19,8 @@ std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
 std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
 Backend parseBackend(const std::string& text);
 BuildQuality parseBuildQuality(const std::string& text);
+TriangleMethod parseIntersector(const std::string& text);
+SphereMethod parseSphereMethod(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);  // >= 0, finite
 

@@ -100,6 +100,7 @@ Bases basesIn(const PackedScene& packed) {
     bases.kinds[shared::kKindSphere] = sizeOf(packed.spheres);
     bases.kinds[shared::kKindDisc] = sizeOf(packed.discs);
     bases.kinds[shared::kKindPolygon] = sizeOf(packed.polygons);
+    bases.kinds[shared::kKindQuadric] = sizeOf(packed.quadrics);
     bases.nodes = sizeOf(packed.nodes);
     bases.vertexNormals = sizeOf(packed.vertexNormals);
     bases.polygonVertices = sizeOf(packed.polygonVertices);
@@ -136,8 +137,10 @@ void appendGeometry(PackedScene& to, PackedScene& part) {
     appendArray(to.discs, part.discs);
     appendArray(to.polygons, part.polygons);
     appendArray(to.polygonVertices, part.polygonVertices);
+    appendArray(to.quadrics, part.quadrics);
     to.polygonTripsPerLeaf = std::max(to.polygonTripsPerLeaf, part.polygonTripsPerLeaf);
     to.statistics.leaves += part.statistics.leaves;
+    to.statistics.splitTriangles += part.statistics.splitTriangles;
     to.statistics.buildSeconds += part.statistics.buildSeconds;
     to.statistics.droppedZeroArea += part.statistics.droppedZeroArea;
     to.statistics.droppedNotFinite += part.statistics.droppedNotFinite;
@@ -182,7 +185,7 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
     std::vector<const Object*> shown;
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
-        if (!object.transform) continue;
+        if (kindOf(object) != shared::kKindInstance) continue;
         const auto [entry, fresh] = known.try_emplace(prototypeKey(object), sizeOf(shown));
         if (fresh) shown.push_back(&object);
         slot_[i] = sizeOf(objects_);

@@ -10,6 +10,7 @@
 #include "bvh/pack_geometry.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
+#include "bvh/quadrics.h"
 #include "bvh/region.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
@@ -131,6 +132,7 @@ class LeafOrderWriter {
     void writeInstance(Primitives::Source source, uint32_t slot);
     void use(uint32_t material) { materials_.use(material); }
     void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
+    void writeQuadric(Primitives::Source source, uint32_t slot);
 
     const Scene& scene_;
     const PrimitiveNumbers& numbers_;
@@ -159,6 +161,7 @@ void LeafOrderWriter::write(unsigned threads) {
     packed_.spheres.resize(total.kinds[shared::kKindSphere]);
     packed_.discs.resize(total.kinds[shared::kKindDisc]);
     packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
+    packed_.quadrics.resize(total.kinds[shared::kKindQuadric]);
     packed_.polygonVertices.resize(total.polygonVertices);
     packed_.instances.resize(total.kinds[shared::kKindInstance]);
     packed_.vertexNormals.resize(total.normals);
@@ -190,6 +193,7 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         if (kind == shared::kKindSphere) return writeSphere(source, slot);
         if (kind == shared::kKindDisc) return writeDisc(source, slot);
         if (kind == shared::kKindInstance) return writeInstance(source, slot);
+        if (kind == shared::kKindQuadric) return writeQuadric(source, slot);
         if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
             writePolygon(source, slot, next.polygonVertices);
             next.polygonVertices += packedVertices(*polygon);
@@ -262,6 +266,16 @@ void LeafOrderWriter::writePolygon(Primitives::Source source, uint32_t slot, uin
     use(polygon.material);
 }
 
+void LeafOrderWriter::writeQuadric(Primitives::Source source, uint32_t slot) {
+    const Object& object = scene_.objects[source.object];
+    shared::Quadric& quadric = packed_.quadrics[slot];
+    quadric = roundQuadric(object, frame_);
+    quadric.id = numbers_.firstId(source.object);
+    quadric.object = source.object;
+    quadric.material = object.material;
+    use(quadric.material);
+}
+
 void LeafOrderWriter::writeInstance(Primitives::Source source, uint32_t slot) {
     shared::Instance& instance = packed_.instances[slot];
     instance = frame_.instances->row(source.object);
@@ -313,6 +327,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.discs = !packed.discs.empty();
     f.polygons = !packed.polygons.empty();
     f.instances = !packed.instances.empty();
+    f.quadrics = !packed.quadrics.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "bvh/area_vector.h"
 #include "bvh/instances.h"
+#include "bvh/quadrics.h"
 #include "bvh/unit_vector.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -114,6 +115,7 @@ Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
         const PolygonPlane plane = polygonPlane(widened(vertices)).value();
         return polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal));
     }
+    if (isQuadric(object.shape)) return quadricBox(object, frame, roundQuadric(object, frame));
     Box box;
     const Corners corners = roundTriangle(TriangleSource(object).vertices(face), frame.origin).value();
     for (const glm::vec3& p : corners) box.include(p);
@@ -290,7 +292,8 @@ uint32_t polygonTrips(size_t vertices) {
 }
 
 uint8_t kindOf(const Object& object) {
-    return object.transform ? uint8_t{shared::kKindInstance} : kindOf(object.shape);
+    const uint8_t kind = kindOf(object.shape);
+    return object.transform && kind != shared::kKindQuadric ? uint8_t{shared::kKindInstance} : kind;
 }
 
 uint8_t kindOf(const Shape& shape) {
@@ -300,6 +303,12 @@ uint8_t kindOf(const Shape& shape) {
         uint32_t operator()(const DiscShape&) const { return shared::kKindDisc; }
         uint32_t operator()(const TriangleShape&) const { return shared::kKindTriangle; }
         uint32_t operator()(const PolygonShape&) const { return shared::kKindPolygon; }
+        uint32_t operator()(const QuadricShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const EllipsoidShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const CylinderShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const ConeShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const HyperboloidShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const ParaboloidShape&) const { return shared::kKindQuadric; }
         uint32_t operator()(const MeshShape&) const { return shared::kKindTriangle; }
     };
     return static_cast<uint8_t>(std::visit(Kind{}, shape));

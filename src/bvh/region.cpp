@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "bvh/instances.h"
+#include "bvh/pack_geometry.h"
+#include "bvh/quadrics.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
 #include "scene/placement.h"
@@ -39,6 +41,11 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, const 
         }
         if (const auto* polygon = std::get_if<PolygonShape>(&o.shape))
             for (const glm::dvec3& vertex : polygon->vertices) region.include(vertex);
+        if (isQuadric(o.shape)) {
+            const Extent extent = quadricExtent(o);
+            region.include(extent.lo);
+            region.include(extent.hi);
+        }
         const TriangleSource source(o);
         if (!source.any()) return;
         for (uint32_t face = begin; face < end; ++face)
@@ -107,7 +114,7 @@ glm::dvec3 chooseOrigin(const Scene& given, unsigned threads) {
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
-    const Instances instances(scene, numbers, threads);
+    const Instances instances(scene, numbers, PackOptions{threads});
     return originOf(sceneRegion(scene, numbers, &instances, threads));
 }
 

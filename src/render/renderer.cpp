@@ -95,7 +95,7 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
-                    opts.leaveOut ? packed.features : allFeatures()),
+                    opts.leaveOut ? packed.features : allFeatures(), packed.methods),
           submission(dev) {
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access);

@@ -41,6 +41,7 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
                 bytesOf(scene.discs),
                 bytesOf(scene.polygons),
                 bytesOf(scene.polygonVertices),
+                bytesOf(scene.quadrics),
                 bytesOf(scene.instances)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)

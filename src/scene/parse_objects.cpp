@@ -4,6 +4,7 @@
 
 #include "scene/limits.h"
 #include "scene/near_names.h"
+#include "scene/parse_quadrics.h"
 #include "scene/parse_transform.h"
 #include "scene/transform.h"
 #include "scene/validate.h"
@@ -18,6 +19,7 @@ const KeyTable& keysOf(std::string_view type) {
     if (type == "disc") return keys::kDisc;
     if (type == "triangle") return keys::kTriangle;
     if (type == "polygon") return keys::kPolygon;
+    if (const KeyTable* table = quadricKeys(type)) return *table;
     return keys::kMeshObject;
 }
 
@@ -114,6 +116,7 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         disc.radius = object.require("radius").number();
         return disc;
     }
+    if (auto quadric = parseQuadric(object, type)) return std::move(*quadric);
     const JsonCursor vertices = object.require("vertices");
     if (type == "polygon") {
         if (!vertices.value().array() || vertices.size() < 3)

@@ -57,13 +57,9 @@ glm::dvec3 halfSizeOfMesh(const Mesh& mesh) {
     return lo.x > hi.x ? glm::dvec3(0) : 0.5 * hi - 0.5 * lo;
 }
 
-// The same object with the unit shape, so that spheres and discs of any size share one prototype.
+// The same object with the unit disc, so that discs of any size share one prototype.
 void makeUnit(Object& object) {
-    if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
-        const Affine own{glm::dmat3(sphere->radius), sphere->center};
-        object.transform = then(own, *object.transform);
-        object.shape = SphereShape{};
-    } else if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
+    if (const auto* disc = std::get_if<DiscShape>(&object.shape)) {
         const glm::dvec3 size = glm::abs(disc->normal);
         const glm::dvec3 n = glm::normalize(disc->normal / greatest(size));
         glm::dvec3 aside(0);
@@ -122,6 +118,12 @@ std::optional<Shape> baked(const Shape& shape, const Affine& transform) {
     return std::visit([&](const auto& s) { return bakedShape(s, transform); }, shape);
 }
 
+bool takesTransform(const Shape& shape) {
+    return std::holds_alternative<QuadricShape>(shape) || std::holds_alternative<EllipsoidShape>(shape) ||
+           std::holds_alternative<CylinderShape>(shape) || std::holds_alternative<ConeShape>(shape) ||
+           std::holds_alternative<HyperboloidShape>(shape) || std::holds_alternative<ParaboloidShape>(shape);
+}
+
 double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize) {
     const glm::dmat3 a = magnitudes(linear), w = magnitudes(inverse({linear, glm::dvec3(0)}).linear);
     const glm::dvec3 size = a * halfSize;
@@ -143,6 +145,8 @@ void placeObjects(Scene& scene) {
         } else if (auto shape = baked(object.shape, *object.transform)) {
             object.shape = std::move(*shape);
             object.transform.reset();
+        } else if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
+            object.shape = EllipsoidShape{sphere->center, glm::dvec3(sphere->radius)};
         } else {
             makeUnit(object);
         }
@@ -152,7 +156,7 @@ void placeObjects(Scene& scene) {
 bool isPlaced(const Scene& scene) {
     std::unordered_set<const Mesh*> meshes;
     for (const Object& object : scene.objects) {
-        if (object.transform) return false;
+        if (object.transform && !takesTransform(object.shape)) return false;
         const auto* mesh = std::get_if<MeshShape>(&object.shape);
         if (mesh != nullptr && !meshes.insert(mesh->mesh.get()).second) return false;
     }

@@ -8,7 +8,7 @@
 namespace glint {
 
 // The shape under the transform, if it is one of the same kind: always of triangles, polygons, planes and
-// meshes, of spheres and discs that stay round.
+// meshes, of spheres and discs that stay round; not of quadrics.
 std::optional<Shape> baked(const Shape& shape, const Affine& transform);
 
 // How many times the rounding of a position grows when a ray is taken into the coordinates of an object and
@@ -17,17 +17,21 @@ std::optional<Shape> baked(const Shape& shape, const Affine& transform);
 // similarity, whatever its factor; about the ratio of the stretches for stretches along slanted axes.
 double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize);
 
+// True of quadrics, which are packed with an affine map of their own: they keep their transform and are no
+// instances.
+bool takesTransform(const Shape& shape);
+
 // Half the box around a shape in its own coordinates; 1 along each axis for one that has no box here.
 glm::dvec3 halfSizeOf(const Shape& shape);
 
-// Decides how each object stands in the world. Afterwards an object that still has a transform is an
-// instance: its shape is kept in its own coordinates, and rays are transformed. That is
+// Decides how each object stands in the world. Afterwards an object that still has a transform, and is
+// no quadric, is an instance: its shape is kept in its own coordinates, and rays are transformed. That is
 // - a mesh that several objects share, each transform losing no more than kMaxMeshLoss, if instances save
 //   kLeastSaving bytes or more: then all of these objects are instances, an untransformed one by the
 //   identity;
-// - a shape that the transform takes out of its kind. Spheres and discs become the unit sphere about 0 and
-//   the unit disc about 0 with normal z, so that all of them are stored once.
-// Everything else is baked, in double. To do it twice changes nothing.
+// - a disc that does not stay round: it becomes the unit disc about 0 with normal z, so that all of them are
+//   stored once.
+// A sphere that does not stay round becomes an ellipsoid. Everything else is baked, in double. To do it twice changes nothing.
 void placeObjects(Scene& scene);
 
 // False if placeObjects would change anything.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "scene/checks.h"
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
@@ -21,37 +22,8 @@ namespace glint {
 
 namespace {
 
-std::string text(const glm::dvec3& v) {
-    const std::string x = describe(v.x), y = describe(v.y), z = describe(v.z);
-    return '[' + x + ", " + y + ", " + z + ']';
-}
-
-std::string got(const std::string& what) {
-    return " (got " + what + ")";
-}
-std::string got(double number) {
-    return got(describe(number));
-}
-std::string got(const glm::dvec3& v) {
-    return got(text(v));
-}
-
 std::string gotColor(const Color& c) {
     return c.x == c.y && c.y == c.z ? got(c.x) : got(c);
-}
-
-bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
-    if (!finite(point)) place.fail(key, "must be finite" + got(point));
-    if (greatest(point) >= kMaxCoordinate)
-        place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
 }
 
 void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
@@ -215,6 +187,10 @@ struct ShapeCheck {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
     void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
+    template <class Quadric>
+    void operator()(const Quadric& quadric) const {
+        checkQuadric(quadric, place);
+    }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);
@@ -234,7 +210,9 @@ void checkTransform(const Object& object, const Place& place) {
         place.fail("transform", "is nearly singular (condition number " + sixDigits(condition) +
                                     ", the limit is " + describe(kMaxCondition) + ")");
     // Meshes are instances only where little is lost.
-    if (std::holds_alternative<MeshShape>(object.shape) || baked(object.shape, *object.transform)) return;
+    if (std::holds_alternative<MeshShape>(object.shape) || takesTransform(object.shape) ||
+        baked(object.shape, *object.transform))
+        return;
     const double loss = transformLoss(object.transform->linear, halfSizeOf(object.shape));
     if (loss > kMaxTransformLoss)
         place.fail("transform", "stretches too unevenly for single precision, which would be off by " +

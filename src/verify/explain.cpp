@@ -63,6 +63,9 @@ bool isTie(const DifferingPixel& pixel) {
 // - in an instance: what is off by so much in its coordinates is off by K times as much in the world, K the
 // greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by gamma_3
 // |A^-1| |d| t at the hit, together no more than 10 K C (bvh/instances.cpp), and its next origin by as much.
+// - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
+// w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most twice
+// the greater of the extent and r.
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
                      const PixelData& device) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
@@ -74,9 +77,15 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }
     if (!std::isfinite(shortest) || shortest <= 0) return 8;
+    double bound = 8 + (10 * 2 + 14) * extent / shortest;
     if (scene.features.instances)
-        return 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
-    return 8 + (10 * 2 + 14) * extent / shortest;
+        bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
+    if (scene.methods.spheres == SphereMethod::Robust) return bound;
+    for (const shared::Sphere& sphere : scene.spheres) {
+        const double radius = sphere.radius, far = 2 * std::max(extent, radius);
+        bound = std::max(bound, 2 * far * far / (radius * shortest));
+    }
+    return bound;
 }
 
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,

@@ -54,10 +54,6 @@ const Case kStructure[] = {
 const Case kTypes[] = {
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
-    {"laterObjectType", R"({"objects": [{"type": "cone"}]})",
-     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh, group))"},
-    {"laterEllipsoid", R"({"objects": [{"type": "ellipsoid", "center": [0,0,0], "radii": [1,2,3]}]})",
-     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh, group))"},
     {"unknownCamera", R"({"camera": {"type": "fisheye"}})",
      R"(s.json: /camera/type: unknown camera type "fisheye" (supported: perspective, orthographic))"},
     {"obliqueCamera", R"({"camera": {"type": "oblique"}})",
