@@ -107,8 +107,8 @@ void polygonSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = polygon.material;
 }
 
-// hit.primitive must not be kNone.
-Surface surfaceAt(Ray ray, Hit hit) {
+// kind: of hit.primitive.
+Surface surfaceOfKind(uint kind, Ray ray, Hit hit) {
     Surface surface;
     surface.position = vec3(0.0);
     surface.error = vec3(0.0);
@@ -117,7 +117,6 @@ Surface surfaceAt(Ray ray, Hit hit) {
     surface.object = 0u;
     surface.primitive = 0u;
     surface.material = 0u;
-    uint kind = hit.primitive >> kPrimitiveKindShift;
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
@@ -125,6 +124,9 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
     return surface;
 }
+
+// hit.primitive must not be kNone.
+Surface surfaceAt(Ray ray, Hit hit) { return surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit); }
 
 // Turns both normals against the ray. Two-sided surfaces: the geometric normal decides.
 void faceForward(inout Surface surface, vec3 direction) {

@@ -15,6 +15,9 @@ struct Traversal {
     Hit hit;
     uint trips;
     uint cost;
+#ifdef GLINT_SHADOW_RAYS
+    Passage passage;
+#endif
 };
 
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
@@ -26,6 +29,14 @@ bool settled(Traversal traversal) {
 #else
     return false;
 #endif
+}
+
+// A hit in the ray's interval. Those that let a shadow ray through do not end it.
+void take(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive, uint id) {
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS && passes(traversal.passage, traversal.ray, kind, Hit(t, u, v, primitive, id))) return;
+#endif
+    accept(traversal.ray, traversal.hit, t, u, v, primitive, id);
 }
 
 // Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
@@ -41,7 +52,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             float t, u, v;
             if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, u, v, primitive, triangle.id);
+                take(traversal, kKindTriangle, t, u, v, primitive, triangle.id);
             }
             ++index;
             ++traversal.trips;
@@ -55,7 +66,14 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
             if (intersectSphere(traversal.ray, sphere, primitive, t)) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, sphere.id);
+                take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
+#ifdef GLINT_SHADOW_RAYS
+                // The way out counts as well as the way in.
+                Ray rest = traversal.ray;
+                rest.tMin = t;
+                if (FEATURE_COLORED_SHADOWS && intersectSphere(rest, sphere, primitive, t))
+                    take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
+#endif
             }
             ++index;
             ++traversal.trips;
@@ -69,7 +87,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
             if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, disc.id);
+                take(traversal, kKindDisc, t, 0.0, 0.0, primitive, disc.id);
             }
             ++index;
             ++traversal.trips;
@@ -83,7 +101,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
             if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, polygon.id);
+                take(traversal, kKindPolygon, t, 0.0, 0.0, primitive, polygon.id);
             }
             ++index;
             // This loop's, the edges', and the one that ends theirs.
@@ -99,7 +117,7 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
         if (intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source) {
-            accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, plane.id);
+            take(traversal, kKindPlane, t, 0.0, 0.0, primitive, plane.id);
         }
         if (MODE_COST) ++traversal.cost;
     }
@@ -176,8 +194,16 @@ uint trace(inout Traversal traversal, Environment environment, uint slot) {
     traversal.frame = makeFrame(traversal.ray.direction);
     if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
+#ifdef GLINT_SHADOW_RAYS
+    // A walk from slot 0 comes by all leaves again, but not by the planes.
+    Passage afterPlanes = traversal.passage;
+#endif
     bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);
-    return traverse(traversal, inTree ? environment.root : kNone);
+    uint left = traverse(traversal, inTree ? environment.root : kNone);
+#ifdef GLINT_SHADOW_RAYS
+    if (left != kNone) traversal.passage = afterPlanes;
+#endif
+    return left;
 }
 
 #endif

@@ -19,17 +19,22 @@
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)
+    X(12, POLYGONS, polygons)                   \
+    X(15, TRANSMISSION, transmission)           \
+    X(16, COLORED_SHADOWS, coloredShadows)      \
+    X(17, ATTENUATION, attenuation)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
 // the stackless walk. shadowless: lights shine through everything; no picture of `glint render` has it, the
-// window may ask for it.
-#define GLINT_MODES(X)    \
-    X(64, AOVS, aovs)     \
-    X(65, COST, cost)     \
-    X(66, RESUME, resume) \
-    X(67, SHADOWLESS, shadowless)
+// window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
+// those below Environment::minContribution.
+#define GLINT_MODES(X)            \
+    X(64, AOVS, aovs)             \
+    X(65, COST, cost)             \
+    X(66, RESUME, resume)         \
+    X(67, SHADOWLESS, shadowless) \
+    X(72, LEDGER, ledger)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)               \
@@ -45,7 +50,8 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(23, optics, Optics)
 
 #define GLINT_BINDING_COUNT 24
 
@@ -84,6 +90,23 @@ GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
 GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+
+// Rows that only some pictures have come after these, whichever of the two numbers it is. First those of
+// MODE_LEDGER, then those of scenes with transmission.
+GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,
+                                     // beyond maxDepth, without room to wait; 0
+GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no room in the list
+GLINT_CONST_UINT(kLedgerRows, 2u);
+GLINT_CONST_UINT(kTreeRowMedia,
+                 2u);  // the media that the ray is in, oldest first, 0 where the list has ended
+GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one on the way from the eye; branches waiting; 0, 0
+GLINT_CONST_UINT(kTreeRowShadow, 4u);  // of an unfinished shadow ray: optical depth passed so far; 0
+GLINT_CONST_UINT(kTreeRowWaiting, 5u);  // the first waiting branch; its rows, as many times as there is room:
+GLINT_CONST_UINT(kWaitingOrigin, 0u);   // origin.xyz, primitive the ray starts on
+GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction.xyz, rays before this one
+GLINT_CONST_UINT(kWaitingThroughput, 2u);  // rgb, 0
+GLINT_CONST_UINT(kWaitingMedia, 3u);
+GLINT_CONST_UINT(kWaitingRows, 4u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

@@ -50,8 +50,16 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
             [&](const Text& t) { options.size = parseSize(t); });
     addText(command, "--spp", "N", "samples for each pixel instead of the scene's",
             [&](const Text& t) { options.spp = parseWhole("--spp", t, 1, kMaxSamplesPerPixel); });
-    addText(command, "--max-depth", "N", "greatest number of reflections instead of the scene's",
+    addText(command, "--max-depth", "N",
+            "greatest number of reflections and refractions in a row instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
+}
+
+void addMinContribution(CLI::App& command, SceneOptions& options) {
+    addText(command, "--min-contribution", "X",
+            "do not follow reflected and refracted rays that can add no more than X to a pixel (default 0: "
+            "follow all)",
+            [&](const Text& t) { options.minContribution = parseMinContribution(t); });
 }
 
 void addDevice(CLI::App& command, DeviceChoice& device) {
@@ -84,6 +92,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
                 c.output = t;
             });
     addSceneOverrides(command, c.scene);
+    addMinContribution(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
     addText(command, "--aov", "LIST",
@@ -148,6 +157,7 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
                 c.folder = t;
             });
     addSceneOverrides(command, c.common);
+    addMinContribution(command, c.common);
     addDevice(command, c.device);
     addProgress(command, c.progress);
 }

@@ -29,6 +29,7 @@ struct SceneOptions {
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
+    double minContribution = 0;  // branches that bring less to a pixel's colour are not followed
 };
 
 struct DeviceChoice {

@@ -19,7 +19,8 @@ std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
 std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
 Backend parseBackend(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
-double parseTolerance(const std::string& text);  // >= 0, finite
+double parseTolerance(const std::string& text);        // >= 0, finite
+double parseMinContribution(const std::string& text);  // the same
 
 // User's text for a message: in quotes, on one line, not too long.
 std::string quoted(const std::string& text);

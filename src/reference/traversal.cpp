@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "reference/intersect.h"
 #include "reference/tracer.h"
@@ -20,11 +22,12 @@ constexpr double kFarPad = 1 + 8 * kUnitRoundoff;
 // that is left out.
 constexpr double kCullPad = 1 + 0x1p-30;
 
-// A box and primitive counter and the best hit so far.
+// A box and primitive counter and the best hit so far. `all`: where every hit is wanted instead.
 struct Search {
     Hit best;
     uint64_t cost = 0;
     bool found = false;
+    std::vector<Hit>* all = nullptr;
 };
 
 // Where the ray is inside the box of a child (0 or 1) of a node: from the returned t on; NaN-free. > limit:
@@ -92,6 +95,16 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         uint32_t id = 0;
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        if (search.all) {
+            const uint32_t primitive = kind << shared::kPrimitiveKindShift | i;
+            search.all->push_back({root.t, root.u, root.v, primitive, id});
+            // What is hit twice: again from there on.
+            PreparedRay rest = ray;
+            rest.tMin = root.t;
+            if (intersectPrimitive(scene, rest, kind, i, source, search.best.t, root, id))
+                search.all->push_back({root.t, root.u, root.v, primitive, id});
+            continue;
+        }
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
             search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};
@@ -155,8 +168,10 @@ void searchTree(const PackedScene& scene, const PreparedRay& ray, uint32_t sourc
 }
 
 template <bool kAny>
-Search searchScene(const PackedScene& scene, const Ray& ray, uint32_t source, uint64_t* cost) {
+Search searchScene(const PackedScene& scene, const Ray& ray, uint32_t source, uint64_t* cost,
+                   std::vector<Hit>* all = nullptr) {
     Search search;
+    search.all = all;
     const PreparedRay prepared(ray);
     if (!prepared.valid) return search;
     search.best.t = ray.tMax;
@@ -180,6 +195,14 @@ std::optional<Hit> Tracer::closest(const Ray& ray, uint32_t source, uint64_t* co
 
 bool Tracer::occluded(const Ray& ray, uint32_t source, uint64_t* cost) const {
     return searchScene<true>(scene_, ray, source, cost).found;
+}
+
+std::vector<Hit> Tracer::allHits(const Ray& ray, uint32_t source, uint64_t* cost) const {
+    std::vector<Hit> hits;
+    searchScene<false>(scene_, ray, source, cost, &hits);
+    std::sort(hits.begin(), hits.end(),
+              [](const Hit& a, const Hit& b) { return std::pair(a.t, a.id) < std::pair(b.t, b.id); });
+    return hits;
 }
 
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) const {
