@@ -29,6 +29,17 @@ void keepAovs(const PackedScene& scene, const PixelRecord& record, PixelResult& 
     pixel.material = static_cast<int32_t>(record.surface->material);
 }
 
+void addLosses(const PixelRecord& record, PixelResult& pixel) {
+    const auto add = [](Lost& sum, const Lost& lost) {
+        sum.count += lost.count;
+        sum.bound += lost.bound;
+    };
+    add(pixel.cut, record.cut);
+    add(pixel.depth, record.depth);
+    add(pixel.room, record.room);
+    pixel.crowdedMedia += record.crowdedMedia;
+}
+
 PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const shared::Camera& camera, int x,
                         int y, const RenderOptions& options) {
     PixelResult pixel;
@@ -37,11 +48,13 @@ PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const sh
         const PixelRecord record = tracer.trace(tracer.cameraRay(camera, film.x, film.y));
         pixel.color += record.color;
         pixel.alpha += record.alpha;
+        addLosses(record, pixel);
         if (i == 0 && options.aovs) keepAovs(scene, record, pixel);
     }
     const double samples = static_cast<double>(std::max<size_t>(options.sampleOffsets.size(), 1));
     pixel.color /= samples;
     pixel.alpha /= samples;
+    for (Lost* lost : {&pixel.cut, &pixel.depth, &pixel.room}) lost->bound /= samples;
     return pixel;
 }
 

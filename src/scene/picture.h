@@ -66,7 +66,7 @@ struct Picture {
     std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
     bool complete = true;
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
-    TreeLosses losses;       // empty unless asked for
+    TreeLosses losses;       // the device's only if asked for
 
     const PixelData& at(int x, int y) const {
         return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];

@@ -33,3 +33,7 @@ mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shading
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
+mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
+mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
+mutant(inner_first tree.glsl "bool mirrorFirst = both ? entering : reflects;" "bool mirrorFirst = both ? !entering : reflects;" shade)
+mutant(one_way_beer passage.glsl "surface.normal, ray.direction) > 0.0 ? -way : way" "surface.normal, ray.direction) > 0.0 ? 0.0 : way" light)

@@ -89,7 +89,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
                     Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
                     Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
-                    Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
+                    Defect{"mirror_sign", kMirrorScene},
+                    Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"},
+                    Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace
