@@ -9,6 +9,8 @@ Optics opticsOf(uint medium) { return loadOptics(medium == 0u ? 0u : medium - 1u
 
 float iorOf(uint medium) { return medium == 0u ? 1.0 : opticsOf(medium).ior; }
 
+vec3 attenuationOf(uint medium) { return medium == 0u ? vec3(0.0) : opticsOf(medium).attenuation; }
+
 // ---- Lists of media: oldest first, 0 where they have ended ----
 
 void prefer(uint medium, inout uint best, inout uint bestRank) {
@@ -70,7 +72,7 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
 // What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen Fluessigkeiten", 1852).
 vec3 fading(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
-    vec3 attenuation = medium == 0u ? vec3(0.0) : opticsOf(medium).attenuation;
+    vec3 attenuation = attenuationOf(medium);
     // exp(-120) is no normal float.
     vec3 left = exp(-min(attenuation * min(way, kInfinity), vec3(120.0)));
     return mix(left, vec3(1.0), equal(attenuation, vec3(0.0)));

@@ -16,8 +16,7 @@ struct Passage {
 Passage startPassage(uvec4 media, float reach, float scale) {
     Passage passage = Passage(vec3(0.0), reach, scale);
     if (FEATURE_ATTENUATION) {
-        vec3 sum = vec3(0.0);
-        for (int i = 0; i < 4; ++i) sum += media[i] == 0u ? vec3(0.0) : opticsOf(media[i]).attenuation;
+        vec3 sum = attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
         passage.depth = sum * (reach * scale);
     }
     return passage;

@@ -312,7 +312,7 @@ bool PathTracer::isFollowed(const Branch& next) {
     const bool inDepth = next.depth <= scene_.environment.maxDepth;
     const double seen = mover_.sway(most, 8.0 * next.depth);
     if (inDepth && !(seen < static_cast<double>(scene_.environment.minContribution))) return true;
-    Lost& lost = inDepth ? record_.cut : record_.depth;
+    Lost& lost = inDepth ? record_.lost.cut : record_.lost.depth;
     ++lost.count;
     lost.bound += most;
     return false;
@@ -352,8 +352,8 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const shared::
         if (!site.entering) std::swap(next[0], next[1]);
         if (branch.waiting >= shared::kMaxWaiting) {
             const bool keepSecond = contribution(next[1]) > contribution(next[0]);
-            ++record_.room.count;
-            record_.room.bound += contribution(next[keepSecond ? 0 : 1]);
+            ++record_.lost.room.count;
+            record_.lost.room.bound += contribution(next[keepSecond ? 0 : 1]);
             next.erase(next.begin() + (keepSecond ? 0 : 1));
         } else {
             ++next[0].waiting;
@@ -389,7 +389,7 @@ void PathTracer::follow(Branch branch) {
     const shared::Material& material = scene_.materials[surface.material];
     const Site site = siteOf(ray, *hit, surface);
     const Passing passing = passingAt(scene_, branch.media, material.medium, site.entering);
-    record_.crowdedMedia += passing.crowded ? 1 : 0;
+    record_.lost.crowdedMedia += passing.crowded ? 1 : 0;
     const dvec3 throughput =
         branch.throughput * beer(scene_, passing.mediumBefore, hit->t * glm::length(ray.direction));
     if (passing.real) {

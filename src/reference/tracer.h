@@ -72,6 +72,12 @@ struct Lost {
     double bound = 0;
 };
 
+// See TreeLosses in scene/picture.h.
+struct Losses {
+    Lost cut, depth, room;
+    uint32_t crowdedMedia = 0;
+};
+
 struct PixelRecord {
     glm::dvec3 color{0};
     std::optional<Hit> hit;          // of the camera ray
@@ -81,8 +87,7 @@ struct PixelRecord {
     uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
     uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/shading.md
     uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
-    Lost cut, depth, room;           // see TreeLosses in scene/picture.h
-    uint32_t crowdedMedia = 0;
+    Losses lost;
     std::vector<Bounce> path;
 };
 

@@ -96,7 +96,7 @@ TEST(OpticsTest, slabShiftsARay) {
     const double shift = glm::length(offset - glm::dot(offset, ray.direction) * ray.direction);
     EXPECT_NEAR(shift, 0.512472013191, 1e-11);
     EXPECT_EQ(record.bounces, 4u);
-    EXPECT_EQ(record.depth.count, 1u);  // inside, met the upper face a second time
+    EXPECT_EQ(record.lost.depth.count, 1u);  // inside, met the upper face a second time
 }
 
 TEST(OpticsTest, greatestPriorityRules) {

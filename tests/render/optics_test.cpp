@@ -213,8 +213,8 @@ TEST_F(OpticsTest, accountsAgreeWithTheReference) {
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {
             const reference::PixelRecord r = tracer.trace(tracer.cameraRay(c.camera, x + 0.5, y + 0.5));
-            expected.cut.add(r.cut.count, r.cut.bound);
-            expected.depth.add(r.depth.count, r.depth.bound);
+            expected.cut.add(r.lost.cut.count, r.lost.cut.bound);
+            expected.depth.add(r.lost.depth.count, r.lost.depth.bound);
             samePaths += r.pathHash == picture.at(x, y).pathHash;
             same += r.bounces == picture.at(x, y).bounces;
         }
@@ -252,10 +252,10 @@ TEST_F(OpticsTest, fullWaitingRoomIsReported) {
     EXPECT_EQ(picture.losses.room.count, 1u);
     const reference::Tracer tracer(c.packed);
     const reference::PixelRecord record = tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5));
-    EXPECT_EQ(record.room.count, 1u);
+    EXPECT_EQ(record.lost.room.count, 1u);
     EXPECT_EQ(record.pathHash, picture.at(0, 0).pathHash);
     EXPECT_EQ(record.bounces, picture.at(0, 0).bounces);
-    EXPECT_NEAR(picture.losses.room.sum, record.room.bound, 1e-6 * record.room.bound);
+    EXPECT_NEAR(picture.losses.room.sum, record.lost.room.bound, 1e-6 * record.lost.room.bound);
     // 16 reflections and as many refractions, and the refraction that is kept of the 17th surface.
     EXPECT_EQ(record.bounces, 33u);
 }
