@@ -36,7 +36,7 @@ TEST(OpticsTest, reflectanceIsTheSameBothWays) {
         const double behind = -in.refracted.z;
         EXPECT_NEAR(meet(behind, 1.5).reflectance, in.reflectance, 1e-12) << cosine;
         // Snell: n sin.
-        EXPECT_NEAR(1.5 * in.refracted.x, std::sqrt(1 - cosine * cosine), 1e-15) << cosine;
+        EXPECT_NEAR(1.5 * in.refracted.x, std::sqrt(1 - cosine * cosine), 8e-15) << cosine;
     }
 }
 
@@ -96,7 +96,7 @@ TEST(OpticsTest, slabShiftsARay) {
     const double shift = glm::length(offset - glm::dot(offset, ray.direction) * ray.direction);
     EXPECT_NEAR(shift, 0.512472013191, 1e-11);
     EXPECT_EQ(record.bounces, 4u);
-    EXPECT_EQ(record.lost.depth.count, 1u);  // inside, met the upper face a second time
+    EXPECT_EQ(record.lost.depth.count, 2u);  // both branches where the last one meets the upper face
 }
 
 TEST(OpticsTest, greatestPriorityRules) {
