@@ -100,7 +100,9 @@ void warnAboutPicture(const Picture& picture, const RenderCommand& command, cons
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     if (picture.notFinite > 0)
         err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite)\n";
-    warnOfLosses(picture, start, err);
+    // That mirrors face each other without end is nothing new.
+    if (loaded.packed.features.transmission || command.scene.minContribution > 0)
+        warnOfLosses(picture, start, err);
     if (const auto advice = pictureAdvice(picture, loaded.scene, loaded.packed))
         err << start << *advice << '\n';
 }
