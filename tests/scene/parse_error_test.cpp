@@ -48,7 +48,9 @@ const Case kStructure[] = {
     {"duplicateKey", R"({"ambient": 1, "ambient": 2})",
      R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
-     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror)"},
+     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, "
+     "transmission, "
+     "ior, attenuation, ...)"},
 };
 
 const Case kTypes[] = {
@@ -73,7 +75,7 @@ const Case kTypes[] = {
     {"transmissionAboveOne", R"({"materials": {"glass": {"transmission": [0.5, 1.5, 1]}}})",
      "s.json: /materials/glass/transmission: must be from 0 to 1 (got [0.5, 1.5, 1])"},
     {"iorZero", R"({"materials": {"glass": {"transmission": 1, "ior": 0}}})",
-     "s.json: /materials/glass/ior: must be from 0.0001 to 10000 (got 0)"},
+     "s.json: /materials/glass/ior: must be from 1e-04 to 10000 (got 0)"},
     {"attenuationTwice",
      R"({"materials": {"g": {"attenuation": 1, "attenuationColor": 0.5, "attenuationDistance": 1}}})",
      R"(s.json: /materials/g/attenuationColor: give "attenuation", or colour and distance, not both)"},
