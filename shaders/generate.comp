@@ -3,6 +3,7 @@
 // Starts a sample: the camera ray of each pixel of the slice (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4). The
 // host has worked every kind of camera into steps, see Camera in shared/layout.h.
 #include "path.glsl"
+#include "tree.glsl"
 
 void main() {
     uint path = pathIndex();
@@ -22,5 +23,6 @@ void main() {
     storeRay(path, Ray(origin, unit, inside ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
     storeRow(kRowThroughput, path, packRow(vec3(1.0), 2166136261u));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
+    startTree(path, loadEnvironment(0u));
     if (dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));
 }

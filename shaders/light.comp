@@ -3,8 +3,11 @@
 // What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One dispatch for each light, so that the
 // loop trips of a dispatch are those of one ray.
 #define GLINT_ANY_HIT
+#define GLINT_SHADOW_RAYS
 #include "path.glsl"
 #include "surface.glsl"
+#include "tree.glsl"
+#include "passage.glsl"
 #include "traversal.glsl"
 
 // A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
@@ -69,7 +72,14 @@ void main() {
     Hit hit = loadHit(path, walkRow.y);
     bool live = isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
     Surface surface = surfaceAt(ray, hit);
+    bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
+    Material material = loadMaterial(surface.material);
+    Crossing crossing;
+    if (FEATURE_TRANSMISSION) {
+        crossing = crossingAt(loadMedia(path), material.medium, entering);
+        live = live && crossing.counts;
+    }
     LightSample light = sampleLight(loadLight(dispatch.lightIndex), surface.position);
     bool facing = live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
                   dot(surface.shadingNormal, light.direction) > 0.0;
@@ -81,12 +91,22 @@ void main() {
     traversal.trips = 0u;
     traversal.cost = 0u;
     uvec4 instanceRow = loadInstanceRow(path);
+    bool filtered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
+    if (filtered) {
+        bool near = light.tMax < kInfinity;
+        traversal.passage = startPassage(crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        if (MODE_RESUME) traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
+    }
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     bool occluded = traversal.hit.primitive != kNone;
     if (occluded || !facing) slot = kNone;
 
-    Material material = loadMaterial(surface.material);
     vec3 radiance = reflected(material, surface, -ray.direction, light);
+    if (FEATURE_TRANSMISSION) radiance *= fading(crossing.mediumBefore, hit.t);
+    if (filtered) {
+        radiance *= lightLeft(traversal.passage);
+        if (live && slot != kNone) storeRow(treeRow(kTreeRowShadow), path, packRow(traversal.passage.depth, 0u));
+    }
     uvec4 throughput = loadRow(kRowThroughput, path);
     uvec4 sum = loadRow(kRowRadiance, path);
     if (facing && slot == kNone && !occluded) {

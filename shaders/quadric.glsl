@@ -21,14 +21,14 @@ vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
 }
 
 // Where a line crosses a box, and by which of the two planes that may be capped.
-struct Passage {
+struct QuadricSpan {
     float enter, leave;
     bool byCap, toCap;         // it enters, or leaves, through a plane y.z that is capped
     uint firstCap, secondCap;  // the part of the plane y.z that comes first, and last
 };
 
 // ownCap: the part that the ray starts on, whose plane is met at exactly 0.
-Passage passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
+QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
     // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would overflow. Boxes are closed.
     bvec3 parallel = lessThan(abs(d), vec3(7.9e-31));
     precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
@@ -42,7 +42,7 @@ Passage passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
     bvec3 outside = greaterThan(max(q.lo - o, o - q.hi), vec3(0.0));
     near = mix(near, mix(vec3(-kNowhere), vec3(kNowhere), outside), parallel);
     far = mix(far, mix(vec3(kNowhere), vec3(-kNowhere), outside), parallel);
-    Passage p;
+    QuadricSpan p;
     float nearSides = larger(near.x, near.y);
     float farSides = far.x < far.y ? far.x : far.y;
     bool capFirst = near.z >= nearSides;
@@ -102,7 +102,7 @@ void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint 
 
 // The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every surface is one end of what remains: so
 // at a rim, where side and cap meet, the one begins where the other ends, whatever rounding does.
-Candidate firstSurface(Ray ray, float unit, Passage p, Crossings c) {
+Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
     Candidate best = Candidate(0.0, kPartSide, false);
     // Of the first stretch inside, and of the second.
     float a = c.between ? larger(c.lower, p.enter) : p.enter;
@@ -136,7 +136,7 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
 
     bool own = (ray.source & ~(kQuadricPartMask << kQuadricPartShift)) == primitive;
     uint ownPart = (ray.source >> kQuadricPartShift) & kQuadricPartMask;
-    Passage p = passThrough(q, o, d, own ? ownPart : kPartSide);
+    QuadricSpan p = passThrough(q, o, d, own ? ownPart : kPartSide);
 
     vec3 image = bilinear(q.squares, q.products, d);
     precise float A = dot(d, image);

@@ -1,8 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Ends a bounce: background or ambient light, the picture's other layers, and the mirrored ray.
+// Ends a bounce: background or ambient light, the picture's other layers, and the next ray of the path.
 #include "path.glsl"
 #include "surface.glsl"
+#include "tree.glsl"
 
 // FNV-1a over words (Fowler, Noll, Vo), see docs/shading.md.
 uint hashStep(uint hash, uint word) { return (hash ^ word) * 16777619u; }
@@ -18,15 +19,6 @@ void storeAovs(uint path, bool isHit, Hit hit, Surface surface) {
     storeRow(kRowAovGeometry, path, packRow(isHit ? surface.normal : vec3(0.0), 0u));
 }
 
-// The mirrored direction; about the geometric normal where the shading normal would send it through the surface.
-vec3 mirrored(Surface surface, vec3 direction) {
-    precise vec3 r = direction - 2.0 * dot(direction, surface.shadingNormal) * surface.shadingNormal;
-    precise vec3 aboutNormal = direction - 2.0 * dot(direction, surface.normal) * surface.normal;
-    precise vec3 chosen = dot(r, surface.normal) > 0.0 ? r : aboutNormal;
-    precise vec3 unit = chosen / length(chosen);
-    return unit;
-}
-
 void main() {
     uint path = pathIndex();
     Ray ray = loadRay(path);
@@ -37,30 +29,45 @@ void main() {
     Environment environment = loadEnvironment(0u);
     Surface surface = surfaceAt(ray, hit);
     if (MODE_AOVS && alive && dispatch.bounce == 0u && dispatch.sampleIndex == 0u) storeAovs(path, isHit, hit, surface);
+    bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
     Material material = loadMaterial(surface.material);
 
     uvec4 throughputRow = loadRow(kRowThroughput, path);
     vec3 throughput = uintBitsToFloat(throughputRow.xyz);
+    Crossing crossing;
+    if (FEATURE_TRANSMISSION) {
+        crossing = crossingAt(loadMedia(path), isHit ? material.medium : 0u, entering);
+        throughput *= fading(crossing.mediumBefore, isHit ? hit.t : kInfinity);
+    }
     uint hash = hashStep(throughputRow.w, isHit ? hit.id + 1u : 0u);
     uvec4 sum = loadRow(kRowRadiance, path);
     vec3 emitted = isHit ? material.ambient * environment.ambient : environment.background;
+    if (FEATURE_TRANSMISSION && isHit && !crossing.counts) emitted = vec3(0.0);
     uint hits = sum.w + (isHit && dispatch.bounce == 0u ? 1u : 0u);
 
-    vec3 onward = throughput * material.mirror;
-    bool goesOn = FEATURE_MIRRORS && alive && isHit && dispatch.bounce < environment.maxDepth &&
-                  (material.mirror.x > 0.0 || material.mirror.y > 0.0 || material.mirror.z > 0.0);
     if (MODE_AOVS && alive && dispatch.sampleIndex == 0u) {
         storeRow(kRowAovCounts, path, uvec4(dispatch.bounce, walkRow.z, walkRow.w, hash));
     }
     if (alive) {
         storeRow(kRowRadiance, path, packRow(uintBitsToFloat(sum.xyz) + throughput * emitted, hits));
     }
-    if (FEATURE_MIRRORS) {
-        vec3 origin = offsetOrigin(surface.position, surface.error, surface.normal);
-        storeRay(path, Ray(origin, mirrored(surface, ray.direction), goesOn ? 0.0 : kInfinity, kInfinity, hit.primitive,
-                           hit.instance));
-        storeRow(kRowThroughput, path, packRow(onward, hash));
+    Branch next;
+    bool goesOn = false;
+    if (FEATURE_TRANSMISSION) {
+        goesOn = nextBranch(path, alive, alive && isHit, ray, hit, surface, entering, material, crossing, throughput, environment,
+                            next);
+    } else if (FEATURE_MIRRORS) {
+        next.throughput = throughput * material.mirror;
+        goesOn = isFollowed(path, alive && isHit && greatestOf(material.mirror) > 0.0, dispatch.bounce, next.throughput, environment);
+        next.origin = offsetOrigin(surface.position, surface.error, surface.normal);
+        next.direction = mirrored(surface, ray.direction);
+        next.source = hit.primitive;
+        next.sourceInstance = hit.instance;
+    }
+    if (FEATURE_TRANSMISSION || FEATURE_MIRRORS) {
+        storeRay(path, Ray(next.origin, next.direction, goesOn ? 0.0 : kInfinity, kInfinity, next.source, next.sourceInstance));
+        storeRow(kRowThroughput, path, packRow(next.throughput, hash));
         storeRow(kRowWalk, path, uvec4(kNone, 0u, walkRow.z, walkRow.w));
         if (goesOn) atomicAdd(counters[kCounterAlive], 1u);
     }

@@ -151,6 +151,11 @@ GLINT_READ_ARRAY(16, instancesArray)
 GLINT_LOADER(Instance, GLINT_INSTANCE_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(23, opticsArray)
+#define GLINT_ARRAY_NAME opticsArray
+GLINT_LOADER(Optics, GLINT_OPTICS_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

@@ -142,12 +142,9 @@ void surfaceInWorld(Instance instance, inout Surface surface) {
     if (instance.material != kNone) surface.material = instance.material;
 }
 
-// hit.primitive must not be kNone.
-Surface surfaceAt(Ray ray, Hit hit) {
-    Instance instance;
-    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
-    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
-    if (inInstance) enterInstance(instance, ray.origin, ray.direction);
+// kind: of hit.primitive. The ray and the surface are in the coordinates of the primitive; `instance` is what
+// the hit has of that, if anything.
+Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance) {
     Surface surface;
     surface.position = vec3(0.0);
     surface.error = vec3(0.0);
@@ -156,13 +153,22 @@ Surface surfaceAt(Ray ray, Hit hit) {
     surface.object = 0u;
     surface.primitive = 0u;
     surface.material = 0u;
-    uint kind = hit.primitive >> kPrimitiveKindShift;
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, instance, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
     if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
     if (FEATURE_QUADRICS && kind == kKindQuadric) quadricSurface(ray, hit, surface);
+    return surface;
+}
+
+// hit.primitive must not be kNone.
+Surface surfaceAt(Ray ray, Hit hit) {
+    Instance instance;
+    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
+    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
+    if (inInstance) enterInstance(instance, ray.origin, ray.direction);
+    Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance);
     if (inInstance) surfaceInWorld(instance, surface);
     return surface;
 }

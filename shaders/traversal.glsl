@@ -26,6 +26,9 @@ struct Traversal {
     uint worldSlot;
     uint trips;
     uint cost;
+#ifdef GLINT_SHADOW_RAYS
+    Passage passage;
+#endif
 };
 
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
@@ -79,6 +82,14 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
     return root;
 }
 
+// A hit in the ray's interval. Those that let a shadow ray through do not end it.
+void take(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive, uint id) {
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS && passes(traversal.passage, traversal.ray, kind, Hit(t, u, v, primitive, traversal.instance, id))) return;
+#endif
+    accept(traversal, t, u, v, primitive, id);
+}
+
 // Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
@@ -92,7 +103,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             float t, u, v;
             if (meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
-                accept(traversal, t, u, v, primitive, triangle.id);
+                take(traversal, kKindTriangle, t, u, v, primitive, triangle.id);
             }
             ++index;
             ++traversal.trips;
@@ -106,7 +117,14 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
             if (meetSphere(traversal.ray, sphere, primitive, t)) {
-                accept(traversal, t, 0.0, 0.0, primitive, sphere.id);
+                take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
+#ifdef GLINT_SHADOW_RAYS
+                // The way out counts as well as the way in.
+                Ray rest = traversal.ray;
+                rest.tMin = t;
+                if (FEATURE_COLORED_SHADOWS && meetSphere(rest, sphere, primitive, t))
+                    take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
+#endif
             }
             ++index;
             ++traversal.trips;
@@ -120,7 +138,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
             if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
-                accept(traversal, t, 0.0, 0.0, primitive, disc.id);
+                take(traversal, kKindDisc, t, 0.0, 0.0, primitive, disc.id);
             }
             ++index;
             ++traversal.trips;
@@ -134,7 +152,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
             if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
-                accept(traversal, t, 0.0, 0.0, primitive, polygon.id);
+                take(traversal, kKindPolygon, t, 0.0, 0.0, primitive, polygon.id);
             }
             ++index;
             // This loop's, the edges', and the one that ends theirs.
@@ -149,9 +167,20 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
             float t;
             uint part;
-            if (intersectQuadric(traversal.ray, quadric, primitive, t, part)) {
-                accept(traversal, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            bool met = intersectQuadric(traversal.ray, quadric, primitive, t, part);
+            if (met) take(traversal, kKindQuadric, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+#ifdef GLINT_SHADOW_RAYS
+            // Sides are met twice at the most, caps once each: every way in and out counts.
+            if (FEATURE_COLORED_SHADOWS) {
+                Ray rest = traversal.ray;
+                for (uint further = 1u; met && further < kQuadricHits; ++further) {
+                    rest.tMin = t;
+                    met = intersectQuadric(rest, quadric, primitive, t, part);
+                    if (met) take(traversal, kKindQuadric, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+                    ++traversal.trips;
+                }
             }
+#endif
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -165,7 +194,7 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
         if (intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source) {
-            accept(traversal, t, 0.0, 0.0, primitive, plane.id);
+            take(traversal, kKindPlane, t, 0.0, 0.0, primitive, plane.id);
         }
         if (MODE_COST) ++traversal.cost;
     }
@@ -277,9 +306,17 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
         return walk(traversal, sound ? slot : kNone);
     }
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
+#ifdef GLINT_SHADOW_RAYS
+    // A walk from slot 0 comes by all leaves again, but not by the planes.
+    Passage afterPlanes = traversal.passage;
+#endif
     bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS ||
                    FEATURE_INSTANCES) && sound && !settled(traversal);
-    return traverse(traversal, inTree ? environment.root : kNone);
+    uint left = traverse(traversal, inTree ? environment.root : kNone);
+#ifdef GLINT_SHADOW_RAYS
+    if (left != kNone) traversal.passage = afterPlanes;
+#endif
+    return left;
 }
 
 #endif

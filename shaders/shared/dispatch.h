@@ -21,17 +21,22 @@
     X(11, DISCS, discs)                         \
     X(12, POLYGONS, polygons)                   \
     X(13, QUADRICS, quadrics)                   \
-    X(14, INSTANCES, instances)
+    X(14, INSTANCES, instances)                 \
+    X(15, TRANSMISSION, transmission)           \
+    X(16, COLORED_SHADOWS, coloredShadows)      \
+    X(17, ATTENUATION, attenuation)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
 // the stackless walk. shadowless: lights shine through everything; no picture of `glint render` has it, the
-// window may ask for it.
-#define GLINT_MODES(X)    \
-    X(64, AOVS, aovs)     \
-    X(65, COST, cost)     \
-    X(66, RESUME, resume) \
-    X(67, SHADOWLESS, shadowless)
+// window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
+// those below Environment::minContribution.
+#define GLINT_MODES(X)            \
+    X(64, AOVS, aovs)             \
+    X(65, COST, cost)             \
+    X(66, RESUME, resume)         \
+    X(67, SHADOWLESS, shadowless) \
+    X(72, LEDGER, ledger)
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
 // kSphere... below.
@@ -55,7 +60,8 @@
     X(13, polygons, Polygon)                \
     X(14, polygonVertices, PolygonVertex)   \
     X(15, quadrics, Quadric)                \
-    X(16, instances, Instance)
+    X(16, instances, Instance)              \
+    X(23, optics, Optics)
 
 #define GLINT_BINDING_COUNT 24
 
@@ -105,6 +111,22 @@ GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
 GLINT_CONST_UINT(kSphereRobust, 0u);
 GLINT_CONST_UINT(kSphereAlgebraic, 1u);
 GLINT_CONST_UINT(kSphereGeometric, 2u);
+// Rows that only some pictures have come after these, and after that of the instances. First those of
+// MODE_LEDGER, then those of scenes with transmission.
+GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,
+                                     // beyond maxDepth, without room to wait; 0
+GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no room in the list
+GLINT_CONST_UINT(kLedgerRows, 2u);
+GLINT_CONST_UINT(kTreeRowMedia,
+                 2u);  // the media that the ray is in, oldest first, 0 where the list has ended
+GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one on the way from the eye; branches waiting; 0, 0
+GLINT_CONST_UINT(kTreeRowShadow, 4u);  // of an unfinished shadow ray: optical depth passed so far; 0
+GLINT_CONST_UINT(kTreeRowWaiting, 5u);  // the first waiting branch; its rows, as many times as there is room:
+GLINT_CONST_UINT(kWaitingOrigin, 0u);   // origin.xyz, primitive the ray starts on
+GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction.xyz, rays before this one
+GLINT_CONST_UINT(kWaitingThroughput, 2u);  // rgb, instance the ray starts on
+GLINT_CONST_UINT(kWaitingMedia, 3u);
+GLINT_CONST_UINT(kWaitingRows, 4u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

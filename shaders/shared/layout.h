@@ -96,11 +96,21 @@
     V3F(toWorldY, reserved1)              \
     V3F(toWorldZ, reserved2)
 
+// medium: 0, or 1 + the material's index in the optics array; the number that stands for the material in
+// lists of media.
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, reserved0)               \
     V3F(specular, reserved1)              \
-    V3F(mirror, reserved2)
+    V3U(mirror, medium)
+
+// What a dielectric material has besides. density: -ln(transmission), so that the light which passes many
+// surfaces is the exponential of a sum; attenuation: per unit length; rank: the priority as an unsigned
+// number of the same order (kRankOfZero is priority 0).
+#define GLINT_OPTICS_ROWS(V3F, V3U, U4) \
+    V3F(transmission, ior)              \
+    V3U(attenuation, rank)              \
+    V3F(density, reserved)
 
 // kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot
 // light, unit, the way the light travels. Its full light ends at the angle whose 1 - cos is `inner`, all
@@ -124,11 +134,16 @@
 
 // Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. With
 // instances the boxes of the world's tree are wider by instancePad times the greatest coordinate of the ray's
-// origin, plus instancePadAtOrigin (bvh/instances.cpp).
-#define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
-    V3F(background, instancePad)             \
-    V3F(ambient, instancePadAtOrigin)        \
-    U4(root, planeCount, lightCount, maxDepth)
+// origin, plus instancePadAtOrigin (bvh/instances.cpp). radianceBound: no ray of the tree brings more, in any
+// channel (kInfinity: not known); minContribution: what brings less to the pixel is not followed.
+// eyeMedium0..3: the media around the eye, outermost first, 0 where the list has ended.
+#define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4)           \
+    V3F(background, minContribution)                   \
+    V3F(ambient, radianceBound)                        \
+    U4(root, planeCount, lightCount, maxDepth)         \
+    U4(eyeMedium0, eyeMedium1, eyeMedium2, eyeMedium3) \
+    V3F(reserved0, instancePad)                        \
+    V3F(reserved1, instancePadAtOrigin)
 
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
@@ -143,6 +158,7 @@
     X(Quadric, GLINT_QUADRIC_ROWS)                  \
     X(Instance, GLINT_INSTANCE_ROWS)                \
     X(Material, GLINT_MATERIAL_ROWS)                \
+    X(Optics, GLINT_OPTICS_ROWS)                    \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
     X(Environment, GLINT_ENVIRONMENT_ROWS)
@@ -215,12 +231,21 @@ GLINT_CONST_UINT(kPartLowerCap, 1u);
 GLINT_CONST_UINT(kPartUpperCap, 2u);
 GLINT_CONST_UINT(kCapLower, 1u);
 GLINT_CONST_UINT(kCapUpper, 2u);
+// A line meets a side twice at the most, each cap once.
+GLINT_CONST_UINT(kQuadricHits, 4u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);
 GLINT_CONST_UINT(kLightDirectional, 2u);
 GLINT_CONST_UINT(kLightSpot, 3u);
 GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
+
+GLINT_CONST_UINT(kRankOfZero, 0x80000000u);
+// Media that a ray can be inside of at a time; it does not notice the surface of one more.
+GLINT_CONST_UINT(kMaxMedia, 4u);
+// Branches of a path's tree that can wait to be followed; of one more and the one at hand, the lesser is
+// dropped.
+GLINT_CONST_UINT(kMaxWaiting, 16u);
 
 // Levels of the BVH below the root that the builder may use, those of the world's tree and of a prototype's
 // together; a traversal pushes at most one entry per level.

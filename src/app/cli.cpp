@@ -50,7 +50,8 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
             [&](const Text& t) { options.size = parseSize(t); });
     addText(command, "--spp", "N", "samples for each pixel instead of the scene's",
             [&](const Text& t) { options.spp = parseWhole("--spp", t, 1, kMaxSamplesPerPixel); });
-    addText(command, "--max-depth", "N", "greatest number of reflections instead of the scene's",
+    addText(command, "--max-depth", "N",
+            "greatest number of reflections and refractions in a row instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
     addText(
         command, "--build-quality", "fast|default|high",
@@ -66,6 +67,13 @@ void addMethods(CLI::App& command, SceneOptions& options) {
     addText(command, "--sphere", "NAME",
             "of spheres: robust (default); of textbooks, with their faults: algebraic, geometric",
             [&](const Text& t) { options.methods.spheres = parseSphereMethod(t); });
+}
+
+void addMinContribution(CLI::App& command, SceneOptions& options) {
+    addText(command, "--min-contribution", "X",
+            "do not follow reflected and refracted rays that can add no more than X to a pixel (default 0: "
+            "follow all)",
+            [&](const Text& t) { options.minContribution = parseMinContribution(t); });
 }
 
 void addDevice(CLI::App& command, DeviceChoice& device) {
@@ -99,6 +107,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
             });
     addSceneOverrides(command, c.scene);
     addMethods(command, c.scene);
+    addMinContribution(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
     addText(command, "--aov", "LIST",
@@ -164,6 +173,7 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
             });
     addSceneOverrides(command, c.common);
     addMethods(command, c.common);
+    addMinContribution(command, c.common);
     addDevice(command, c.device);
     addProgress(command, c.progress);
 }

@@ -33,6 +33,7 @@ struct SceneOptions {
     std::optional<int> maxDepth;
     BuildQuality buildQuality = BuildQuality::Default;
     Methods methods;
+    double minContribution = 0;  // branches that bring less to a pixel's colour are not followed
 };
 
 struct DeviceChoice {

@@ -26,6 +26,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     watch.restart();
     loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
     loaded.packed.methods = options.methods;
+    loaded.packed.environment.minContribution = static_cast<float>(options.minContribution);
     loaded.packSeconds = watch.seconds();
     if (!quiet) {
         for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << w << '\n';

@@ -29,7 +29,7 @@ std::string arraySize(const PackedScene& packed) {
                            bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
                            bytesOf(packed.lights) + bytesOf(packed.discs) + bytesOf(packed.polygons) +
                            bytesOf(packed.polygonVertices) + bytesOf(packed.instances) +
-                           bytesOf(packed.quadrics);
+                           bytesOf(packed.quadrics) + bytesOf(packed.optics);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));

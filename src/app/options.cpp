@@ -163,14 +163,26 @@ ProgressMode parseProgress(const std::string& text) {
     }
 }
 
-double parseTolerance(const std::string& text) {
+namespace {
+
+double parseNotNegative(const std::string& option, const std::string& text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) ||
         value < 0) {
-        refuse("--tolerance", "a number from 0 up", text);
+        refuse(option, "a number from 0 up", text);
     }
     return value;
+}
+
+}  // namespace
+
+double parseTolerance(const std::string& text) {
+    return parseNotNegative("--tolerance", text);
+}
+
+double parseMinContribution(const std::string& text) {
+    return parseNotNegative("--min-contribution", text);
 }
 
 }  // namespace glint::app

@@ -22,7 +22,8 @@ BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
-double parseTolerance(const std::string& text);  // >= 0, finite
+double parseTolerance(const std::string& text);        // >= 0, finite
+double parseMinContribution(const std::string& text);  // the same
 
 // User's text for a message: in quotes, on one line, not too long.
 std::string quoted(const std::string& text);

@@ -4,6 +4,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/losses.h"
 #include "app/output_check.h"
 #include "app/picture_advice.h"
 #include "app/reference_picture.h"
@@ -59,8 +60,9 @@ uint64_t bytesPerPixel(const RenderCommand& command) {
     return 4 * sizeof(float) + 1 + (needsData(command) ? sizeof(PixelData) : 0) + layers * 3 * sizeof(float);
 }
 
-render::RenderSettings settingsOf(const RenderCommand& command, const Scene& scene, const Region& region,
-                                  Progress& progress) {
+render::RenderSettings settingsOf(const RenderCommand& command, const LoadedScene& loaded,
+                                  const Region& region, Progress& progress) {
+    const Scene& scene = loaded.scene;
     render::RenderSettings settings;
     settings.width = scene.image.width;
     settings.height = scene.image.height;
@@ -68,6 +70,8 @@ render::RenderSettings settingsOf(const RenderCommand& command, const Scene& sce
     settings.sampleOffsets = sampleOffsets(scene.image.samplesPerPixel);
     settings.data = needsData(command);
     settings.cost = wants(command, "cost");
+    settings.ledger =
+        loaded.packed.features.transmission || command.scene.minContribution > 0 || !command.stats.empty();
     settings.progress = [&progress](double fraction) { progress.update(fraction); };
     settings.cancelled = interrupted;
     return settings;
@@ -96,6 +100,9 @@ void warnAboutPicture(const Picture& picture, const RenderCommand& command, cons
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     if (picture.notFinite > 0)
         err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite)\n";
+    // That mirrors face each other without end is nothing new.
+    if (loaded.packed.features.transmission || command.scene.minContribution > 0)
+        warnOfLosses(picture, start, err);
     if (const auto advice = pictureAdvice(picture, loaded.scene, loaded.packed))
         err << start << *advice << '\n';
 }
@@ -122,6 +129,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["quadrics"] = loaded.packed.quadrics.size();
     json["intersector"] = nameOf(loaded.packed.methods.triangles);
     json["sphere"] = nameOf(loaded.packed.methods.spheres);
+    json["lost"] = lossesJson(outcome.picture);
+    json["minContribution"] = command.scene.minContribution;
     json["notFinite"] = outcome.picture.notFinite;
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},
@@ -202,7 +211,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     {
         Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
                           isTerminal(err));
-        const render::RenderSettings settings = settingsOf(command, loaded.scene, region, progress);
+        const render::RenderSettings settings = settingsOf(command, loaded, region, progress);
         if (command.backend == Backend::Cpu) {
             renderOnHost(loaded, settings, outcome);
         } else {

@@ -34,6 +34,21 @@ shared::Material roundMaterial(const Material& material) {
     return out;
 }
 
+shared::Optics roundOptics(const Material& material) {
+    // exp(-120) is no normal float: nothing gets through.
+    constexpr double kOpaque = 120;
+    shared::Optics out;
+    out.transmission = glm::vec3(material.transmission);
+    out.ior = static_cast<float>(material.ior);
+    out.attenuation = glm::vec3(material.attenuation);
+    out.rank = shared::kRankOfZero + static_cast<uint32_t>(material.priority);
+    for (int i = 0; i < 3; ++i) {
+        const double part = material.transmission[i];
+        out.density[i] = static_cast<float>(part > 0 ? std::min(-std::log(part), kOpaque) : kOpaque);
+    }
+    return out;
+}
+
 // 1 - cos, without its cancellation for small angles.
 float oneMinusCosine(double degrees) {
     const double half = std::sin(degrees * (std::numbers::pi / 360));
@@ -334,12 +349,20 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
         if (!used(i)) continue;
         f.specular |= packed.materials[i].specular != glm::vec3(0);
         f.mirrors |= packed.environment.maxDepth > 0 && packed.materials[i].mirror != glm::vec3(0);
+        if (packed.materials[i].medium == 0) continue;
+        f.transmission = true;
+        f.attenuation |= packed.optics[packed.materials[i].medium - 1].attenuation != glm::vec3(0);
     }
     return f;
 }
 
 void packEnvironment(const Scene& scene, PackedScene& packed) {
-    for (const Material& material : scene.materials) packed.materials.push_back(roundMaterial(material));
+    for (const Material& material : scene.materials) {
+        packed.materials.push_back(roundMaterial(material));
+        if (material.transmission == Color(0)) continue;
+        packed.optics.push_back(roundOptics(material));
+        packed.materials.back().medium = static_cast<uint32_t>(packed.optics.size());
+    }
     for (const Light& light : scene.lights) packed.lights.push_back(roundLight(light, packed.origin));
     shared::Environment& environment = packed.environment;
     environment.background = glm::vec3(scene.background);
@@ -394,8 +417,15 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     LeafOrderWriter(scene, numbers, frame, primitives, bvh.order, packed, materials).write(threads);
 }
 
+bool castsColoredShadows(const Scene& scene) {
+    const auto transmits = [](const Material& m) { return m.transmission != Color(0); };
+    return scene.transmissiveShadows == TransmissiveShadows::Colored &&
+           std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
+}
+
 PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality) {
-    const PackOptions options{threads, quality};
+    PackOptions options{threads, quality};
+    options.split = !castsColoredShadows(given);
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
@@ -413,6 +443,21 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
     instances.append(packed);
     for (const shared::Plane& plane : packed.planes) materials.use(plane.material);
     packed.features = featuresOf(packed, [&](size_t material) { return materials.used(material); });
+    if (packed.features.transmission) {
+        const glm::uvec4 media = mediaAt(packed, scene.camera.eye - packed.origin);
+        shared::Environment& environment = packed.environment;
+        environment.eyeMedium0 = media.x;
+        environment.eyeMedium1 = media.y;
+        environment.eyeMedium2 = media.z;
+        environment.eyeMedium3 = media.w;
+        packed.features.coloredShadows =
+            scene.transmissiveShadows == TransmissiveShadows::Colored && !packed.lights.empty();
+    } else {
+        for (shared::Material& material : packed.materials) material.medium = 0;
+        packed.optics.clear();
+    }
+    if (packed.features.transmission || packed.features.mirrors)
+        packed.environment.radianceBound = radianceBound(packed, packed.environment.maxDepth);
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     return packed;
 }

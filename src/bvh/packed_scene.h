@@ -30,6 +30,9 @@ struct SceneFeatures {
     bool spotLights = false;
     bool instances = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
+    bool transmission = false;    // some material lets light through
+    bool coloredShadows = false;  // and so do its shadows
+    bool attenuation = false;     // and light fades inside of it
     bool operator==(const SceneFeatures&) const = default;
 };
 
@@ -68,6 +71,7 @@ struct PackedScene {
     std::vector<shared::Quadric> quadrics;
     uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
+    std::vector<shared::Optics> optics;  // of the materials that let light through
     std::vector<shared::Light> lights;
     shared::Environment environment;
     SceneFeatures features;
@@ -91,6 +95,19 @@ glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 // with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
 // naming the array, its size and the limit.
 PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default);
+
+// The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
+// point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",
+// IEEE Trans. Biomed. Eng. 30(2), 1983), so surfaces must be closed and wound outwards; a plane has its
+// inside below. Numbers as in shared::Material::medium; ordered from the material of the largest box to that
+// of the smallest, those of planes first, and cut off at kMaxMedia.
+glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
+
+// The greatest radiance, in any channel, that a ray of the tree can bring with `maxDepth` rays after it: the
+// greatest of the background and, for each material, of ambient light, all lights unshadowed and head on, and
+// the branches. kInfinity if there is none: a light that falls off touches a box of the BVH, or the sum
+// overflows.
+float radianceBound(const PackedScene& scene, uint32_t maxDepth);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
 // computed in double.

@@ -29,17 +29,27 @@ void keepAovs(const PackedScene& scene, const PixelRecord& record, PixelResult& 
     pixel.material = static_cast<int32_t>(record.surface->material);
 }
 
+// weight: of one sample in the pixel's colour.
+void addLosses(const Losses& sample, double weight, Losses& pixel) {
+    for (const auto kind : {&Losses::cut, &Losses::depth, &Losses::room}) {
+        (pixel.*kind).count += (sample.*kind).count;
+        (pixel.*kind).bound += weight * (sample.*kind).bound;
+    }
+    pixel.crowdedMedia += sample.crowdedMedia;
+}
+
 PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const shared::Camera& camera, int x,
                         int y, const RenderOptions& options) {
     PixelResult pixel;
+    const double samples = static_cast<double>(std::max<size_t>(options.sampleOffsets.size(), 1));
     for (size_t i = 0; i < options.sampleOffsets.size(); ++i) {
         const glm::dvec2 film = glm::dvec2(x, y) + options.sampleOffsets[i];
         const PixelRecord record = tracer.trace(tracer.cameraRay(camera, film.x, film.y));
         pixel.color += record.color;
         pixel.alpha += record.alpha;
+        addLosses(record.lost, 1 / samples, pixel.lost);
         if (i == 0 && options.aovs) keepAovs(scene, record, pixel);
     }
-    const double samples = static_cast<double>(std::max<size_t>(options.sampleOffsets.size(), 1));
     pixel.color /= samples;
     pixel.alpha /= samples;
     return pixel;

@@ -23,8 +23,8 @@ struct RenderOptions {
     std::function<bool()> cancelled;       // polled from all threads; true ends the render early
 };
 
-// Everything but color and alpha comes from the first sample. Without a hit: depth inf, indices -1, the rest
-// 0.
+// Everything but color, alpha and the losses comes from the first sample. Without a hit: depth inf, indices
+// -1, the rest 0.
 struct PixelResult {
     glm::dvec3 color{0};                                     // mean over the samples
     double alpha = 0;                                        // fraction of the samples that hit anything
@@ -40,6 +40,7 @@ struct PixelResult {
     uint32_t pathHash = 0;
     uint32_t shadowBits = 0;
     std::optional<Hit> hit;
+    Losses lost;  // of all samples; bounds are of the mean
 };
 
 struct RenderResult {

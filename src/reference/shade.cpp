@@ -6,7 +6,9 @@
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
+#include "reference/optics.h"
 #include "reference/quadric.h"
+#include "reference/ray_mover.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -66,44 +68,6 @@ double geometryScale(const PackedScene& scene, const Hit& hit) {
     if (hit.instance == shared::kNone) return own;
     return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
 }
-
-// Moves rays as struct Jitter says. splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom
-// Number Generators", OOPSLA 2014.
-class RayMover {
-  public:
-    explicit RayMover(const Jitter& jitter) : state_(jitter.seed), step_(jitter.ulps * 0x1p-24) {}
-
-    void move(Ray& ray, double scale) {
-        if (step_ == 0) return;
-        for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
-        turn(ray.direction, ray.directionScale);
-    }
-
-    void turn(dvec3& direction, double scale) {
-        if (step_ == 0) return;
-        const double length = scale * glm::length(direction);
-        for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
-    }
-
-    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
-    // verify/explain.cpp).
-    double tieWidth() const { return 16 * step_; }
-    bool coin() { return next() < 0; }
-
-  private:
-    // Uniform in [-1, 1).
-    double next() {
-        state_ += 0x9e3779b97f4a7c15u;
-        uint64_t z = state_;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        z ^= z >> 31;
-        return static_cast<double>(z >> 11) * 0x1p-52 - 1;
-    }
-
-    uint64_t state_;
-    double step_;
-};
 
 // The unit vertex normals are interpolated in the world.
 dvec3 vertexNormal(const PackedScene& scene, const Hit& hit, const glm::vec3& normal) {
@@ -213,14 +177,31 @@ class PathTracer {
         double originScale;  // greatest coordinate of the ray's origin
         double scale;        // greatest number that a coordinate of the position is a sum of
         double offset;       // bound on the error of `position` along n
+        bool entering;       // the ray comes from the outer side
+    };
+
+    // A ray of the tree and what is known of its way.
+    struct Branch {
+        Ray ray;
+        Source source;
+        dvec3 throughput{1};
+        uint32_t depth = 0;    // rays before it
+        uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
+        Media media;
     };
 
     std::optional<Hit> closest(const Ray& ray, const Source& source);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
     double spotFactor(const shared::Light& light, dvec3 toLight);
-    dvec3 shadeLights(const Site& site, const shared::Material& material, bool first);
+    dvec3 shadeLights(const Site& site, const shared::Material& material, const Media& media, bool first);
+    std::optional<dvec3> lightThrough(const Ray& ray, const Site& site, const Media& media, bool directional);
     dvec3 reflect(const Site& site) const;
+    void follow(Branch branch);
+    void followOn(const Branch& branch, const Site& site, const shared::Material& material,
+                  const Passing& passing, const dvec3& throughput);
+    bool isFollowed(const Branch& next);
+    double contribution(const Branch& next) const;
 
     const Tracer& tracer_;
     const PackedScene& scene_;
@@ -247,6 +228,7 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     const double side = glm::dot(surface.geometricNormal, d) > 0 ? -1 : 1;
     site.source = sourceOf(hit);
     site.position = surface.position;
+    site.entering = side > 0;
     site.n = side * surface.geometricNormal;
     site.s = side * surface.shadingNormal;
     site.view = -d;
@@ -265,7 +247,8 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
 
 Ray PathTracer::rayFrom(const Site& site, const dvec3& direction, double tMax) {
     Ray ray;
-    ray.origin = site.position + site.offset * site.n;
+    // Off the surface, to the side it leaves to: through it where it points against n.
+    ray.origin = site.position + (glm::dot(direction, site.n) < 0 ? -site.offset : site.offset) * site.n;
     ray.direction = direction;
     ray.tMax = tMax;
     mover_.move(ray, std::max(site.originScale, site.scale));
@@ -294,7 +277,44 @@ double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
     return (3 - 2 * x) * x * x;
 }
 
-dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material, bool first) {
+// What comes through of the light at the end of a shadow ray: nothing if an opaque surface is in the way,
+// else the product of the transmissions of all surfaces there, and Beer's law on the way between them, in
+// every medium that the ray is inside of by its count of crossings.
+std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, const Media& media,
+                                              bool directional) {
+    if (!scene_.features.coloredShadows) {
+        if (tracer_.occluded(ray, site.source, &record_.cost)) return std::nullopt;
+        return dvec3(1);
+    }
+    const std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
+    dvec3 left(1), sigma(0), fade(0);
+    for (uint32_t medium : media) sigma += attenuationOf(scene_, medium);
+    std::vector<dvec3> change;
+    for (const Hit& hit : hits) {
+        const Surface surface = tracer_.surface(ray, hit);
+        const uint32_t medium = scene_.materials[surface.material].medium;
+        if (medium == 0) return std::nullopt;
+        left *= dvec3(scene_.optics[medium - 1].transmission);
+        const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
+        change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
+    }
+    if (directional) {
+        // Infinitely far away there is no medium, so what the ray starts in is what it leaves.
+        sigma = dvec3(0);
+        for (const dvec3& c : change) sigma -= c;
+    }
+    double from = 0;
+    for (size_t i = 0; i < hits.size(); ++i) {
+        fade += (hits[i].t - from) * sigma;
+        sigma += change[i];
+        from = hits[i].t;
+    }
+    if (!directional) fade += (1 - from) * sigma;
+    return glm::min(left * glm::exp(-glm::length(ray.direction) * fade), dvec3(1));
+}
+
+dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material, const Media& media,
+                              bool first) {
     dvec3 sum(0);
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
         const shared::Light& light = scene_.lights[i];
@@ -308,7 +328,9 @@ dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material
         const double part = isSpot(light) ? spotFactor(light, l) : 1;
         if (part == 0) continue;
         const double end = directional ? std::numeric_limits<double>::infinity() : kPointLightEnd;
-        if (tracer_.occluded(rayFrom(site, toLight, end), site.source, &record_.cost)) {
+        const std::optional<dvec3> through =
+            lightThrough(rayFrom(site, toLight, end), site, media, directional);
+        if (!through) {
             if (first && i < 32) record_.shadowBits |= 1u << i;
             if (keepPath_) record_.path.back().occluded[i] = 1;
             continue;
@@ -319,7 +341,7 @@ dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material
         const double highlight = length > 0 ? glm::dot(site.s, middle) / length : 0;
         if (highlight > 0)
             factor += std::pow(highlight, static_cast<double>(material.shininess)) * dvec3(material.specular);
-        sum += part / falloffDivisor(light, distance) * dvec3(light.intensity) * factor;
+        sum += part / falloffDivisor(light, distance) * dvec3(light.intensity) * *through * factor;
     }
     return sum;
 }
@@ -331,39 +353,111 @@ dvec3 PathTracer::reflect(const Site& site) const {
     return glm::normalize(r);
 }
 
-PixelRecord PathTracer::run(const Ray& cameraRay) {
-    const shared::Environment& environment = scene_.environment;
-    dvec3 throughput(1);
-    Source source;
-    Ray ray = cameraRay;
-    mover_.move(ray, std::max(greatestCoordinate(ray.origin), ray.originScale));
-    record_.pathHash = kHashStart;
-    for (;; ++record_.bounces) {
-        const bool first = record_.bounces == 0;
-        const std::optional<Hit> hit = closest(ray, source);
-        record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
-        if (keepPath_)
-            record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});
-        if (!hit) {
-            record_.color += throughput * dvec3(environment.background);
-            break;
-        }
-        const Surface surface = tracer_.surface(ray, *hit);
-        if (keepPath_) record_.path.back().surface = surface;
-        if (first) {
-            record_.alpha = 1;
-            record_.hit = hit;
-            record_.surface = surface;
-        }
-        const shared::Material& material = scene_.materials[surface.material];
-        const Site site = siteOf(ray, *hit, surface);
-        const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
-        record_.color += throughput * (ambient + shadeLights(site, material, first));
-        if (material.mirror == glm::vec3(0) || record_.bounces >= environment.maxDepth) break;
-        throughput *= dvec3(material.mirror);
-        ray = rayFrom(site, reflect(site), std::numeric_limits<double>::infinity());
-        source = sourceOf(*hit);
+double PathTracer::contribution(const Branch& next) const {
+    const dvec3& t = next.throughput;
+    return std::max({t.x, t.y, t.z}) * static_cast<double>(scene_.environment.radianceBound);
+}
+
+// A throughput is a product of weights, each of them good to 8 roundings.
+bool PathTracer::isFollowed(const Branch& next) {
+    const double most = contribution(next);
+    const bool inDepth = next.depth <= scene_.environment.maxDepth;
+    const double seen = mover_.sway(most, 8.0 * next.depth);
+    if (inDepth && !(seen < static_cast<double>(scene_.environment.minContribution))) return true;
+    Lost& lost = inDepth ? record_.lost.cut : record_.lost.depth;
+    ++lost.count;
+    lost.bound += most;
+    return false;
+}
+
+// The branches of a surface: reflected, and for a dielectric refracted, or straight on where the surface does
+// not count. The one on the outer side comes first.
+void PathTracer::followOn(const Branch& branch, const Site& site, const shared::Material& material,
+                          const Passing& passing, const dvec3& throughput) {
+    const bool dielectric = material.medium != 0;
+    const double ratio = iorOf(scene_, passing.mediumBefore) / iorOf(scene_, passing.mediumAfter);
+    const dvec3 d = -site.view;
+    std::vector<Branch> next;
+    const auto add = [&](const dvec3& weight, const dvec3& direction, const Media& media) {
+        Branch b;
+        b.throughput = throughput * weight;
+        b.depth = branch.depth + 1;
+        if (!isFollowed(b)) return;
+        b.ray = rayFrom(site, direction, std::numeric_limits<double>::infinity());
+        b.source = site.source;
+        b.media = media;
+        next.push_back(b);
+    };
+    Interface interface;
+    interface.refracted = d;
+    const bool splits = dielectric && passing.real && ratio != 1;
+    if (splits) interface = meetInterface(d, site.n, site.s, ratio);
+    if (passing.real && (splits || material.mirror != glm::vec3(0)))
+        add(glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
+            splits ? interface.reflected : reflect(site), passing.before);
+    if (dielectric && !interface.total) {
+        const dvec3 part = passing.real ? dvec3(scene_.optics[material.medium - 1].transmission) : dvec3(1);
+        add((1 - interface.reflectance) * part, interface.refracted, passing.after);
     }
+    for (Branch& b : next) b.waiting = branch.waiting;
+    if (next.size() == 2) {
+        if (!site.entering) std::swap(next[0], next[1]);
+        if (branch.waiting >= shared::kMaxWaiting) {
+            const bool keepSecond = contribution(next[1]) > contribution(next[0]);
+            ++record_.lost.room.count;
+            record_.lost.room.bound += contribution(next[keepSecond ? 0 : 1]);
+            next.erase(next.begin() + (keepSecond ? 0 : 1));
+        } else {
+            ++next[0].waiting;
+        }
+    }
+    for (Branch& b : next) {
+        ++record_.bounces;
+        follow(std::move(b));
+    }
+}
+
+void PathTracer::follow(Branch branch) {
+    const shared::Environment& environment = scene_.environment;
+    const Ray& ray = branch.ray;
+    const bool first = record_.bounces == 0;
+    const std::optional<Hit> hit = closest(ray, branch.source);
+    record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
+    if (keepPath_)
+        record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});
+    if (!hit) {
+        const double endless = std::numeric_limits<double>::infinity();
+        record_.color += branch.throughput * beer(scene_, rulingMedium(scene_, branch.media), endless) *
+                         dvec3(environment.background);
+        return;
+    }
+    const Surface surface = tracer_.surface(ray, *hit);
+    if (keepPath_) record_.path.back().surface = surface;
+    if (first) {
+        record_.alpha = 1;
+        record_.hit = hit;
+        record_.surface = surface;
+    }
+    const shared::Material& material = scene_.materials[surface.material];
+    const Site site = siteOf(ray, *hit, surface);
+    const Passing passing = passingAt(scene_, branch.media, material.medium, site.entering);
+    record_.lost.crowdedMedia += passing.crowded ? 1 : 0;
+    const dvec3 throughput =
+        branch.throughput * beer(scene_, passing.mediumBefore, hit->t * glm::length(ray.direction));
+    if (passing.real) {
+        const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
+        record_.color += throughput * (ambient + shadeLights(site, material, passing.before, first));
+    }
+    followOn(branch, site, material, passing, throughput);
+}
+
+PixelRecord PathTracer::run(const Ray& cameraRay) {
+    Branch branch;
+    branch.ray = cameraRay;
+    branch.media = mediaAtEye(scene_.environment);
+    mover_.move(branch.ray, std::max(greatestCoordinate(cameraRay.origin), cameraRay.originScale));
+    record_.pathHash = kHashStart;
+    follow(std::move(branch));
     return std::move(record_);
 }
 

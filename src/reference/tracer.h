@@ -61,14 +61,15 @@ struct Surface {
 // 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
-// cone. seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within
+// cone, and each contribution before it is compared with the least that is followed. seed 0 and ulps 0: no
+// jitter. Deterministic for a seed. Where two primitives lie at the same t within
 // 16 * `ulps` * 2^-24 * t, either may be taken.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
 };
 
-// One step of a path, for `verify` and for picking.
+// One ray of a path's tree, in the order they are followed, for `verify` and for picking.
 struct Bounce {
     Ray ray;
     std::optional<Hit> hit;
@@ -76,15 +77,28 @@ struct Bounce {
     std::vector<uint8_t> occluded;  // per light: 1 if it faces the surface and its shadow ray is blocked
 };
 
+// Branches of one kind that were not followed, and the sum of what they could have brought.
+struct Lost {
+    uint32_t count = 0;
+    double bound = 0;
+};
+
+// See TreeLosses in scene/picture.h.
+struct Losses {
+    Lost cut, depth, room;
+    uint32_t crowdedMedia = 0;
+};
+
 struct PixelRecord {
     glm::dvec3 color{0};
     std::optional<Hit> hit;          // of the camera ray
     std::optional<Surface> surface;  // at that hit
     double alpha = 0;                // 1 if the camera ray hits anything
-    uint32_t bounces = 0;            // rays of the path after the camera ray
+    uint32_t bounces = 0;            // rays after the camera ray, of all branches
     uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
     uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/shading.md
     uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
+    Losses lost;
     std::vector<Bounce> path;
 };
 
@@ -98,7 +112,9 @@ class Tracer {
     std::optional<Hit> closest(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // True if anything is hit.
     bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
-    // The same by testing every primitive, without the BVH: the oracle's oracle.
+    // Every hit, nearest first.
+    std::vector<Hit> allHits(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
+    // The same as `closest` by testing every primitive, without the BVH: the oracle's oracle.
     std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;
 
     Surface surface(const Ray& ray, const Hit& hit) const;
@@ -107,8 +123,8 @@ class Tracer {
     // +0.5).
     Ray cameraRay(const shared::Camera& camera, double x, double y) const;
 
-    // Follows a camera ray through at most environment.maxDepth reflections. keepPath fills
-    // PixelRecord::path.
+    // Follows a camera ray through at most environment.maxDepth reflections and refractions in a row.
+    // keepPath fills PixelRecord::path.
     PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
 
   private:

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -25,14 +26,15 @@ constexpr double kFarPad = 1 + 8 * kUnitRoundoff;
 // that is left out.
 constexpr double kCullPad = 1 + 0x1p-30;
 
-// The best hit so far, a counter of boxes and primitives, and where the search is: the instance and what its
-// ids count from, kNone and 0 in the world.
+// The best hit so far, or in `all` every one, a counter of boxes and primitives, and where the search is: the
+// instance and what its ids count from, kNone and 0 in the world.
 struct Search {
     Hit best;
     uint64_t cost = 0;
     bool found = false;
     uint32_t instance = kNone;
     uint32_t idBase = 0;
+    std::vector<Hit>* all = nullptr;
 };
 
 // The world, as a ray was given to it.
@@ -119,6 +121,18 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         uint32_t id = 0, part = 0;
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id, part)) continue;
+        if (search.all) {
+            // What is hit more than once: again from there on.
+            PreparedRay rest = ray;
+            do {
+                const uint32_t primitive =
+                    kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
+                search.all->push_back(
+                    {root.t, root.u, root.v, primitive, id + search.idBase, search.instance});
+                rest.tMin = root.t;
+            } while (intersectPrimitive(scene, rest, kind, i, source, search.best.t, root, id, part));
+            continue;
+        }
         id += search.idBase;
         if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         if constexpr (!kAny) {
@@ -250,8 +264,10 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
 }
 
 template <bool kAny>
-Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from, uint64_t* cost) {
+Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from, uint64_t* cost,
+                   std::vector<Hit>* all = nullptr) {
     Search search;
+    search.all = all;
     const World world{scene, ray, from};
     const uint32_t source = from.instance == kNone ? from.primitive : kNone;
     const PreparedRay prepared(ray);
@@ -277,6 +293,14 @@ std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_
 
 bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {
     return searchScene<true>(scene_, ray, source, cost).found;
+}
+
+std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t* cost) const {
+    std::vector<Hit> hits;
+    searchScene<false>(scene_, ray, source, cost, &hits);
+    std::sort(hits.begin(), hits.end(),
+              [](const Hit& a, const Hit& b) { return std::pair(a.t, a.id) < std::pair(b.t, b.id); });
+    return hits;
 }
 
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {

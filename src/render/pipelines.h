@@ -15,7 +15,7 @@ enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade };
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {
-    bool aovs = false, cost = false, resume = false, shadowless = false;
+    bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
     auto operator<=>(const TraceModes&) const = default;
 };
 

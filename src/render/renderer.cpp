@@ -18,8 +18,10 @@ namespace {
 // lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// One slice's paths at most: 2^20 paths of 176 bytes stay within 256 MiB, and fill any GPU.
+// One slice's paths at most; they fill any GPU.
 constexpr uint32_t kMaxSlicePaths = 1u << 20;
+// Of path state: 2^20 paths of 176 bytes, or fewer where each has a tree of branches to keep.
+constexpr uint64_t kMaxPathBytes = 256ull << 20;
 constexpr uint32_t kFirstSliceTiles = 256;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
@@ -27,8 +29,9 @@ constexpr double kWholeSliceSeconds = 2.0;
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
     const uint64_t pathBytes = static_cast<uint64_t>(rows) * sizeof(RowEntry);
-    while (wanted > shared::kWorkgroupSize && (!gpu::fits(wanted * pathBytes, access, device.limits) ||
-                                               wanted * pathBytes > device.limits.memory / 4)) {
+    while (wanted > shared::kWorkgroupSize &&
+           (!gpu::fits(wanted * pathBytes, access, device.limits) ||
+            wanted * pathBytes > std::min<uint64_t>(device.limits.memory / 4, kMaxPathBytes))) {
         wanted /= 2;
     }
     return wanted;
@@ -55,7 +58,7 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 }
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
-// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2
+// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 5
 // kMaxLeafSize + 3 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
 // Besides, lavapipe enters each of the (at most 7) inner loops once in every trip of the outer one even with
 // no lane live, and the outer loop's trips are those of its longest lane: 7 (B + slack) more. The planes'
@@ -64,8 +67,22 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint32_t slack = 2 * shared::kMaxLeafSize + 3 + polygonTripsPerLeaf;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 8) - slack;
+    const uint32_t slack = 5 * shared::kMaxLeafSize + 3 + polygonTripsPerLeaf;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 9) - slack;
+}
+
+uint32_t commonRows(const TraceModes& modes) {
+    return modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+}
+
+// Rows of the path state: the common ones, the instances', those of the tree. At most one branch waits for
+// each ray from the eye to the one at hand.
+uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth) {
+    const uint32_t common = commonRows(modes) + (features.instances ? 1 : 0);
+    if (features.transmission)
+        return common + shared::kTreeRowWaiting +
+               std::clamp(maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
+    return common + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
 struct Renderer::State {
@@ -74,6 +91,7 @@ struct Renderer::State {
     Options options;
     gpu::Access access;
     uint32_t tripBudget;
+    SceneFeatures features;  // of the pipelines
     SceneBuffers buffers;
     gpu::Buffer counters;
     Pipelines pipelines;
@@ -94,8 +112,9 @@ struct Renderer::State {
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
-                    opts.leaveOut ? packed.features : allFeatures(), packed.methods),
+          features(opts.leaveOut ? packed.features : allFeatures()),
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features,
+                    packed.methods),
           submission(dev) {
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access);
@@ -108,10 +127,6 @@ struct Renderer::State {
     uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
     void reservePaths(uint32_t capacity, uint32_t rows);
     // One more for instances, where the kernels know of them.
-    uint32_t rowsFor(const TraceModes& modes) const {
-        const bool instances = !options.leaveOut || scene.features.instances;
-        return (modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows) + (instances ? 1 : 0);
-    }
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
@@ -119,11 +134,13 @@ struct Renderer::State {
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
+    shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
     bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
                      double progressFrom, double progressTo);
     bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
                       const TraceModes& modes);
     void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
+    void readLosses(const Slice& slice, double scale, uint32_t firstRow, TreeLosses& losses) const;
     void readData(const Slice& slice, Picture& picture) const;
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
     void writeRays(std::span<const RayInput> rays, const TraceModes& modes) const;
@@ -144,6 +161,20 @@ void Renderer::State::setEnvironment(const shared::Environment& wanted) {
     if (std::memcmp(&wanted, &environment, sizeof(wanted)) == 0) return;
     buffers.setEnvironment(device, wanted);
     environment = wanted;
+}
+
+shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
+                                                   const RenderSettings& settings) const {
+    shared::Environment wanted = scene.environment;
+    if (settings.maxDepth) wanted.maxDepth = *settings.maxDepth;
+    if (scene.features.transmission) {
+        const glm::uvec4 media = mediaAt(scene, glm::dvec3(camera.eye));
+        wanted.eyeMedium0 = media.x;
+        wanted.eyeMedium1 = media.y;
+        wanted.eyeMedium2 = media.z;
+        wanted.eyeMedium3 = media.w;
+    }
+    return wanted;
 }
 
 shared::Dispatch Renderer::State::dispatchFor(const Slice& slice) const {
@@ -260,7 +291,28 @@ void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settin
         if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
     }
     if (!picture.data.empty()) readData(slice, picture);
+    if (settings.ledger)
+        readLosses(slice, scale, picture.data.empty() ? shared::kPathRows : shared::kPathRowsWithAovs,
+                   picture.losses);
     times.readback += watch.seconds();
+}
+
+void Renderer::State::readLosses(const Slice& slice, double scale, uint32_t firstRow,
+                                 TreeLosses& losses) const {
+    const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
+    const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
+        glm::ivec2 pixel;
+        if (!slice.pixelOf(path, pixel)) continue;
+        LostBranches* const kinds[] = {&losses.cut, &losses.depth, &losses.room};
+        for (int kind = 0; kind < 3; ++kind) {
+            const double bound = sums[path].f[kind];
+            kinds[kind]->add(counts[path].u[kind], bound < shared::kInfinity
+                                                       ? bound * scale
+                                                       : std::numeric_limits<double>::infinity());
+        }
+        losses.crowdedMedia += counts[path].u[3];
+    }
 }
 
 // Aims below both bounds, and grows by at most 4: the next slice may be four times dearer a pixel than the
@@ -339,11 +391,16 @@ void Renderer::State::writeRays(std::span<const RayInput> rays, const TraceModes
     paths.writeRow(device, shared::kRowWalk, walk);
     paths.writeRow(device, shared::kRowThroughput, zeros);
     paths.writeRow(device, shared::kRowRadiance, zeros);
-    const uint32_t plainRows = modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
-    if (rowsFor(modes) == plainRows) return;
-    RowEntry none;
-    std::fill_n(none.u, 4, shared::kNone);
-    paths.writeRow(device, plainRows, std::vector<RowEntry>(paths.capacity(), none));
+    uint32_t further = commonRows(modes);
+    if (features.instances) {
+        RowEntry none;
+        std::fill_n(none.u, 4, shared::kNone);
+        paths.writeRow(device, further++, std::vector<RowEntry>(paths.capacity(), none));
+    }
+    if (features.transmission) {
+        paths.writeRow(device, further + shared::kTreeRowMedia, zeros);
+        paths.writeRow(device, further + shared::kTreeRowBranch, zeros);
+    }
 }
 
 void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits) {
@@ -397,11 +454,13 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     modes.cost = settings.cost;
     modes.aovs = settings.data || settings.cost;
     modes.shadowless = !settings.shadows;
+    modes.ledger = settings.ledger;
     if (modes.aovs) picture.data.resize(pixels);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
-    const uint32_t rows = s.rowsFor(modes);
+    const shared::Environment environment = s.environmentOf(camera, settings);
+    const uint32_t rows = pathRows(s.features, modes, environment.maxDepth);
     const uint32_t limit =
         fittingPaths(s.device.info(), s.access,
                      s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
@@ -410,8 +469,6 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
     s.buffers.setCamera(s.device, camera);
-    shared::Environment environment = s.scene.environment;
-    if (settings.maxDepth) environment.maxDepth = *settings.maxDepth;
     s.setEnvironment(environment);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
@@ -441,14 +498,15 @@ void Renderer::refreshLighting() {
 }
 
 std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any) {
-    constexpr size_t kBatch = 1u << 16;
+    const SceneFeatures& features = state_->features;
+    const size_t batchSize = features.transmission ? 1u << 13 : 1u << 16;
     std::vector<RayHit> hits(rays.size());
-    const size_t batch = std::min(kBatch, rays.size());
+    const size_t batch = std::min(batchSize, rays.size());
     const size_t groups = std::max<size_t>(1, (batch + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize);
     state_->reservePaths(static_cast<uint32_t>(groups) * shared::kWorkgroupSize,
-                         state_->rowsFor({.aovs = true}));
-    for (size_t first = 0; first < rays.size(); first += kBatch) {
-        const size_t count = std::min(kBatch, rays.size() - first);
+                         pathRows(features, {.aovs = true}, state_->environment.maxDepth));
+    for (size_t first = 0; first < rays.size(); first += batchSize) {
+        const size_t count = std::min(batchSize, rays.size() - first);
         state_->traceBatch(std::span(rays).subspan(first, count), any, std::span(hits).subspan(first, count));
     }
     return hits;

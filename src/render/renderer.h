@@ -41,6 +41,7 @@ struct RenderSettings {
     bool data = false;                 // fill Picture::data
     bool cost = false;                 // count boxes and primitives (PixelData::cost); implies data
     bool shadows = true;               // false: lights shine through everything
+    bool ledger = false;               // fill Picture::losses, and obey Environment::minContribution
     std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
     std::function<void(double)> progress;  // 0..1
     std::function<bool()> cancelled;       // asked between submissions

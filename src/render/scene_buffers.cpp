@@ -12,9 +12,10 @@ constexpr uint32_t kLightsBinding = 9;
 constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
 
-// Calls visit(binding, name, bytes) for each array of the scene; the camera comes later, by setCamera.
-template <typename Visit>
-void visitArrays(const PackedScene& scene, const Visit& visit) {
+// Calls visit(binding, name, bytes) for each array of the scene; the camera, which is not part of it, comes
+// later, by setCamera. A template, so that `requires` may ask.
+template <typename Packed, typename Visit>
+void visitArrays(const Packed& scene, const Visit& visit) {
     const shared::Camera camera;
     const auto bytesOf = [](const auto& array) {
         using Array = std::remove_cvref_t<decltype(array)>;
@@ -24,26 +25,11 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
             return std::as_bytes(std::span<const Array, 1>(&array, 1));
         }
     };
-    const struct {
-#define GLINT_FIELD(BINDING, field, Struct) std::span<const std::byte> field;
-        GLINT_SCENE_ARRAYS(GLINT_FIELD)
-#undef GLINT_FIELD
-    } arrays = {bytesOf(scene.nodes),
-                bytesOf(scene.triangles),
-                bytesOf(scene.triangleSurfaces),
-                bytesOf(scene.vertexNormals),
-                bytesOf(scene.spheres),
-                bytesOf(scene.planes),
-                bytesOf(scene.materials),
-                bytesOf(scene.lights),
-                bytesOf(scene.environment),
-                bytesOf(camera),
-                bytesOf(scene.discs),
-                bytesOf(scene.polygons),
-                bytesOf(scene.polygonVertices),
-                bytesOf(scene.quadrics),
-                bytesOf(scene.instances)};
-#define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
+#define GLINT_VISIT(BINDING, field, Struct)           \
+    if constexpr (requires { scene.field; })          \
+        visit(BINDING, #field, bytesOf(scene.field)); \
+    else                                              \
+        visit(BINDING, #field, bytesOf(camera));
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT
 }

@@ -28,6 +28,10 @@ inline constexpr double kMinUpSine = 1e-8;
 // The cosine of the angle between an oblique camera's plane normal and its view direction: rounding must not
 // decide on which side of the plane the viewer is.
 inline constexpr double kMinPlaneCosine = 1e-8;
+// Indices of refraction: beyond 1e4 either way fp32 cannot tell the refracted ray from the normal.
+inline constexpr double kMinIor = 1e-4;
+inline constexpr double kMaxIor = 1e4;
+inline constexpr int kMaxPriority = 1'000'000;
 // Degrees from a spot light's axis to where its light ends. The shader knows the direction of a light to a
 // few 2^-24, which is 1 % of 0.001 degrees.
 inline constexpr double kMinSpotAngle = 1e-3;

@@ -122,10 +122,45 @@ Light parseLight(const JsonCursor& light) {
     return directional;
 }
 
+// Given directly, or as the colour that is left after a distance: sigma = -ln(color) / distance.
+void parseAttenuation(const JsonCursor& material, Material& result) {
+    readColor(material, "attenuation", result.attenuation, nullptr);
+    const auto color = material.find("attenuationColor");
+    const auto distance = material.find("attenuationDistance");
+    if (!color && !distance) return;
+    if (material.find("attenuation"))
+        (color ? *color : *distance).fail("give \"attenuation\", or colour and distance, not both");
+    if (!color) distance->fail("needs \"attenuationColor\" with it");
+    if (!distance) color->fail("needs \"attenuationDistance\" with it");
+    const Color left = color->color();
+    const double length = distance->number();
+    if (!(std::min({left.x, left.y, left.z}) > 0 && std::max({left.x, left.y, left.z}) <= 1))
+        color->failWanted("must be above 0, and not above 1");
+    if (!(length > 0)) distance->failWanted("must be greater than 0");
+    // max: no -0 for white.
+    result.attenuation = glm::max(-glm::log(left) / length, Color(0));
+}
+
+void parseDielectric(const JsonCursor& material, Material& result) {
+    readColor(material, "transmission", result.transmission, "texture");
+    readInto(material, "ior", result.ior);
+    parseAttenuation(material, result);
+    readInteger(material, "priority", -kMaxPriority, kMaxPriority, result.priority);
+    // Glass scatters nothing unless told to.
+    if (result.transmission != Color(0)) result.diffuse = Color(0);
+}
+
+TransmissiveShadows readTransmissiveShadows(const JsonCursor& shadows) {
+    const std::string& name = shadows.string();
+    if (name != "colored" && name != "full") shadows.failWanted("must be \"colored\" or \"full\"");
+    return name == "full" ? TransmissiveShadows::Full : TransmissiveShadows::Colored;
+}
+
 Material parseMaterial(const JsonCursor& material, std::string_view name) {
     material.expectKeys(keys::kMaterial);
     Material result;
     result.name = name;
+    parseDielectric(material, result);
     readColor(material, "diffuse", result.diffuse, "texture");
     result.ambient = result.diffuse;
     readColor(material, "ambient", result.ambient, "texture");
@@ -166,6 +201,8 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     readColor(root, "background", scene.background, "environment");
     readColor(root, "ambient", scene.ambient, nullptr);
     readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
+    if (const auto shadows = root.find("transmissiveShadows"))
+        scene.transmissiveShadows = readTransmissiveShadows(*shadows);
     if (const auto lights = root.find("lights"))
         for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
     if (const auto materials = root.find("materials")) {

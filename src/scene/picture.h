@@ -37,6 +37,28 @@ struct PixelData {
     uint32_t shadowBits = 0;
 };
 
+// Branches of one kind that were not followed. Bounds are of what they could have added to the pixels, in any
+// channel; infinite where no bound is known.
+struct LostBranches {
+    uint64_t count = 0;
+    double sum = 0;       // over all pixels
+    double greatest = 0;  // in one pixel
+    void add(uint64_t branches, double bound) {
+        count += branches;
+        sum += bound;
+        greatest = bound > greatest ? bound : greatest;
+    }
+};
+
+// What a picture lacks of the whole tree of rays.
+struct TreeLosses {
+    LostBranches cut;    // below the least contribution asked for
+    LostBranches depth;  // beyond maxDepth
+    LostBranches room;   // more than could wait at a time
+    uint64_t crowdedMedia =
+        0;  // surfaces that a ray passed as if they were not there: it was in too many media
+};
+
 struct Picture {
     Region region;
     Image color;                  // region-sized, 4 channels: linear radiance and alpha
@@ -44,6 +66,7 @@ struct Picture {
     std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
     bool complete = true;
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
+    TreeLosses losses;       // the device's only if asked for
 
     const PixelData& at(int x, int y) const {
         return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];

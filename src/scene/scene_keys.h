@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, sizeof...(Names)> names(Names... list) {
 }
 inline constexpr auto kNothing = std::array<std::string_view, 0>{};
 inline constexpr auto kScene = names("$schema", "image", "camera", "background", "ambient", "maxDepth",
-                                     "lights", "materials", "meshes", "objects");
+                                     "transmissiveShadows", "lights", "materials", "meshes", "objects");
 inline constexpr auto kImage = names("width", "height", "samplesPerPixel");
 inline constexpr auto kPerspective =
     names("type", "eye", "target", "up", "planeNormal", "fovY", "window", "near", "far");
@@ -26,8 +26,9 @@ inline constexpr auto kPoint = names("type", "position", "intensity", "falloff")
 inline constexpr auto kDirectional = names("type", "direction", "intensity");
 inline constexpr auto kSpot =
     names("type", "position", "direction", "angle", "penumbra", "intensity", "falloff");
-inline constexpr auto kMaterial = names("ambient", "diffuse", "specular", "shininess", "mirror");
-inline constexpr auto kMaterialLater = names("transmission", "ior", "attenuation");
+inline constexpr auto kMaterial =
+    names("ambient", "diffuse", "specular", "shininess", "mirror", "transmission", "ior", "attenuation",
+          "attenuationColor", "attenuationDistance", "priority");
 inline constexpr auto kMesh = names("file");
 inline constexpr auto kSphere = names("type", "center", "radius", "material", "transform");
 inline constexpr auto kPlane = names("type", "point", "normal", "material", "transform");
@@ -55,7 +56,7 @@ inline constexpr KeyTable kOrthographic{"camera/orthographic", detail::kOrthogra
 inline constexpr KeyTable kPoint{"lights/point", detail::kPoint, detail::kNothing};
 inline constexpr KeyTable kDirectional{"lights/directional", detail::kDirectional, detail::kNothing};
 inline constexpr KeyTable kSpot{"lights/spot", detail::kSpot, detail::kNothing};
-inline constexpr KeyTable kMaterial{"material", detail::kMaterial, detail::kMaterialLater};
+inline constexpr KeyTable kMaterial{"material", detail::kMaterial, detail::kNothing};
 inline constexpr KeyTable kMesh{"mesh", detail::kMesh, detail::kNothing};
 inline constexpr KeyTable kSphere{"objects/sphere", detail::kSphere, detail::kNothing};
 inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothing};

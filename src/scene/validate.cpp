@@ -268,6 +268,14 @@ void validateMaterial(const Material& material, const Place& place) {
     checkColor(place, "mirror", material.mirror);
     if (greatest(material.mirror) > 1)
         place.fail("mirror", "must be from 0 to 1" + gotColor(material.mirror));
+    checkColor(place, "transmission", material.transmission);
+    if (greatest(material.transmission) > 1)
+        place.fail("transmission", "must be from 0 to 1" + gotColor(material.transmission));
+    if (!(material.ior >= kMinIor && material.ior <= kMaxIor))
+        place.fail("ior",
+                   "must be from " + describe(kMinIor) + " to " + describe(kMaxIor) + got(material.ior));
+    checkColor(place, "attenuation", material.attenuation);
+    checkInteger(place, "priority", material.priority, -kMaxPriority, kMaxPriority);
 }
 
 void validateShape(const Shape& shape, const Place& place, size_t materialCount) {

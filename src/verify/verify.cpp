@@ -144,6 +144,7 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         settings.height = options.height;
         settings.sampleOffsets = {options.sampleOffsets[sample]};
         settings.data = true;
+        settings.ledger = scene.environment.minContribution > 0;
         settings.cancelled = options.cancelled;
         const Picture device = renderer.render(camera, settings);
         const Comparison comparison(scene, camera, options, device, sample);

@@ -40,8 +40,8 @@ const Bad kScenes[] = {
      ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, disc, "
      "triangle, "
      "polygon, mesh)"},
-    {"unsupportedMaterial", "a.json", R"({"materials": {"glass": {"transmission": 1}}})",
-     ": /materials/glass/transmission: \"transmission\" is not supported by this version"},
+    {"transmission", "a.json", R"({"materials": {"glass": {"transmission": 2}}})",
+     ": /materials/glass/transmission: must be from 0 to 1 (got 2)"},
     {"spot", "a.json",
      R"({"lights": [{"type": "spot", "position": [0,1,0], "direction": [0,-1,0], "angle": 200}]})",
      ": /lights/0/angle: must be from 0 to 180 degrees (got 200)"},

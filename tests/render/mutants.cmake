@@ -31,8 +31,12 @@ mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originSte
        "x * camera.originStepX - y * camera.originStepY" generate)
 mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
 mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
-mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
+mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
+mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
+mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
+mutant(inner_first tree.glsl "bool mirrorFirst = both ? entering : reflects;" "bool mirrorFirst = both ? !entering : reflects;" shade)
+mutant(one_way_beer passage.glsl "surface.normal, ray.direction) > 0.0 ? -way : way" "surface.normal, ray.direction) > 0.0 ? 0.0 : way" light)

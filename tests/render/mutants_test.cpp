@@ -82,15 +82,14 @@ TEST_P(MutantTest, isFound) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, MutantTest,
-    testing::Values(Defect{"edge_sign", "triangles"}, Defect{"wrong_weight", "knot"},
-                    Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
-                    Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
-                    Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
-                    Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
-                    Defect{"quadric_disc", "quadrics"}, Defect{"flipped_film", "orthographic"},
-                    Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"},
-                    Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene},
-                    Defect{"not_finite", "spheres"}),
+    testing::Values(
+        Defect{"edge_sign", "triangles"}, Defect{"wrong_weight", "knot"}, Defect{kTieRule, kDecalScene},
+        Defect{"small_boxes", "knot"}, Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
+        Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene}, Defect{"disc_rim", "discs"},
+        Defect{"polygon_side", "polygons"}, Defect{"flipped_film", "orthographic"},
+        Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
+        Defect{"mirror_sign", kMirrorScene}, Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"},
+        Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace

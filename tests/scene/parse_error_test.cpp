@@ -48,7 +48,9 @@ const Case kStructure[] = {
     {"duplicateKey", R"({"ambient": 1, "ambient": 2})",
      R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
-     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror)"},
+     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, "
+     "transmission, "
+     "ior, attenuation, ...)"},
 };
 
 const Case kTypes[] = {
@@ -66,8 +68,24 @@ const Case kTypes[] = {
      R"(s.json: /lights/0/type: unknown light type "area" (supported: point, directional, spot))"},
     {"spotWithoutAngle", R"({"lights": [{"type": "spot", "position": [0, 0, 0], "direction": [0, -1, 0]}]})",
      R"(s.json: /lights/0: missing key "angle")"},
-    {"laterTransmission", R"({"materials": {"glass": {"transmission": 1}}})",
-     R"(s.json: /materials/glass/transmission: "transmission" is not supported by this version)"},
+    {"transmissionAboveOne", R"({"materials": {"glass": {"transmission": [0.5, 1.5, 1]}}})",
+     "s.json: /materials/glass/transmission: must be from 0 to 1 (got [0.5, 1.5, 1])"},
+    {"iorZero", R"({"materials": {"glass": {"transmission": 1, "ior": 0}}})",
+     "s.json: /materials/glass/ior: must be from 1e-04 to 10000 (got 0)"},
+    {"attenuationTwice",
+     R"({"materials": {"g": {"attenuation": 1, "attenuationColor": 0.5, "attenuationDistance": 1}}})",
+     R"(s.json: /materials/g/attenuationColor: give "attenuation", or colour and distance, not both)"},
+    {"attenuationWithoutDistance", R"({"materials": {"g": {"attenuationColor": 0.5}}})",
+     R"(s.json: /materials/g/attenuationColor: needs "attenuationDistance" with it)"},
+    {"attenuationDistanceZero",
+     R"({"materials": {"g": {"attenuationColor": 0.5, "attenuationDistance": 0}}})",
+     "s.json: /materials/g/attenuationDistance: must be greater than 0 (got 0)"},
+    {"attenuationBlack", R"({"materials": {"g": {"attenuationColor": 0, "attenuationDistance": 1}}})",
+     "s.json: /materials/g/attenuationColor: must be above 0, and not above 1 (got 0)"},
+    {"priorityBroken", R"({"materials": {"g": {"priority": 0.5}}})",
+     "s.json: /materials/g/priority: must be a whole number from -1000000 to 1000000 (got 0.5)"},
+    {"transmissiveShadows", R"({"transmissiveShadows": "soft"})",
+     R"(s.json: /transmissiveShadows: must be "colored" or "full" (got "soft"))"},
     {"laterTexture", R"({"materials": {"globe": {"diffuse": {"texture": "earth.jpg"}}}})",
      R"(s.json: /materials/globe/diffuse: "texture" is not supported by this version (give a number or [r, g, b]))"},
     {"laterEnvironment", R"({"background": {"environment": "sky.hdr"}})",

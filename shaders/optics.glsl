@@ -1,0 +1,131 @@
+// Dielectrics: which media a ray is in, what a surface makes of them, Snell's law and Fresnel's reflectance (docs/shading.md).
+#ifndef GLINT_OPTICS_GLSL
+#define GLINT_OPTICS_GLSL
+
+#include "surface.glsl"
+
+// Of a medium as Material::medium numbers them; not of 0, air, for which anything may come back.
+Optics opticsOf(uint medium) { return loadOptics(medium == 0u ? 0u : medium - 1u); }
+
+float iorOf(uint medium) { return medium == 0u ? 1.0 : opticsOf(medium).ior; }
+
+vec3 attenuationOf(uint medium) { return medium == 0u ? vec3(0.0) : opticsOf(medium).attenuation; }
+
+// ---- Lists of media: oldest first, 0 where they have ended ----
+
+void prefer(uint medium, inout uint best, inout uint bestRank) {
+    uint rank = medium == 0u ? 0u : opticsOf(medium).rank;
+    bool better = medium != 0u && rank >= bestRank;
+    best = better ? medium : best;
+    bestRank = better ? rank : bestRank;
+}
+
+// The medium that counts where several overlap: of the greatest priority the one entered last (C. Schmidt, B. Budge, "Simple Nested Dielectrics
+// in Ray Traced Images", Journal of Graphics Tools 7(2), 2002; the rule for equal priorities is glint's).
+uint ruling(uvec4 media) {
+    uint best = 0u;
+    uint bestRank = 0u;
+    prefer(media.x, best, bestRank);
+    prefer(media.y, best, bestRank);
+    prefer(media.z, best, bestRank);
+    prefer(media.w, best, bestRank);
+    return best;
+}
+
+// Unchanged if the list is full.
+uvec4 withMedium(uvec4 media, uint medium) {
+    bvec4 full = notEqual(media, uvec4(0u));
+    return uvec4(full.x ? media.x : medium, full.y ? media.y : (full.x ? medium : 0u), full.z ? media.z : (full.y ? medium : 0u),
+                 full.w ? media.w : (full.z ? medium : 0u));
+}
+
+// Without the last entry that is `medium`.
+uvec4 withoutMedium(uvec4 media, uint medium) {
+    bvec4 same = equal(media, uvec4(medium));
+    uint at = same.w ? 3u : (same.z ? 2u : (same.y ? 1u : (same.x ? 0u : 4u)));
+    return uvec4(at == 0u ? media.y : media.x, at <= 1u ? media.z : media.y, at <= 2u ? media.w : media.z, at <= 3u ? 0u : media.w);
+}
+
+struct Crossing {
+    uvec4 before;       // media on the ray's side of the surface
+    uvec4 after;        // and behind it
+    uint mediumBefore;  // those that rule there
+    uint mediumAfter;
+    bool counts;    // false: the surface lies inside a medium of greater priority, and the ray goes on as if it were not there
+    bool crowded;   // the list had no room for one more
+};
+
+// medium: the surface's, 0 if it is no dielectric. A ray that leaves what it has not entered has been in it from its start.
+Crossing crossingAt(uvec4 media, uint medium, bool entering) {
+    bool known = any(equal(media, uvec4(medium)));
+    bool full = media.w != 0u;
+    Crossing c;
+    c.before = medium != 0u && !entering && !known ? withMedium(media, medium) : media;
+    c.after = medium == 0u ? media : (entering ? withMedium(media, medium) : withoutMedium(c.before, medium));
+    c.mediumBefore = ruling(c.before);
+    c.mediumAfter = ruling(c.after);
+    c.counts = medium == 0u || c.mediumBefore != c.mediumAfter;
+    c.crowded = medium != 0u && full && (entering || !known);
+    return c;
+}
+
+// What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen Fluessigkeiten", 1852).
+vec3 fading(uint medium, float way) {
+    if (!FEATURE_ATTENUATION) return vec3(1.0);
+    vec3 attenuation = attenuationOf(medium);
+    // exp(-120) is no normal float.
+    vec3 left = exp(-min(attenuation * min(way, kInfinity), vec3(120.0)));
+    return mix(left, vec3(1.0), equal(attenuation, vec3(0.0)));
+}
+
+// ---- Reflection and refraction ----
+
+struct Split {
+    vec3 reflected;     // unit
+    vec3 refracted;     // unit; meaningless if total
+    float reflectance;  // of unpolarised light; 1 if total
+    bool total;         // total internal reflection
+};
+
+// About the unit normal m, m.d < 0, with eta the refractive index on d's side over that on the other (Born & Wolf, Principles of Optics, sec. 1.5.2;
+// Pharr, Jakob, Humphreys, PBRT 4th ed., sec. 9.3). sin^2 from (1 - c)(1 + c): 1 - c^2 has nothing left of a small angle's.
+Split splitAbout(vec3 m, vec3 d, float eta) {
+    precise float c = min(-dot(d, m), 1.0);
+    precise float sinSquare = (1.0 - c) * (1.0 + c);
+    precise float sinSquareAfter = (eta * eta) * sinSquare;
+    precise float cAfter = sqrt(max(1.0 - sinSquareAfter, 0.0));
+    precise float along = (c - eta * cAfter) / (c + eta * cAfter);
+    precise float across = (eta * c - cAfter) / (eta * c + cAfter);
+    precise vec3 reflected = d + (2.0 * c) * m;
+    precise vec3 refracted = eta * d + (eta * c - cAfter) * m;
+    Split s;
+    s.total = sinSquareAfter >= 1.0;
+    s.reflectance = s.total ? 1.0 : 0.5 * (along * along + across * across);
+    s.reflected = reflected / length(reflected);
+    s.refracted = refracted / length(refracted);
+    return s;
+}
+
+// Normals turned against d. About the geometric normal where the shading normal would send a branch to the wrong side.
+Split splitAt(Surface surface, vec3 d, float eta) {
+    Split s = splitAbout(surface.shadingNormal, d, eta);
+    if (FEATURE_VERTEX_NORMALS) {
+        bool sound = dot(d, surface.shadingNormal) < 0.0 && dot(s.reflected, surface.normal) > 0.0 &&
+                     (s.total || dot(s.refracted, surface.normal) < 0.0);
+        Split flatSplit = splitAbout(surface.normal, d, eta);
+        if (!sound) s = flatSplit;
+    }
+    if (eta == 1.0) s = Split(s.reflected, d, 0.0, false);
+    return s;
+}
+
+// The mirrored direction; about the geometric normal where the shading normal would send it through the surface.
+vec3 mirrored(Surface surface, vec3 direction) {
+    precise vec3 r = direction - 2.0 * dot(direction, surface.shadingNormal) * surface.shadingNormal;
+    precise vec3 aboutNormal = direction - 2.0 * dot(direction, surface.normal) * surface.normal;
+    precise vec3 chosen = dot(r, surface.normal) > 0.0 ? r : aboutNormal;
+    precise vec3 unit = chosen / length(chosen);
+    return unit;
+}
+
+#endif

@@ -1,0 +1,45 @@
+// What a shadow ray keeps of its light where it goes through dielectrics: straight on, without refraction. The optical depth is a sum over the
+// surfaces it crosses, so their order does not matter, and the walk through the BVH may be cut and resumed anywhere.
+#ifndef GLINT_PASSAGE_GLSL
+#define GLINT_PASSAGE_GLSL
+
+#include "optics.glsl"
+
+struct Passage {
+    vec3 depth;   // optical depth so far
+    float reach;  // t of the light, 0 for one infinitely far away
+    float scale;  // length of a unit of t
+};
+
+// The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters; a light that is itself inside
+// is a last one where it leaves, so every t is counted from the light. media: those that the ray starts in.
+Passage startPassage(uvec4 media, float reach, float scale) {
+    Passage passage = Passage(vec3(0.0), reach, scale);
+    if (FEATURE_ATTENUATION) {
+        vec3 sum = attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
+        passage.depth = sum * (reach * scale);
+    }
+    return passage;
+}
+
+// False if the surface is opaque. The ray is in the coordinates of the hit primitive, which side it is on is the same in all.
+bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
+    Instance instance;
+    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
+    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
+    Surface surface = surfaceOfKind(kind, ray, hit, instance);
+    if (inInstance && instance.material != kNone) surface.material = instance.material;
+    uint medium = loadMaterial(surface.material).medium;
+    Optics optics = opticsOf(medium);
+    vec3 depth = optics.density;
+    if (FEATURE_ATTENUATION) {
+        float way = (passage.reach - hit.t) * passage.scale;
+        depth += optics.attenuation * (dot(surface.normal, ray.direction) > 0.0 ? -way : way);
+    }
+    if (medium != 0u) passage.depth += depth;
+    return medium != 0u;
+}
+
+vec3 lightLeft(Passage passage) { return mix(exp(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0))); }
+
+#endif

@@ -1,0 +1,47 @@
+// Dielectrics for the reference: lists of media, and what a surface does to a ray. Formulas in
+// docs/shading.md.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "bvh/packed_scene.h"
+
+namespace glint::reference {
+
+// The media that a ray is inside of, oldest first; numbers as in shared::Material::medium.
+using Media = std::vector<uint32_t>;
+
+Media mediaAtEye(const shared::Environment& environment);
+
+// The one that counts: of the greatest priority the one entered last. 0, air, of none.
+uint32_t rulingMedium(const PackedScene& scene, const Media& media);
+
+double iorOf(const PackedScene& scene, uint32_t medium);
+glm::dvec3 attenuationOf(const PackedScene& scene, uint32_t medium);
+
+// What a way of `length` through a medium leaves of light.
+glm::dvec3 beer(const PackedScene& scene, uint32_t medium, double length);
+
+struct Passing {
+    Media before, after;
+    uint32_t mediumBefore = 0, mediumAfter = 0;
+    bool real = true;      // the surface counts
+    bool crowded = false;  // a medium found no room in the list
+};
+
+// A ray inside `media` meets a surface of `medium` (0: no dielectric).
+Passing passingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering);
+
+struct Interface {
+    bool total = false;                     // all light is reflected
+    double reflectance = 0;                 // of unpolarised light
+    glm::dvec3 reflected{0}, refracted{0};  // unit
+};
+
+// d: unit; n: geometric, s: shading normal, unit, against d; ratio: the refractive index on d's side over
+// that behind the surface.
+Interface meetInterface(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio);
+
+}  // namespace glint::reference

@@ -1,0 +1,50 @@
+// Random movements of the size of rounding, see struct Jitter.
+#pragma once
+
+#include "reference/tracer.h"
+
+namespace glint::reference {
+
+// Moves rays as struct Jitter says. splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom
+// Number Generators", OOPSLA 2014.
+class RayMover {
+  public:
+    explicit RayMover(const Jitter& jitter) : state_(jitter.seed), step_(jitter.ulps * 0x1p-24) {}
+
+    void move(Ray& ray, double scale) {
+        if (step_ == 0) return;
+        for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
+        turn(ray.direction, ray.directionScale);
+    }
+
+    void turn(glm::dvec3& direction, double scale) {
+        if (step_ == 0) return;
+        const double length = scale * glm::length(direction);
+        for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
+    }
+
+    // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
+    // verify/explain.cpp).
+    double tieWidth() const { return 16 * step_; }
+    bool coin() { return next() < 0; }
+    // Something that has gone through `roundings`.
+    double sway(double value, double roundings) {
+        return step_ == 0 ? value : value * (1 + roundings * step_ * next());
+    }
+
+  private:
+    // Uniform in [-1, 1).
+    double next() {
+        state_ += 0x9e3779b97f4a7c15u;
+        uint64_t z = state_;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        z ^= z >> 31;
+        return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+    }
+
+    uint64_t state_;
+    double step_;
+};
+
+}  // namespace glint::reference

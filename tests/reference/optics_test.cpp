@@ -1,0 +1,148 @@
+// Dielectrics of the reference: Snell, Fresnel, total reflection, slabs and lists of media, against closed
+// forms.
+#include "reference/optics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "reference/tracer.h"
+#include "scene_maker.h"
+
+namespace glint::reference::test {
+namespace {
+
+using glm::dvec3;
+
+// Meets the plane z = 0 from above at the angle of this cosine.
+Interface meet(double cosine, double ratio) {
+    const dvec3 up(0, 0, 1);
+    return meetInterface({std::sqrt((1 - cosine) * (1 + cosine)), 0, -cosine}, up, up, ratio);
+}
+
+// NUMERICS T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
+TEST(OpticsTest, reflectanceOfGlass) {
+    EXPECT_NEAR(meet(1, 1 / 1.5).reflectance, 0.04, 1e-15);
+    EXPECT_NEAR(meet(0.5, 1 / 1.5).reflectance, 0.0891867128022, 1e-13);
+    EXPECT_NEAR(meet(1e-2, 1 / 1.5).reflectance, 0.943752543486, 1e-12);
+    EXPECT_NEAR(meet(1e-4, 1 / 1.5).reflectance, 0.999418816275, 1e-12);
+    EXPECT_NEAR(meet(0.554700196225, 1 / 1.5).reflectance, 0.0739644970414, 1e-12);
+}
+
+TEST(OpticsTest, reflectanceIsTheSameBothWays) {
+    for (double cosine = 0.02; cosine < 1; cosine += 0.07) {
+        const Interface in = meet(cosine, 1 / 1.5);
+        const double behind = -in.refracted.z;
+        EXPECT_NEAR(meet(behind, 1.5).reflectance, in.reflectance, 1e-12) << cosine;
+        // Snell: n sin.
+        EXPECT_NEAR(1.5 * in.refracted.x, std::sqrt(1 - cosine * cosine), 8e-15) << cosine;
+    }
+}
+
+// NUMERICS T86: the two floats on either side of the critical cosine sqrt(1 - 1/1.5^2).
+TEST(OpticsTest, totalReflectionBeginsAtTheCriticalAngle) {
+    EXPECT_TRUE(meet(double(0.74535596f), 1.5).total);
+    EXPECT_FALSE(meet(double(std::nextafter(0.74535596f, 1.0f)), 1.5).total);
+    EXPECT_EQ(meet(0.7, 1.5).reflectance, 1);
+    const double degree = std::numbers::pi / 180;
+    struct Critical {
+        double ior, angle;
+    };
+    for (const Critical& c :
+         {Critical{1.5, 41.8103148957786}, Critical{1.33, 48.7534666313}, Critical{2.417, 24.4397438659}}) {
+        EXPECT_FALSE(meet(std::cos((c.angle - 1e-8) * degree), c.ior).total);
+        EXPECT_TRUE(meet(std::cos((c.angle + 1e-8) * degree), c.ior).total);
+    }
+}
+
+// The shading normal leans so far that the refracted ray would come out in front.
+TEST(OpticsTest, geometricNormalWhereTheShadingNormalFails) {
+    const dvec3 n(0, 0, 1), d = glm::normalize(dvec3(1, 0, -0.05)), s = glm::normalize(dvec3(1, 0, 0.04));
+    const Interface leaning = meetInterface(d, n, s, 1 / 1.5), flat = meetInterface(d, n, n, 1 / 1.5);
+    EXPECT_EQ(leaning.refracted, flat.refracted);
+    EXPECT_EQ(leaning.reflectance, flat.reflectance);
+}
+
+uint32_t addGlass(PackedScene& scene, uint32_t material, float ior, int priority, const glm::vec3& sigma) {
+    shared::Optics optics;
+    optics.transmission = glm::vec3(1);
+    optics.ior = ior;
+    optics.attenuation = sigma;
+    optics.rank = shared::kRankOfZero + static_cast<uint32_t>(priority);
+    scene.optics.push_back(optics);
+    const auto medium = static_cast<uint32_t>(scene.optics.size());
+    if (material < scene.materials.size()) scene.materials[material].medium = medium;
+    scene.features.transmission = true;
+    return medium;
+}
+
+// NUMERICS T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2 a)).
+TEST(OpticsTest, slabShiftsARay) {
+    SceneMaker maker;
+    maker.plane({0, 0, 0}, {0, 0, 1});
+    maker.plane({0, 0, -1}, {0, 0, -1});
+    maker.environment.maxDepth = 2;
+    PackedScene scene = maker.finish();
+    addGlass(scene, 0, 1.5f, 0, glm::vec3(0));
+    const double a = std::numbers::pi / 3;
+    const Ray ray = makeRay({0, 0, 1}, {std::sin(a), 0, -std::cos(a)});
+    const PixelRecord record = Tracer(scene).trace(ray, {}, true);
+    // Camera ray; reflected outside; refracted inside; out below; reflected inside is beyond the depth.
+    ASSERT_EQ(record.path.size(), 5u);
+    const Ray& out = record.path[3].ray;
+    EXPECT_LT(glm::length(out.direction - ray.direction), 1e-14);
+    const dvec3 offset = out.origin - ray.origin;
+    const double shift = glm::length(offset - glm::dot(offset, ray.direction) * ray.direction);
+    EXPECT_NEAR(shift, 0.512472013191, 1e-11);
+    EXPECT_EQ(record.bounces, 4u);
+    EXPECT_EQ(record.lost.depth.count, 2u);  // both branches where the last one meets the upper face
+}
+
+TEST(OpticsTest, greatestPriorityRules) {
+    PackedScene scene;
+    const uint32_t water = addGlass(scene, 9, 1.33f, 0, glm::vec3(0));
+    const uint32_t glass = addGlass(scene, 9, 1.5f, 1, glm::vec3(0));
+    const uint32_t oil = addGlass(scene, 9, 1.4f, 0, glm::vec3(0));
+    EXPECT_EQ(rulingMedium(scene, {}), 0u);
+    EXPECT_EQ(rulingMedium(scene, {glass, water}), glass);
+    EXPECT_EQ(rulingMedium(scene, {water, oil}), oil);
+    EXPECT_EQ(rulingMedium(scene, {oil, water}), water);
+    // Water inside of glass is not noticed until the glass is left.
+    EXPECT_FALSE(passingAt(scene, {glass}, water, true).real);
+    const Passing out = passingAt(scene, {glass, water}, glass, false);
+    EXPECT_TRUE(out.real);
+    EXPECT_EQ(out.mediumBefore, glass);
+    EXPECT_EQ(out.mediumAfter, water);
+    // What is left without having been entered was there from the start.
+    const Passing unknown = passingAt(scene, {}, glass, false);
+    EXPECT_EQ(unknown.mediumBefore, glass);
+    EXPECT_EQ(unknown.mediumAfter, 0u);
+    // Two of a kind are one.
+    EXPECT_FALSE(passingAt(scene, {glass}, glass, true).real);
+    EXPECT_FALSE(passingAt(scene, {glass, glass}, glass, false).real);
+    EXPECT_EQ(passingAt(scene, {glass, water, oil, glass}, glass, false).after, (Media{glass, water, oil}));
+    const Passing crowded = passingAt(scene, {water, water, oil, oil}, glass, true);
+    EXPECT_TRUE(crowded.crowded);
+    EXPECT_FALSE(crowded.real);
+}
+
+// A ball of radius 1 in front of a white background, looked at through its middle: each way through it is 2
+// long and R = 0.04. The series of ever more inner reflections in closed form, up to the depth.
+TEST(OpticsTest, fadingThroughABall) {
+    SceneMaker maker;
+    maker.sphere({0, 0, 0}, 1);
+    maker.environment.maxDepth = 30;
+    maker.environment.background = glm::vec3(1);
+    PackedScene scene = maker.finish();
+    addGlass(scene, 0, 1.5f, 0, {0.1f, 1, 0});
+    const PixelRecord record = Tracer(scene).trace(makeRay({0, 0, 5}, {0, 0, -1}));
+    for (int c = 0; c < 3; ++c) {
+        const double way = std::exp(-2.0 * static_cast<double>(scene.optics[0].attenuation[c]));
+        const double r = 0.04, expected = r + (1 - r) * (1 - r) * way / (1 - r * way);
+        EXPECT_NEAR(record.color[c], expected, 1e-9) << c;
+    }
+}
+
+}  // namespace
+}  // namespace glint::reference::test

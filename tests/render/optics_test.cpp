@@ -1,0 +1,293 @@
+// Dielectrics on the device, against closed forms and against the reference.
+#include <cmath>
+#include <numbers>
+
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+class OpticsTest : public RenderTest {
+  protected:
+    static Picture drawWithLosses(const Case& c, const Options& options = {}) {
+        Renderer renderer(device(), c.packed, options);
+        RenderSettings settings;
+        settings.width = c.width;
+        settings.height = c.height;
+        settings.data = true;
+        settings.ledger = true;
+        return renderer.render(c.camera, settings);
+    }
+    static float channel(const Picture& picture, int c = 0) { return picture.color.at(0, 0, c); }
+};
+
+uint32_t addGlass(Scene& scene, double ior, const Color& transmission = Color(1), int priority = 0) {
+    Material glass;
+    glass.ambient = glass.diffuse = Color(0);
+    glass.transmission = transmission;
+    glass.ior = ior;
+    glass.priority = priority;
+    scene.materials.push_back(glass);
+    return static_cast<uint32_t>(scene.materials.size()) - 1;
+}
+
+uint32_t addPaint(Scene& scene, const Color& ambient) {
+    const uint32_t paint = addMaterial(scene, Color(0));
+    scene.materials[paint].ambient = ambient;
+    return paint;
+}
+
+// One pixel of parallel light along `direction` through `eye`.
+void look(Scene& scene, const dvec3& eye, const dvec3& direction) {
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.eye = eye;
+    scene.camera.target = eye + direction;
+    scene.camera.up = {0, 0, 1};
+    scene.camera.height = 1e-3;
+}
+
+void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material) {
+    std::vector<dvec3> corners;
+    for (int i = 0; i < 8; ++i)
+        corners.push_back({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
+    addMesh(scene, corners,
+            {{0, 2, 3},
+             {0, 3, 1},
+             {4, 5, 7},
+             {4, 7, 6},
+             {0, 1, 5},
+             {0, 5, 4},
+             {2, 6, 7},
+             {2, 7, 3},
+             {0, 4, 6},
+             {0, 6, 2},
+             {1, 3, 7},
+             {1, 7, 5}},
+            material);
+}
+
+// NUMERICS T91. What is refracted ends on black, so a white sky shows the reflectance alone. Its slope in the
+// cosine is below 6, and a cosine good to 16 u.
+TEST_F(OpticsTest, reflectanceOfGlass) {
+    struct Point {
+        double cosine, reflectance;
+    };
+    for (const Point& p : {Point{1, .04}, Point{.5, .0891867128022}, Point{1e-2, .943752543486},
+                           Point{1e-4, .999418816275}, Point{.554700196225, .0739644970414}}) {
+        Scene scene = emptyScene();
+        scene.background = Color(1);
+        scene.maxDepth = 1;
+        addPlane(scene, {0, 0, 0}, {0, 1, 0}, addGlass(scene, 1.5));
+        addPlane(scene, {0, -1, 0}, {0, 1, 0}, addPaint(scene, Color(0)));
+        const double sine = std::sqrt((1 - p.cosine) * (1 + p.cosine));
+        look(scene, {-sine, p.cosine, 0}, {sine, -p.cosine, 0});
+        EXPECT_NEAR(channel(draw(device(), makeCase(scene, 1, 1))), p.reflectance, 6 * 16 * 0x1p-24 + 1e-6)
+            << p.cosine;
+    }
+}
+
+// NUMERICS T86. From below the surface the sky is seen up to the critical angle and no farther; the eye's own
+// medium is found by packing.
+TEST_F(OpticsTest, totalReflectionFromTheCriticalAngleOn) {
+    for (double ior : {1.33, 1.5, 2.417}) {
+        for (double side : {-1.0, 1.0}) {
+            const double angle = std::asin(1 / ior) + side * 1e-4;
+            Scene scene = emptyScene();
+            scene.background = Color(1);
+            addPlane(scene, {0, 0, 0}, {0, 1, 0}, addGlass(scene, ior));
+            addPlane(scene, {0, -2, 0}, {0, 1, 0}, addPaint(scene, Color(0)));
+            look(scene, {0, -1, 0}, {std::sin(angle), std::cos(angle), 0});
+            const float seen = channel(draw(device(), makeCase(scene, 1, 1)));
+            if (side > 0) {
+                EXPECT_EQ(seen, 0) << ior;
+                continue;
+            }
+            const double c = std::cos(angle), after = std::sqrt(1 - std::pow(ior * std::sin(angle), 2));
+            const double across = (ior * c - after) / (ior * c + after);
+            const double along = (c - ior * after) / (c + ior * after);
+            // 1 - R has a slope of up to 1 / (1e-4 rad) in a direction good to 16 u.
+            EXPECT_NEAR(seen, 1 - (across * across + along * along) / 2,
+                        16 * 0x1p-24 * ior * ior * 1e4 + 1e-6);
+        }
+    }
+}
+
+// NUMERICS T88: what is of the same index is not there at all, to the bit, where nothing behind it depends on
+// the point that is hit.
+TEST_F(OpticsTest, slabOfIndexOneChangesNothing) {
+    Scene scene = emptyScene();
+    scene.background = {0.3, 0.6, 0.9};
+    scene.ambient = Color(0.7);
+    const uint32_t paint = addPaint(scene, {0.9, 0.4, 0.2}), slab = addGlass(scene, 1);
+    addSphere(scene, {0.2, 0, -2}, 1, paint);
+    const Picture without = draw(device(), makeCase(scene, 40, 30));
+    addBox(scene, {-1, -1, 0}, {1, 1.2, 0.3}, slab);
+    const Picture with = draw(device(), makeCase(scene, 40, 30));
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x)
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(without.color.at(x, y, c), with.color.at(x, y, c));
+}
+
+// NUMERICS T89: seen through a slab of thickness 1 at 60 degrees, the edge of a screen appears 0.512472013191
+// to the side.
+TEST_F(OpticsTest, slabShiftsWhatIsBehind) {
+    const double a = std::numbers::pi / 3, shift = 0.512472013191;
+    const dvec3 d(std::sin(a), -std::cos(a), 0), side(-std::cos(a), -std::sin(a), 0);
+    for (double nudge : {-1e-4, 1e-4}) {
+        Scene scene = emptyScene();
+        scene.maxDepth = 2;
+        scene.ambient = Color(1);
+        const uint32_t glass = addGlass(scene, 1.5), white = addPaint(scene, Color(1));
+        addBox(scene, {-10, -1, -10.5}, {10.25, 0, 10}, glass);
+        // In the plane through the unshifted ray, white on the side that the ray is shifted to, beyond the
+        // shift.
+        const dvec3 edge = 4.0 * d + (shift + nudge) * side;
+        const dvec3 z(0, 0, 5);
+        addPolygon(scene, {edge - z, edge + z, edge + 5.0 * side + z, edge + 5.0 * side - z}, white);
+        look(scene, -d, d);
+        const float seen = channel(draw(device(), makeCase(scene, 1, 1)));
+        const double through = std::pow(1 - 0.0891867128022, 2);
+        EXPECT_NEAR(seen, nudge < 0 ? through : 0, 1e-5);
+    }
+}
+
+Scene shadowScene(const Light& light) {
+    Scene scene = emptyScene();
+    scene.materials[0].diffuse = Color(1);
+    scene.lights.push_back(light);
+    addPlane(scene, {0, 0, 0}, {0, 1, 0});
+    const uint32_t glass = addGlass(scene, 1.5, {0.5, 0.8, 1});
+    scene.materials[glass].attenuation = {0, 0.25, 1.5};
+    // Off the middle: a ray in the edge between two triangles crosses both.
+    addBox(scene, {-1, 1, -1}, {1.3, 1.75, 1.1}, glass);
+    addSphere(scene, {0, 3, 0}, 0.5, glass);
+    look(scene, {0.3, 0.5, 0}, {-0.3, -0.5, 0});
+    scene.camera.height = 0.4;
+    return scene;
+}
+
+// Below a slab 0.75 thick and a ball 1 thick the light has crossed four surfaces and 1.75 of glass.
+TEST_F(OpticsTest, shadowsAreColoured) {
+    PointLight lamp;
+    lamp.position = {0, 10, 0};
+    DirectionalLight sun;
+    for (const Light& light : {Light(lamp), Light(sun)}) {
+        const Case c = makeCase(shadowScene(light), 1, 1);
+        EXPECT_TRUE(c.packed.features.coloredShadows);
+        const Picture whole = draw(device(), c);
+        for (int i = 0; i < 3; ++i) {
+            const double t = std::array{0.5, 0.8, 1.0}[i], sigma = std::array{0.0, 0.25, 1.5}[i];
+            EXPECT_NEAR(channel(whole, i), std::pow(t, 4) * std::exp(-1.75 * sigma), 2e-6) << i;
+        }
+        // In pieces: as many dispatches as it takes, in the order of the stackless walk.
+        Options few;
+        few.tripBudget = 2;
+        const Picture pieces = draw(device(), c, few);
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(channel(pieces, i), channel(whole, i), 1e-6) << i;
+    }
+    Scene full = shadowScene(Light(sun));
+    full.transmissiveShadows = TransmissiveShadows::Full;
+    EXPECT_EQ(channel(draw(device(), makeCase(full, 1, 1))), 0);
+}
+
+// A lamp inside the glass, 0.25 above the underside: one surface and 0.25 of glass.
+TEST_F(OpticsTest, lampInsideGlass) {
+    PointLight lamp;
+    lamp.position = {0, 1.25, 0};
+    const Picture picture = draw(device(), makeCase(shadowScene(Light(lamp)), 1, 1));
+    for (int i = 0; i < 3; ++i) {
+        const double t = std::array{0.5, 0.8, 1.0}[i], sigma = std::array{0.0, 0.25, 1.5}[i];
+        EXPECT_NEAR(channel(picture, i), t * std::exp(-0.25 * sigma), 2e-6) << i;
+    }
+}
+
+// Device and reference keep the same account, branch by branch.
+TEST_F(OpticsTest, accountsAgreeWithTheReference) {
+    Case c = fileCase("glass", 48, 30);
+    c.packed.environment.minContribution = 0.01f;
+    const Picture picture = drawWithLosses(c);
+    const reference::Tracer tracer(c.packed);
+    TreeLosses expected;
+    size_t samePaths = 0, same = 0;
+    for (int y = 0; y < c.height; ++y) {
+        for (int x = 0; x < c.width; ++x) {
+            const reference::PixelRecord r = tracer.trace(tracer.cameraRay(c.camera, x + 0.5, y + 0.5));
+            expected.cut.add(r.lost.cut.count, r.lost.cut.bound);
+            expected.depth.add(r.lost.depth.count, r.lost.depth.bound);
+            samePaths += r.pathHash == picture.at(x, y).pathHash;
+            same += r.bounces == picture.at(x, y).bounces;
+        }
+    }
+    const double pixels = c.width * c.height;
+    EXPECT_GT(static_cast<double>(samePaths), 0.99 * pixels);
+    EXPECT_GE(same, samePaths);
+    EXPECT_GT(expected.cut.count, 100u);
+    EXPECT_NEAR(static_cast<double>(picture.losses.cut.count), static_cast<double>(expected.cut.count),
+                0.01 * static_cast<double>(expected.cut.count));
+    EXPECT_NEAR(picture.losses.cut.sum, expected.cut.sum, 0.01 * expected.cut.sum);
+    // What a cut costs stays below what the account says.
+    Case exact = c;
+    exact.packed.environment.minContribution = 0;
+    const Picture all = drawWithLosses(exact);
+    double worst = 0;
+    for (size_t i = 0; i < all.color.pixels.size(); ++i)
+        worst = std::max(worst, std::abs(double(all.color.pixels[i]) - double(picture.color.pixels[i])));
+    EXPECT_GT(worst, 0);
+    EXPECT_LE(worst, picture.losses.cut.greatest);
+}
+
+// Between two facing panes each reflection leaves a branch waiting. The account of the 17th: the reflected
+// one, the lesser, is dropped, once.
+TEST_F(OpticsTest, fullWaitingRoomIsReported) {
+    Scene scene = emptyScene();
+    scene.background = Color(1);
+    scene.maxDepth = 40;
+    const uint32_t glass = addGlass(scene, 1.5);
+    addPlane(scene, {0, 0, 0}, {0, 1, 0}, glass);
+    addPlane(scene, {0, 1, 0}, {0, -1, 0}, addGlass(scene, 1.5));
+    look(scene, {0, 0.5, 0}, {0.6, -0.8, 0});
+    const Case c = makeCase(scene, 1, 1);
+    const Picture picture = drawWithLosses(c);
+    EXPECT_EQ(picture.losses.room.count, 1u);
+    const reference::Tracer tracer(c.packed);
+    const reference::PixelRecord record = tracer.trace(tracer.cameraRay(c.camera, 0.5, 0.5));
+    EXPECT_EQ(record.lost.room.count, 1u);
+    EXPECT_EQ(record.pathHash, picture.at(0, 0).pathHash);
+    EXPECT_EQ(record.bounces, picture.at(0, 0).bounces);
+    EXPECT_NEAR(picture.losses.room.sum, record.lost.room.bound, 1e-4 * record.lost.room.bound);
+    // 16 reflections and as many refractions, and the refraction that is kept of the 17th surface.
+    EXPECT_EQ(record.bounces, 33u);
+}
+
+TEST_F(OpticsTest, mediaAtAPoint) {
+    Scene scene = emptyScene();
+    const uint32_t sea = addGlass(scene, 1.33), box = addGlass(scene, 1.5), ball = addGlass(scene, 1.4),
+                   leaf = addGlass(scene, 1.3);
+    addPlane(scene, {0, 5, 0}, {0, 1, 0}, sea);
+    addBox(scene, {-1, -1, -1}, {1, 1, 1}, box);
+    addSphere(scene, {0, 0, 0}, 0.5, ball);
+    addSphere(scene, {0.1, 0, 0}, 0.5, ball);
+    addPolygon(scene, {{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}, leaf);  // open: no inside
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(mediaAt(packed, {0, 6, 0}), glm::uvec4(0));
+    EXPECT_EQ(mediaAt(packed, {0, 2, 0}), glm::uvec4(1, 0, 0, 0));
+    EXPECT_EQ(mediaAt(packed, {0.9, 0.9, 0.9}), glm::uvec4(1, 2, 0, 0));
+    EXPECT_EQ(mediaAt(packed, {0, 0, 0}), glm::uvec4(1, 2, 3, 3));
+    EXPECT_EQ(mediaAt(packed, {2.2, 0.2, 0.01}), glm::uvec4(1, 0, 0, 0));
+}
+
+// A scene without transmission has no rows for it and no lists: the full pipeline, which has, draws the same.
+TEST_F(OpticsTest, restCostsNothing) {
+    const Case c = fileCase("cabinet", 16, 12);
+    EXPECT_FALSE(c.packed.features.transmission);
+    EXPECT_TRUE(c.packed.optics.empty());
+    Options full;
+    full.leaveOut = false;
+    EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, full)));
+}
+
+}  // namespace
+}  // namespace glint::render::test
