@@ -4,7 +4,7 @@
 // loop trips of a dispatch are those of one ray.
 #define GLINT_ANY_HIT
 #include "path.glsl"
-#include "surface.glsl"
+#include "material.glsl"
 #include "traversal.glsl"
 
 // A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
@@ -84,7 +84,7 @@ void main() {
     bool occluded = traversal.hit.primitive != kNone;
     if (occluded || !facing) slot = kNone;
 
-    Material material = loadMaterial(surface.material);
+    Material material = materialAt(surface);
     vec3 radiance = reflected(material, surface, -ray.direction, light);
     uvec4 throughput = loadRow(kRowThroughput, path);
     uvec4 sum = loadRow(kRowRadiance, path);

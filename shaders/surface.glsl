@@ -3,6 +3,7 @@
 #define GLINT_SURFACE_GLSL
 
 #include "intersect.glsl"
+#include "texcoord.glsl"
 
 struct Surface {
     vec3 position;
@@ -12,7 +13,26 @@ struct Surface {
     uint object;
     uint primitive;
     uint material;
+    // Texture coordinates; of triangles without their own, the barycentrics. Every kind of primitive sets them here.
+    vec2 uv;
+    vec3 color;  // of the vertices, interpolated; white without
 };
+
+void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
+    uint first = attributes & kAttributeFirstMask;
+    bool hasUvs = (attributes & kAttributeUvs) != 0u;
+    if (FEATURE_UVS) {
+        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value), weigh(weights, loadVertexAttribute(first + 1u).value));
+        if (hasUvs) surface.uv = uv;
+    }
+    if (FEATURE_VERTEX_COLORS) {
+        bool colored = (attributes & kAttributeColors) != 0u;
+        uint row = first + (hasUvs ? 2u : 0u);
+        precise vec3 color = weights.x * loadVertexAttribute(row).value + weights.y * loadVertexAttribute(row + 1u).value +
+                             weights.z * loadVertexAttribute(row + 2u).value;
+        if (colored) surface.color = color;
+    }
+}
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed., sec. 6.8.5), far below the error of o + t d.
 void triangleSurface(Hit hit, inout Surface surface) {
@@ -39,6 +59,8 @@ void triangleSurface(Hit hit, inout Surface surface) {
     surface.object = details.object;
     surface.primitive = details.primitive;
     surface.material = details.material;
+    surface.uv = vec2(hit.u, hit.v);
+    if (FEATURE_UVS || FEATURE_VERTEX_COLORS) triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
 }
 
 // The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5), plus the rounding of adding the centre.
@@ -117,12 +139,17 @@ Surface surfaceAt(Ray ray, Hit hit) {
     surface.object = 0u;
     surface.primitive = 0u;
     surface.material = 0u;
+    surface.uv = vec2(0.0);
+    surface.color = vec3(1.0);
     uint kind = hit.primitive >> kPrimitiveKindShift;
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
     if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
+    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && kind != kKindTriangle) {
+        surface.uv = objectUv(surface.object, kind == kKindSphere, surface.position, surface.normal);
+    }
     return surface;
 }
 

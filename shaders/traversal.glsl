@@ -8,6 +8,7 @@
 #define GLINT_TRAVERSAL_GLSL
 
 #include "intersect.glsl"
+#include "material.glsl"
 
 struct Traversal {
     Ray ray;
@@ -28,6 +29,16 @@ bool settled(Traversal traversal) {
 #endif
 }
 
+// Takes the hit if it is one, it is no hole of the surface, and it beats the best.
+void offer(inout Traversal traversal, bool isHit, float t, float u, float v, uint primitive, uint id) {
+    bool counts = isHit;
+    if (FEATURE_ALPHA_MASK) {
+        counts = isThere(traversal.ray, isHit, t, u, v, primitive);
+        traversal.trips += kMaskTrips;
+    }
+    if (counts) accept(traversal.ray, traversal.hit, t, u, v, primitive, id);
+}
+
 // Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
@@ -39,10 +50,9 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
-                primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, u, v, primitive, triangle.id);
-            }
+            bool isHit = intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+                         primitive != traversal.ray.source;
+            offer(traversal, isHit, t, u, v, primitive, triangle.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -54,9 +64,18 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
-            if (intersectSphere(traversal.ray, sphere, primitive, t)) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, sphere.id);
+            bool isHit = intersectSphere(traversal.ray, sphere, primitive, t);
+            if (FEATURE_ALPHA_MASK) {
+                // Through a hole the inside may be seen: the other root.
+                bool hole = isHit && !isThere(traversal.ray, isHit, t, 0.0, 0.0, primitive);
+                Ray onward = traversal.ray;
+                onward.tMin = hole ? t : onward.tMin;
+                float inner;
+                bool seen = hole && intersectSphere(onward, sphere, primitive, inner);
+                isHit = hole ? seen : isHit;
+                t = hole ? inner : t;
             }
+            offer(traversal, isHit, t, 0.0, 0.0, primitive, sphere.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -68,9 +87,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Disc disc = loadDisc(index);
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
-            if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, disc.id);
-            }
+            bool isHit = intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source;
+            offer(traversal, isHit, t, 0.0, 0.0, primitive, disc.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -82,9 +100,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Polygon polygon = loadPolygon(index);
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
-            if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
-                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, polygon.id);
-            }
+            bool isHit = intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source;
+            offer(traversal, isHit, t, 0.0, 0.0, primitive, polygon.id);
             ++index;
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
@@ -98,9 +115,8 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         Plane plane = loadPlane(index);
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
-        if (intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source) {
-            accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, plane.id);
-        }
+        bool isHit = intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
+        offer(traversal, isHit, t, 0.0, 0.0, primitive, plane.id);
         if (MODE_COST) ++traversal.cost;
     }
 }

@@ -19,7 +19,13 @@
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)
+    X(12, POLYGONS, polygons)                   \
+    X(18, TEXTURES, textures)                   \
+    X(19, ENVIRONMENT_MAP, environmentMap)      \
+    X(20, VERTEX_COLORS, vertexColors)          \
+    X(21, UVS, uvs)                             \
+    X(22, CHECKERS, checkers)                   \
+    X(31, ALPHA_MASK, alphaMask)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
@@ -45,7 +51,11 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(18, textures, Texture)                \
+    X(19, texels, Texel)                    \
+    X(20, vertexAttributes, VertexAttribute) \
+    X(21, objectFrames, ObjectFrame)
 
 #define GLINT_BINDING_COUNT 24
 

@@ -25,10 +25,11 @@
     V3U(v2, reserved2)
 
 // What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded
-// vertices. vertexNormals: index into the VertexNormals array, or kNone.
+// vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the triangle's
+// rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has none.
 #define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4) \
     V3U(normal, object)                           \
-    U4(primitive, material, vertexNormals, reserved)
+    U4(primitive, material, vertexNormals, attributes)
 
 // Unit vertex normals of one triangle.
 #define GLINT_VERTEX_NORMALS_ROWS(V3F, V3U, U4) \
@@ -66,11 +67,38 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
+// ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below alphaCutoff the
+// surface is not there.
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
-    V3F(diffuse, reserved0)               \
+    V3F(diffuse, alphaCutoff)             \
     V3F(specular, reserved1)              \
-    V3F(mirror, reserved2)
+    V3F(mirror, reserved2)                \
+    U4(ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
+
+// flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
+// are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid checker, a
+// corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture too.
+#define GLINT_TEXTURE_ROWS(V3F, V3U, U4) \
+    U4(flags, width, height, firstTexel) \
+    V3F(place, scaleU)                   \
+    V3F(colorA, scaleV)                  \
+    V3F(colorB, reserved)
+
+#define GLINT_TEXEL_ROWS(V3F, V3U, U4) V3F(color, alpha)
+
+// Rows of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then, with kAttributeColors, the linear
+// colours of its three vertices.
+#define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4) V3F(value, reserved)
+
+// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ...; the texture coordinates of
+// a flat primitive there toU.p + offsetU, toV.p + offsetV.
+#define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4) \
+    V3F(toObjectX, offsetX)                   \
+    V3F(toObjectY, offsetY)                   \
+    V3F(toObjectZ, offsetZ)                   \
+    V3F(toU, offsetU)                         \
+    V3F(toV, offsetV)
 
 // kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot
 // light, unit, the way the light travels. Its full light ends at the angle whose 1 - cos is `inner`, all
@@ -92,10 +120,12 @@
     V3F(originStepX, reserved0)         \
     V3F(originStepY, reserved1)
 
-// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
+// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. map: 1 +
+// the environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of
+// the ObjectFrame array, 0 or the number of objects.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
-    V3F(background, reserved0)               \
-    V3F(ambient, reserved1)                  \
+    V3U(background, map)                     \
+    V3U(ambient, frameCount)                 \
     U4(root, planeCount, lightCount, maxDepth)
 
 #define GLINT_STRUCTS(X)                            \
@@ -111,7 +141,11 @@
     X(Material, GLINT_MATERIAL_ROWS)                \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
-    X(Environment, GLINT_ENVIRONMENT_ROWS)
+    X(Environment, GLINT_ENVIRONMENT_ROWS)          \
+    X(Texture, GLINT_TEXTURE_ROWS)                  \
+    X(Texel, GLINT_TEXEL_ROWS)                      \
+    X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
+    X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -176,6 +210,21 @@ GLINT_CONST_UINT(kLightDirectional, 2u);
 GLINT_CONST_UINT(kLightSpot, 3u);
 GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 
+GLINT_CONST_UINT(kTextureWrapRepeat, 0u);
+GLINT_CONST_UINT(kTextureWrapClamp, 1u);
+GLINT_CONST_UINT(kTextureWrapMirror, 2u);
+GLINT_CONST_UINT(kTextureWrapMask, 3u);    // of u
+GLINT_CONST_UINT(kTextureWrapVShift, 2u);  // of v: the next two bits
+GLINT_CONST_UINT(kTextureNearest, 16u);    // else bilinear
+GLINT_CONST_UINT(kTextureChecker, 32u);    // else an image
+GLINT_CONST_UINT(kTextureSolid, 64u);      // a checker of cubes
+// Greater texture coordinates, which have no digits left for a place within a texel, and NaN count as 0.
+GLINT_CONST_FLOAT(kMaxTextureCoordinate, 1e9f);
+
+GLINT_CONST_UINT(kAttributeUvs, 0x80000000u);
+GLINT_CONST_UINT(kAttributeColors, 0x40000000u);
+GLINT_CONST_UINT(kAttributeFirstMask, 0x3fffffffu);
+
 // Levels of the BVH below the root that the builder may use; a traversal pushes at most one entry per level.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
 // Infinite planes are tested one by one, outside the BVH; the bound keeps that loop far below the 65,535
@@ -186,6 +235,11 @@ GLINT_CONST_UINT(kMaxPlanes, 1024u);
 // resumed (renderer.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
 GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
+// Loop trips that asking a material for holes may cost a primitive test, within that of the primitive: three
+// loops of one trip, twice for a sphere. Counted for every test of a scene that has such materials.
+GLINT_CONST_UINT(kMaskTrips, 6u);
+// Of the loops around textures outside the traversal.
+GLINT_CONST_UINT(kTextureTrips, 16u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);

@@ -6,6 +6,7 @@
 
 #include "bvh/area_vector.h"
 #include "bvh/flatten.h"
+#include "bvh/pack_textures.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
 #include "bvh/region.h"
@@ -117,7 +118,7 @@ class LeafOrderWriter {
   private:
     struct Counts {
         std::array<uint32_t, shared::kKindCount> kinds{};
-        uint32_t normals = 0, polygonVertices = 0;
+        uint32_t normals = 0, polygonVertices = 0, attributes = 0;
     };
     template <class Visit>
     void visitChunk(size_t chunk, Visit&& visit) const {
@@ -126,7 +127,8 @@ class LeafOrderWriter {
     }
     Counts count(size_t chunk) const;
     void writeChunk(size_t chunk, Counts next);
-    void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals);
+    void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals, uint32_t& attributes);
+    uint32_t materialOf(Primitives::Source source) const;
     void writeSphere(Primitives::Source source, uint32_t slot);
     void writeDisc(Primitives::Source source, uint32_t slot);
     void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
@@ -152,6 +154,7 @@ void LeafOrderWriter::write(unsigned threads) {
         for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) total.kinds[kind] += here.kinds[kind];
         total.normals += here.normals;
         total.polygonVertices += here.polygonVertices;
+        total.attributes += here.attributes;
     }
     packed_.triangles.resize(total.kinds[shared::kKindTriangle]);
     packed_.triangleSurfaces.resize(total.kinds[shared::kKindTriangle]);
@@ -160,6 +163,8 @@ void LeafOrderWriter::write(unsigned threads) {
     packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
     packed_.polygonVertices.resize(total.polygonVertices);
     packed_.vertexNormals.resize(total.normals);
+    // At most 5 rows for each of 2^25 triangles: the number fits kAttributeFirstMask.
+    packed_.vertexAttributes.resize(total.attributes);
     parallelFor(
         chunks, [&](size_t i) { writeChunk(i, first[i]); }, threads);
 }
@@ -172,6 +177,8 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
         if (primitives_.kinds[primitive] == shared::kKindTriangle) {
             const TriangleSource triangles(scene_.objects[source.object]);
             counts.normals += vertexNormals(triangles.mesh(), source.face, normals);
+            counts.attributes +=
+                attributeRows(attributeFlags(scene_, triangles.mesh(), source.face, materialOf(source)));
         } else if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
             counts.polygonVertices += packedVertices(*polygon);
         }
@@ -194,11 +201,18 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         shared::VertexNormals normals;
         const bool smooth = vertexNormals(triangles.mesh(), source.face, normals);
         if (smooth) packed_.vertexNormals[next.normals] = normals;
-        writeTriangle(source, slot, smooth ? next.normals++ : shared::kNone);
+        writeTriangle(source, slot, smooth ? next.normals++ : shared::kNone, next.attributes);
     });
 }
 
-void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals) {
+uint32_t LeafOrderWriter::materialOf(Primitives::Source source) const {
+    const Object& object = scene_.objects[source.object];
+    const Mesh* mesh = TriangleSource(object).mesh();
+    return mesh != nullptr && !mesh->materials.empty() ? mesh->materials[source.face] : object.material;
+}
+
+void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals,
+                                    uint32_t& attributes) {
     const Object& object = scene_.objects[source.object];
     const TriangleSource triangles(object);
     const Corners v = roundTriangle(triangles.vertices(source.face), frame_.origin).value();
@@ -213,9 +227,14 @@ void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, ui
     surface.normal = glm::vec3(unitVector(areaVector(v[0], v[1], v[2])).value());
     surface.object = source.object;
     surface.primitive = mesh != nullptr && !mesh->faces.empty() ? mesh->faces[source.face] : source.face;
-    surface.material =
-        mesh != nullptr && !mesh->materials.empty() ? mesh->materials[source.face] : object.material;
+    surface.material = materialOf(source);
     surface.vertexNormals = normals;
+    const uint32_t flags = attributeFlags(scene_, mesh, source.face, surface.material);
+    if (flags != 0) {
+        surface.attributes = attributes | flags;
+        writeAttributes(*mesh, source.face, flags, &packed_.vertexAttributes[attributes]);
+        attributes += attributeRows(flags);
+    }
     use(surface.material);
 }
 
@@ -298,7 +317,7 @@ void addLightKind(const shared::Light& light, SceneFeatures& features) {
 
 template <class Used>
 SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
-    SceneFeatures f;
+    SceneFeatures f = packed.features;  // those of packTextures
     f.triangles = !packed.triangles.empty();
     f.spheres = !packed.spheres.empty();
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
@@ -370,6 +389,8 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     writer.write(threads);
     packEnvironment(scene, packed);
     for (const shared::Plane& plane : packed.planes) writer.use(plane.material);
+    packTextures(
+        scene, [&](size_t material) { return writer.used(material); }, packed);
     packed.features = featuresOf(packed, [&](size_t material) { return writer.used(material); });
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     return packed;

@@ -26,6 +26,12 @@ struct SceneFeatures {
     bool polygons = false;
     bool spotLights = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
+    bool textures = false;        // some material has an image
+    bool environmentMap = false;
+    bool vertexColors = false;
+    bool uvs = false;        // triangles with texture coordinates of their own
+    bool checkers = false;   // some material has a checker
+    bool alphaMask = false;  // some material's image cuts holes
     bool operator==(const SceneFeatures&) const = default;
 };
 
@@ -58,6 +64,10 @@ struct PackedScene {
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;
     shared::Environment environment;
+    std::vector<shared::Texture> textures;  // those that a primitive's material, or the background, uses
+    std::vector<shared::Texel> texels;      // each image once
+    std::vector<shared::VertexAttribute> vertexAttributes;
+    std::vector<shared::ObjectFrame> objectFrames;  // of every object, if a material has a texture; else empty
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference/intersect.h"
+#include "reference/material.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -74,6 +75,7 @@ class RayMover {
     // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
     // verify/explain.cpp).
     double tieWidth() const { return 16 * step_; }
+    double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
     bool coin() { return next() < 0; }
 
   private:
@@ -172,6 +174,9 @@ class PathTracer {
     double spotFactor(const shared::Light& light, dvec3 toLight);
     dvec3 shadeLights(const Site& site, const shared::Material& material, bool first);
     dvec3 reflect(const Site& site) const;
+    // The surface as textures see it, and the environment map's coordinates, moved by rounding.
+    Surface texturedAt(const Hit& hit, const Surface& surface);
+    glm::dvec2 mapShift();
 
     const Tracer& tracer_;
     const PackedScene& scene_;
@@ -279,6 +284,23 @@ dvec3 PathTracer::reflect(const Site& site) const {
     return glm::normalize(r);
 }
 
+Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
+    if (scene_.textures.empty()) return surface;
+    Surface moved = surface;
+    const double scale = std::max({1.0, std::abs(surface.uv.x), std::abs(surface.uv.y)});
+    const double reach =
+        std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit.primitive));
+    for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
+    for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
+    return moved;
+}
+
+glm::dvec2 PathTracer::mapShift() {
+    if (scene_.environment.map == 0) return glm::dvec2(0);
+    const double u = mover_.shift(1);
+    return {u, mover_.shift(1)};
+}
+
 PixelRecord PathTracer::run(const Ray& cameraRay) {
     const shared::Environment& environment = scene_.environment;
     dvec3 throughput(1);
@@ -293,7 +315,7 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
         if (keepPath_)
             record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});
         if (!hit) {
-            record_.color += throughput * dvec3(environment.background);
+            record_.color += throughput * surroundings(scene_, ray.direction, mapShift());
             break;
         }
         const Surface surface = tracer_.surface(ray, *hit);
@@ -303,7 +325,7 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
             record_.hit = hit;
             record_.surface = surface;
         }
-        const shared::Material& material = scene_.materials[surface.material];
+        const shared::Material material = materialAt(scene_, texturedAt(*hit, surface));
         const Site site = siteOf(ray, *hit, surface);
         const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
         record_.color += throughput * (ambient + shadeLights(site, material, first));
@@ -342,6 +364,7 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
             fillFlat(plane, plane.point, point, surface);
         }
     }
+    fillTexturing(scene_, hit, surface);
     return surface;
 }
 

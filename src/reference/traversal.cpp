@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "reference/intersect.h"
+#include "reference/material.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -83,6 +84,22 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
     }
 }
 
+// Passes by holes of the surface: a sphere has another root behind one. False if nothing is left.
+bool findSolid(const PackedScene& scene, PreparedRay ray, uint32_t kind, uint32_t index, uint32_t source,
+               double tMax, Root& root) {
+    const auto isHole = [&] {
+        const Hit hit{root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | index, 0};
+        const glm::dvec3 origin(ray.origin[0], ray.origin[1], ray.origin[2]);
+        const glm::dvec3 direction(ray.direction[0], ray.direction[1], ray.direction[2]);
+        const Ray plain{origin, direction};
+        return holeAt(scene, Tracer(scene).surface(plain, hit));
+    };
+    if (!isHole()) return true;
+    if (kind != shared::kKindSphere) return false;
+    ray.tMin = root.t;
+    return intersectSphere(scene.spheres[index], ray, isSource(kind, index, source), tMax, root) && !isHole();
+}
+
 // Tests `count` primitives of a kind. True if an any-hit search is over.
 template <bool kAny>
 bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t first,
@@ -92,6 +109,9 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         uint32_t id = 0;
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        if (scene.features.alphaMask &&
+            !findSolid(scene, ray, kind, i, source, search.best.t, root))
+            continue;
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
             search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};

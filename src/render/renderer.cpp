@@ -60,12 +60,15 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 // Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
 // no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
 // loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
-// compiler's own.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
+// compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips in all, which each
+// lane counts, and which are entered once with the (at most 4) loops around them where no lane is live.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint32_t slack = 2 * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 7) - slack;
+    const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
+    const uint32_t slack = (2 + mask) * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
+    const uint32_t outside = shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips;
+    return (kLlvmpipeTrips - outside) / (lanes + 7 + 4 * mask) - slack;
 }
 
 struct Renderer::State {
@@ -93,7 +96,8 @@ struct Renderer::State {
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
           tripBudget(opts.tripBudget ? opts.tripBudget
-                                     : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
+                                     : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
+                                                        !opts.leaveOut || packed.features.alphaMask)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
                     opts.leaveOut ? packed.features : allFeatures()),
           submission(dev) {

@@ -40,7 +40,11 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
                 bytesOf(camera),
                 bytesOf(scene.discs),
                 bytesOf(scene.polygons),
-                bytesOf(scene.polygonVertices)};
+                bytesOf(scene.polygonVertices),
+                bytesOf(scene.textures),
+                bytesOf(scene.texels),
+                bytesOf(scene.vertexAttributes),
+                bytesOf(scene.objectFrames)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT

@@ -5,6 +5,7 @@
 #include "scene/limits.h"
 #include "scene/load.h"
 #include "scene/parse_objects.h"
+#include "scene/parse_textures.h"
 #include "scene/scene_keys.h"
 
 namespace glint {
@@ -27,13 +28,8 @@ void readInteger(const JsonCursor& object, std::string_view key, int least, int 
 }
 
 // Colours are vectors of the same C++ type as points, hence a function of their own.
-void readColor(const JsonCursor& object, std::string_view key, Color& target, const char* laterKey) {
-    const auto found = object.find(key);
-    if (!found) return;
-    if (laterKey && found->value().object() && found->find(laterKey))
-        found->fail("\"" + std::string(laterKey) +
-                    "\" is not supported by this version (give a number or [r, g, b])");
-    target = found->color();
+void readColor(const JsonCursor& object, std::string_view key, Color& target) {
+    if (const auto found = object.find(key)) target = found->color();
 }
 
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
@@ -92,7 +88,7 @@ PointLight parsePoint(const JsonCursor& light) {
     light.expectKeys(keys::kPoint);
     PointLight point;
     point.position = light.require("position").vector3();
-    readColor(light, "intensity", point.intensity, nullptr);
+    readColor(light, "intensity", point.intensity);
     point.inverseSquare = readFalloff(light);
     return point;
 }
@@ -104,7 +100,7 @@ SpotLight parseSpot(const JsonCursor& light) {
     spot.direction = light.require("direction").vector3();
     spot.angle = light.require("angle").number();
     readInto(light, "penumbra", spot.penumbra);
-    readColor(light, "intensity", spot.intensity, nullptr);
+    readColor(light, "intensity", spot.intensity);
     spot.inverseSquare = readFalloff(light);
     return spot;
 }
@@ -117,20 +113,22 @@ Light parseLight(const JsonCursor& light) {
     light.expectKeys(keys::kDirectional);
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
-    readColor(light, "intensity", directional.intensity, nullptr);
+    readColor(light, "intensity", directional.intensity);
     return directional;
 }
 
-Material parseMaterial(const JsonCursor& material, std::string_view name) {
+Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
     material.expectKeys(keys::kMaterial);
     Material result;
     result.name = name;
-    readColor(material, "diffuse", result.diffuse, "texture");
+    textures.readColor(material, "diffuse", result.diffuse, result.diffuseTexture);
     result.ambient = result.diffuse;
-    readColor(material, "ambient", result.ambient, "texture");
-    readColor(material, "specular", result.specular, "texture");
+    result.ambientTexture = result.diffuseTexture;
+    textures.readColor(material, "ambient", result.ambient, result.ambientTexture);
+    textures.readColor(material, "specular", result.specular, result.specularTexture);
     readInto(material, "shininess", result.shininess);
-    readColor(material, "mirror", result.mirror, "texture");
+    textures.readColor(material, "mirror", result.mirror, result.mirrorTexture);
+    readInto(material, "alphaCutoff", result.alphaCutoff);
     return result;
 }
 
@@ -162,15 +160,16 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     if (const auto schema = root.find("$schema")) schema->string();
     if (const auto image = root.find("image")) parseImage(*image, scene.image);
     if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
-    readColor(root, "background", scene.background, "environment");
-    readColor(root, "ambient", scene.ambient, nullptr);
+    TextureParser textures(scene, folder);
+    textures.readBackground(root);
+    readColor(root, "ambient", scene.ambient);
     readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
     if (const auto lights = root.find("lights"))
         for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
     if (const auto materials = root.find("materials")) {
         materials->expectObject();
         for (size_t i = 0; i < materials->memberCount(); i++)
-            scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i)));
+            scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i), textures));
     }
     parseObjects(root, scene, name, folder);
     validateScene(scene, name);
