@@ -43,14 +43,13 @@ vec4 imageAt(Texture image, vec2 uv) {
     uint wrapU = image.flags & kTextureWrapMask;
     uint wrapV = (image.flags >> kTextureWrapVShift) & kTextureWrapMask;
     Taps column = tapsAt(wrapped(uv.x, wrapU), image.width, nearest, wrapU);
-    // Row 0 is at the top, v = 1.
-    precise float down = 1.0 - wrapped(uv.y, wrapV);
-    Taps row = tapsAt(down, image.height, nearest, wrapV);
-    uint upper = image.firstTexel + row.first * image.width;
-    uint lower = image.firstTexel + row.second * image.width;
-    precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) + column.weight * texelAt(upper + column.second);
+    // Counted from below, as v is; row 0 of the image is its uppermost.
+    Taps row = tapsAt(wrapped(uv.y, wrapV), image.height, nearest, wrapV);
+    uint lower = image.firstTexel + (image.height - 1u - row.first) * image.width;
+    uint upper = image.firstTexel + (image.height - 1u - row.second) * image.width;
     precise vec4 below = (1.0 - column.weight) * texelAt(lower + column.first) + column.weight * texelAt(lower + column.second);
-    precise vec4 mixed = (1.0 - row.weight) * above + row.weight * below;
+    precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) + column.weight * texelAt(upper + column.second);
+    precise vec4 mixed = (1.0 - row.weight) * below + row.weight * above;
     return mixed;
 }
 

@@ -89,7 +89,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
                     Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
                     Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
-                    Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
+                    Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"},
+                    Defect{"texel_corner", "textures"}, Defect{"upside_down", "textures"},
+                    Defect{"late_checker", "checker"}, Defect{"turned_sky", "environment"},
+                    Defect{"deep_cut", "textures"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace
