@@ -60,8 +60,8 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 // Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
 // no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
 // loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
-// compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips in all, which each
-// lane counts, and which are entered once with the (at most 4) loops around them where no lane is live.
+// compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips in all, which
+// each lane counts, and which are entered once with the (at most 4) loops around them where no lane is live.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
