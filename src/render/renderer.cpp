@@ -59,16 +59,19 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 // kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
 // Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
 // no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
-// loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
-// compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips in all, which
-// each lane counts, and which are entered once with the (at most 4) loops around them where no lane is live.
+// loop comes on top. So S (B + slack) + 6 (B + 2) + kMaxPlanes <= 65535, and one more beside the 6 leaves room
+// for the compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips at most,
+// which each lane counts; those in the loops of triangles, discs and polygons (3 each) and of spheres (6) are
+// entered once more in every trip of the outer loop.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
     const uint32_t slack = (2 + mask) * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
-    const uint32_t outside = shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips;
-    return (kLlvmpipeTrips - outside) / (lanes + 7 + 4 * mask) - slack;
+    const uint32_t entered = 7 + (alphaMask ? 3 * 3 + 6 : 0);
+    const uint32_t fixed =
+        shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips + lanes * slack + 2 * entered;
+    return fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entered) : 1;
 }
 
 struct Renderer::State {
