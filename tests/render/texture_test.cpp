@@ -37,24 +37,46 @@ uint32_t addTextured(Scene& scene, Texture texture) {
     return material;
 }
 
-class TextureTest : public RenderTest {
-  protected:
-    // One pixel that looks from `eye` to `target`.
-    static vec3 colorAt(Scene scene, const dvec3& eye, const dvec3& target, const Options& options = {}) {
-        scene.camera.eye = eye;
-        scene.camera.target = target;
-        scene.camera.up = std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0);
-        scene.camera.fovY = 1e-3;
-        const Picture picture = draw(device(), makeCase(std::move(scene), 1, 1), options);
+// Pictures of one pixel by one renderer: kernels are compiled once.
+class Viewer {
+  public:
+    Viewer(const gpu::Device& device, Scene scene, const Options& options = {})
+        : case_(makeCase(std::move(scene), 1, 1)), renderer_(device, case_.packed, options) {}
+
+    vec3 operator()(const dvec3& eye, const dvec3& target) {
+        Camera camera;
+        camera.eye = eye;
+        camera.target = target;
+        camera.up = std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0);
+        camera.fovY = 1e-3;
+        case_.camera = packCamera(camera, 1, 1, case_.packed.origin);
+        const Picture picture = draw(renderer_, case_);
         return {picture.color.at(0, 0, 0), picture.color.at(0, 0, 1), picture.color.at(0, 0, 2)};
     }
-    // A wall z = 0 with this texture, where its coordinates are (x, y).
-    static float wall(const Texture& texture, double x, double y, const Options& options = {}) {
+
+  private:
+    Case case_;
+    Renderer renderer_;
+};
+
+class TextureTest : public RenderTest {
+  protected:
+    // A wall z = 0 with this texture, where its coordinates are `points`.
+    static std::vector<float> wall(const Texture& texture, const std::vector<dvec2>& points,
+                                   const Options& options = {}) {
         Scene scene = emptyScene();
         addPlane(scene, {0, 0, 0}, {0, 0, 1}, addTextured(scene, texture));
-        return colorAt(std::move(scene), {x, y, 1}, {x, y, 0}, options).x;
+        Viewer viewer(device(), std::move(scene), options);
+        std::vector<float> values;
+        for (const dvec2& p : points) values.push_back(viewer(dvec3(p, 1), dvec3(p, 0)).x);
+        return values;
     }
 };
+
+void expectNear(const std::vector<float>& values, const std::vector<double>& expected, double tolerance) {
+    ASSERT_EQ(values.size(), expected.size());
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], expected[i], tolerance) << i;
+}
 
 TEST_F(TextureTest, bilinearAndWrapOnBothAccesses) {
     for (const gpu::Access access : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
@@ -63,39 +85,31 @@ TEST_F(TextureTest, bilinearAndWrapOnBothAccesses) {
         const Texture clamp{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp}};
         const Texture repeat{ImageTexture{"q", quadImage()}};
         const Texture mirror{ImageTexture{"q", quadImage(), Wrap::Mirror, Wrap::Mirror}};
-        EXPECT_NEAR(wall(clamp, 0.25, 0.75, options), 1, 1e-6);
-        EXPECT_NEAR(wall(clamp, 0.5, 0.5, options), 2.5, 1e-6);
-        EXPECT_NEAR(wall(clamp, 0.375, 0.25, options), 3.25, 1e-6);
-        EXPECT_NEAR(wall(clamp, -4, 7, options), 1, 1e-6);
-        EXPECT_NEAR(wall(repeat, 1, 0.75, options), 1.5, 1e-5);
-        EXPECT_NEAR(wall(repeat, -0.75, -0.75, options), 3, 1e-5);
-        EXPECT_NEAR(wall(mirror, 1.25, 0.75, options), 2, 1e-5);
-        EXPECT_NEAR(wall(mirror, -0.25, 0.75, options), 1, 1e-5);
+        expectNear(wall(clamp, {{0.25, 0.75}, {0.5, 0.5}, {0.375, 0.25}, {-4, 7}}, options),
+                   {1, 2.5, 3.25, 1}, 1e-5);
+        expectNear(wall(repeat, {{1, 0.75}, {-0.75, -0.75}}, options), {1.5, 3}, 1e-5);
+        expectNear(wall(mirror, {{1.25, 0.75}, {-0.25, 0.75}}, options), {2, 1}, 1e-5);
     }
 }
 
 TEST_F(TextureTest, nearestAndCheckers) {
-    Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
-    EXPECT_EQ(wall(nearest, 0.49, 0.51), 1);
-    EXPECT_EQ(wall(nearest, 0.51, 0.49), 4);
+    const Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
+    expectNear(wall(nearest, {{0.49, 0.51}, {0.51, 0.49}}), {1, 4}, 0);
     const Texture checker{CheckerTexture{Color(1), Color(5)}};
-    EXPECT_EQ(wall(checker, 0.5, 0.5), 1);
-    EXPECT_EQ(wall(checker, -0.5, 0.5), 5);
-    EXPECT_EQ(wall(checker, -0.5, -0.5), 1);
-    Texture moved{CheckerTexture{Color(1), Color(5)}, dvec2(2), dvec2(0.6, 0)};
-    EXPECT_EQ(wall(moved, 0.75, 0.25), 1);
-    const Texture solid{CheckerTexture{Color(1), Color(5), true, dvec3(0, 0, -0.5)}, dvec2(2)};
-    EXPECT_EQ(wall(solid, 0.25, 0.25), 5);  // (0, 0, 1)
-    EXPECT_EQ(wall(solid, 0.75, 0.25), 1);
+    expectNear(wall(checker, {{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}}), {1, 5, 1}, 0);
+    const Texture moved{CheckerTexture{Color(1), Color(5)}, dvec2(2), dvec2(0.6, 0)};
+    expectNear(wall(moved, {{0.75, 0.25}}), {1}, 0);
+    // Of the cubes (0, 0, 1) and (1, 0, 1).
+    const Texture solid{CheckerTexture{Color(1), Color(5), true, dvec3(0, 0, -0.75)}, dvec2(2)};
+    expectNear(wall(solid, {{0.25, 0.25}, {0.75, 0.25}}), {5, 1}, 0);
 }
 
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
 TEST_F(TextureTest, greatCoordinatesStayInTheImage) {
     Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}, dvec2(1), dvec2(1e6, -1e6)};
-    EXPECT_EQ(wall(far, 0.25, 0.75), 1);
-    EXPECT_EQ(wall(far, 0.75, 0.25), 4);
+    expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
     far.offset = {1e17, -1e17};
-    EXPECT_EQ(wall(far, 0.25, 0.75), 3);  // the texel at (0, 0)
+    expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
 }
 
 // One pixel each way; see the same in tests/reference/texture_test.cpp.
@@ -105,7 +119,8 @@ TEST_F(TextureTest, environmentDirections) {
         for (int c = 0; c < 3; ++c) map->at(i % 4, i / 4, c) = static_cast<float>(i);
     Scene scene = emptyScene();
     scene.environment = EnvironmentMap{"map", map, 0, Color(1, 2, 3)};
-    const auto seen = [&](const dvec3& d) { return colorAt(scene, dvec3(0), d); };
+    Viewer viewer(device(), scene);
+    const auto seen = [&](const dvec3& d) { return viewer(dvec3(0), d); };
     EXPECT_NEAR(seen({0, 0, -1}).x, 3.5, 1e-4);
     EXPECT_NEAR(seen({0, 0, -1}).z, 3 * 3.5, 3e-4);
     EXPECT_NEAR(seen({1, 0, 0}).x, 4.5, 1e-4);
@@ -114,7 +129,7 @@ TEST_F(TextureTest, environmentDirections) {
     EXPECT_NEAR(seen({1e-3, 1, 1e-3}).x, 3, 1e-2);
     EXPECT_NEAR(seen({1e-3, -1, -1e-3}).x, 6, 1e-2);
     scene.environment->rotation = 90;
-    EXPECT_NEAR(seen({-1, 0, 0}).x, 3.5, 1e-4);
+    EXPECT_NEAR(Viewer(device(), scene)(dvec3(0), {-1, 0, 0}).x, 3.5, 1e-4);
 }
 
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to 2^-23; u is rounded once more
@@ -183,21 +198,23 @@ class MaskTest : public TextureTest {
 TEST_F(MaskTest, cameraRaysPassHoles) {
     Scene scene = maskScene();
     addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
-    EXPECT_EQ(colorAt(scene, {0.25, 0.25, 2}, {0.25, 0.25, 0}).x, 3);
-    EXPECT_EQ(colorAt(scene, {0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 9);
+    Viewer viewer(device(), scene);
+    EXPECT_EQ(viewer({0.25, 0.25, 2}, {0.25, 0.25, 0}).x, 3);
+    EXPECT_EQ(viewer({0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 9);
     scene.materials[mask_].alphaCutoff = 0;
-    EXPECT_EQ(colorAt(scene, {0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 1);
+    EXPECT_EQ(Viewer(device(), scene)({0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 1);
 }
 
 TEST_F(MaskTest, mirrorsShowWhatIsBehindHoles) {
     Scene scene = maskScene();
     addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
     addPlane(scene, {0, 0, -3}, {0, 0, 1}, addMaterial(scene, Color(0), Color(1)));
-    addPlane(scene, {0, 0, 6}, {0, 0, -1}, mask_);  // all of its image is the opaque row, clamped at v < 0
-    scene.objects.back().shape = PlaneShape{{0, 50, 6}, {0, 0, -1}};
+    // Its image is clamped to the opaque row, as v < 0 below the point.
+    addPlane(scene, {0, 50, 6}, {0, 0, -1}, mask_);
+    Viewer viewer(device(), scene);
     // From behind the polygon into the mirror and back up to it.
-    EXPECT_EQ(colorAt(scene, {0.25, 0.25, -1}, {0.25, 0.25, -3}).x, 3);
-    const float through = colorAt(scene, {0.25, 0.75, -1}, {0.25, 0.75, -3}).x;
+    EXPECT_EQ(viewer({0.25, 0.25, -1}, {0.25, 0.25, -3}).x, 3);
+    const float through = viewer({0.25, 0.75, -1}, {0.25, 0.75, -3}).x;
     EXPECT_TRUE(through == 3 || through == 4) << through;  // the far wall
 }
 
@@ -207,16 +224,18 @@ TEST_F(MaskTest, shadowsHaveHoles) {
     addPlane(scene, {0, 0, 0}, {0, 0, 1}, addMaterial(scene, Color(1)));
     scene.ambient = Color(0);
     scene.lights.push_back(DirectionalLight{{0, 0, -1}, Color(1)});
-    EXPECT_EQ(colorAt(scene, {0.25, 0.25, 0.5}, {0.25, 0.25, 0}).x, 0);
-    EXPECT_NEAR(colorAt(scene, {0.25, 0.75, 0.5}, {0.25, 0.75, 0}).x, 1, 1e-6);
+    Viewer viewer(device(), scene);
+    EXPECT_EQ(viewer({0.25, 0.25, 0.5}, {0.25, 0.25, 0}).x, 0);
+    EXPECT_NEAR(viewer({0.25, 0.75, 0.5}, {0.25, 0.75, 0}).x, 1, 1e-6);
 }
 
 // v = 1/2 is the equator: from above the inside of the lower half is seen through the open upper one.
 TEST_F(MaskTest, openBallsShowTheirInside) {
     Scene scene = maskScene();
     addSphere(scene, {0, 0, 0}, 1, mask_);
-    EXPECT_NEAR(colorAt(scene, {0.3, 4, 0.3}, {0.3, -0.5, 0.3}).x, 4, 1e-6);  // u in (1/2, 3/4): the right texel
-    EXPECT_EQ(colorAt(scene, {0, 4, 4}, {0, 0.9, 0}).x, 9);                   // in and out through the upper half
+    Viewer viewer(device(), scene);
+    EXPECT_NEAR(viewer({0.3, 4, 0.3}, {0.3, -0.5, 0.3}).x, 4, 1e-6);  // u in (1/2, 3/4): the right texel
+    EXPECT_EQ(viewer({0, 4, 4}, {0, 0.9, 0}).x, 9);                   // in and out through the upper half
 }
 
 // Rays that run out of loop trips in the middle, with a mask, end up the same.
