@@ -25,8 +25,9 @@
     V3U(v2, reserved2)
 
 // What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded
-// vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the triangle's
-// rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has none.
+// vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the
+// triangle's rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has
+// none.
 #define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4) \
     V3U(normal, object)                           \
     U4(primitive, material, vertexNormals, attributes)
@@ -67,8 +68,8 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
-// ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below alphaCutoff the
-// surface is not there.
+// ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below
+// alphaCutoff the surface is not there.
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, alphaCutoff)             \
@@ -77,8 +78,9 @@
     U4(ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
 
 // flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
-// are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid checker, a
-// corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture too.
+// are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid
+// checker, a corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture
+// too.
 #define GLINT_TEXTURE_ROWS(V3F, V3U, U4) \
     U4(flags, width, height, firstTexel) \
     V3F(place, scaleU)                   \
@@ -91,8 +93,8 @@
 // colours of its three vertices.
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4) V3F(value, reserved)
 
-// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ...; the texture coordinates of
-// a flat primitive there toU.p + offsetU, toV.p + offsetV.
+// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ...; the texture
+// coordinates of a flat primitive there toU.p + offsetU, toV.p + offsetV.
 #define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4) \
     V3F(toObjectX, offsetX)                   \
     V3F(toObjectY, offsetY)                   \
@@ -120,8 +122,8 @@
     V3F(originStepX, reserved0)         \
     V3F(originStepY, reserved1)
 
-// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. map: 1 +
-// the environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of
+// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. map: 1
+// + the environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of
 // the ObjectFrame array, 0 or the number of objects.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4) \
     V3U(background, map)                     \

@@ -25,13 +25,12 @@ uint64_t bytesOf(const std::vector<T>& array) {
 }
 
 std::string arraySize(const PackedScene& packed) {
-    const uint64_t bytes = bytesOf(packed.nodes) + bytesOf(packed.triangles) +
-                           bytesOf(packed.triangleSurfaces) + bytesOf(packed.vertexNormals) +
-                           bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
-                           bytesOf(packed.lights) + bytesOf(packed.discs) + bytesOf(packed.polygons) +
-                           bytesOf(packed.polygonVertices) + bytesOf(packed.textures) +
-                           bytesOf(packed.texels) + bytesOf(packed.vertexAttributes) +
-                           bytesOf(packed.objectFrames);
+    const uint64_t bytes =
+        bytesOf(packed.nodes) + bytesOf(packed.triangles) + bytesOf(packed.triangleSurfaces) +
+        bytesOf(packed.vertexNormals) + bytesOf(packed.spheres) + bytesOf(packed.planes) +
+        bytesOf(packed.materials) + bytesOf(packed.lights) + bytesOf(packed.discs) +
+        bytesOf(packed.polygons) + bytesOf(packed.polygonVertices) + bytesOf(packed.textures) +
+        bytesOf(packed.texels) + bytesOf(packed.vertexAttributes) + bytesOf(packed.objectFrames);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
@@ -77,7 +76,8 @@ void printImage(const std::string& file, const Image& image, std::ostream& out) 
 // Each image once, though several textures may show it.
 void printTextures(const Scene& scene, std::ostream& out) {
     if (scene.textures.empty() && !scene.environment) return;
-    out << "  textures      " << scene.textures.size() << (scene.environment ? ", environment map" : "") << '\n';
+    out << "  textures      " << scene.textures.size() << (scene.environment ? ", environment map" : "")
+        << '\n';
     std::set<const Image*> seen;
     for (const Texture& texture : scene.textures) {
         const auto* image = std::get_if<ImageTexture>(&texture.source);

@@ -51,8 +51,7 @@ struct FlatCoordinates {
         const SurfaceAxes axes = surfaceAxes(normalOf(shapeNormal));
         const dvec3 anchor = apply(toObject, disc.center);
         // Any radius will do: the disc is round in both coordinates.
-        const double radius =
-            glm::length(toObject.linear * (surfaceAxes(shapeNormal).u * disc.radius));
+        const double radius = glm::length(toObject.linear * (surfaceAxes(shapeNormal).u * disc.radius));
         return {along(axes.u, anchor, 0.5 / radius, 0.5), along(axes.v, anchor, 0.5 / radius, 0.5)};
     }
     Coordinates operator()(const PolygonShape& polygon) const {

@@ -30,7 +30,8 @@ uint32_t wrapFlag(Wrap wrap) {
     }
 }
 
-// A sample that no tracer can carry on with (an HDR file may hold any bits) becomes 0, or the greatest colour.
+// A sample that no tracer can carry on with (an HDR file may hold any bits) becomes 0, or the greatest
+// colour.
 float sound(float sample, uint64_t& mended) {
     const float result = sample >= 0 ? std::min(sample, static_cast<float>(kMaxColor)) : 0.0f;
     if (!(result == sample)) ++mended;

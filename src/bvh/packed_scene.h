@@ -67,7 +67,8 @@ struct PackedScene {
     std::vector<shared::Texture> textures;  // those that a primitive's material, or the background, uses
     std::vector<shared::Texel> texels;      // each image once
     std::vector<shared::VertexAttribute> vertexAttributes;
-    std::vector<shared::ObjectFrame> objectFrames;  // of every object, if a material has a texture; else empty
+    std::vector<shared::ObjectFrame>
+        objectFrames;  // of every object, if a material has a texture; else empty
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;

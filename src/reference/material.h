@@ -19,8 +19,8 @@ bool holeAt(const PackedScene& scene, const Surface& surface);
 // What comes from infinitely far away against `direction`. shift: added to the environment map's coordinates.
 glm::dvec3 surroundings(const PackedScene& scene, const glm::dvec3& direction, const glm::dvec2& shift);
 
-// Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker, at a
-// local position on an object.
+// Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
+// at a local position on an object.
 glm::dvec4 sampleTexture(const PackedScene& scene, const shared::Texture& texture, const glm::dvec2& uv,
                          const glm::dvec3& position, uint32_t object);
 

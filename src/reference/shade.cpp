@@ -288,8 +288,7 @@ Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     if (scene_.textures.empty()) return surface;
     Surface moved = surface;
     const double scale = std::max({1.0, std::abs(surface.uv.x), std::abs(surface.uv.y)});
-    const double reach =
-        std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit.primitive));
+    const double reach = std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit.primitive));
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
     return moved;

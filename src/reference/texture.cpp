@@ -43,24 +43,20 @@ class ImageSampler {
         const auto top = static_cast<int64_t>(std::floor(y - 0.5));
         dvec4 sum(0);
         for (int64_t j = top; j <= top + 1; ++j)
-            for (int64_t i = left; i <= left + 1; ++i)
-                sum += nearness(x, i) * nearness(y, j) * texel(i, j);
+            for (int64_t i = left; i <= left + 1; ++i) sum += nearness(x, i) * nearness(y, j) * texel(i, j);
         return sum;
     }
 
   private:
     // v = 0 belongs to the lowest row, as u = 0 to the leftmost column.
     int64_t nearestRow(double y) const { return static_cast<int64_t>(std::ceil(y)) - 1; }
-    static double nearness(double x, int64_t i) {
-        return 1 - std::abs(x - (static_cast<double>(i) + 0.5));
-    }
+    static double nearness(double x, int64_t i) { return 1 - std::abs(x - (static_cast<double>(i) + 0.5)); }
     dvec4 texel(int64_t i, int64_t j) const {
         const int64_t column = wrapIndex(i, image_.width, image_.flags & shared::kTextureWrapMask);
-        const int64_t row =
-            wrapIndex(j, image_.height,
-                      image_.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
-        const auto index = image_.firstTexel + static_cast<size_t>(row) * image_.width +
-                           static_cast<size_t>(column);
+        const int64_t row = wrapIndex(j, image_.height,
+                                      image_.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
+        const auto index =
+            image_.firstTexel + static_cast<size_t>(row) * image_.width + static_cast<size_t>(column);
         const shared::Texel& t = scene_.texels[index];
         return {dvec3(t.color), t.alpha};
     }

@@ -53,8 +53,9 @@ struct Surface {
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and texture coordinates
-// move by up to `ulps` * 2^-24 * max(1, |u|, |v|), points looked up in a solid checker as origins do. seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within
-// 16 * `ulps` * 2^-24 * t, either may be taken.
+// move by up to `ulps` * 2^-24 * max(1, |u|, |v|), points looked up in a solid checker as origins do. seed 0
+// and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps`
+// * 2^-24 * t, either may be taken.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

@@ -109,8 +109,7 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
         uint32_t id = 0;
         ++search.cost;
         if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
-        if (scene.features.alphaMask &&
-            !findSolid(scene, ray, kind, i, source, search.best.t, root))
+        if (scene.features.alphaMask && !findSolid(scene, ray, kind, i, source, search.best.t, root))
             continue;
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;

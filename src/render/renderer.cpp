@@ -59,10 +59,10 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 // kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
 // Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
 // no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
-// loop comes on top. So S (B + slack) + 6 (B + 2) + kMaxPlanes <= 65535, and one more beside the 6 leaves room
-// for the compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips at most,
-// which each lane counts; those in the loops of triangles, discs and polygons (3 each) and of spheres (6) are
-// entered once more in every trip of the outer loop.
+// loop comes on top. So S (B + slack) + 6 (B + 2) + kMaxPlanes <= 65535, and one more beside the 6 leaves
+// room for the compiler's own. With alpha masks each test, of a plane too, holds loops of kMaskTrips trips at
+// most, which each lane counts; those in the loops of triangles, discs and polygons (3 each) and of spheres
+// (6) are entered once more in every trip of the outer loop.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);

@@ -18,14 +18,14 @@ struct ImportedMesh {
 
 // Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
 //
-// OBJ: v (with linear r g b), vn, vt, f with positive and negative indices; o, g and all else are ignored. MTL: Ka
-// Kd Ks Ns illum (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or black: the
-// diffuse colour), map_Kd map_Ks map_Ka map_d; transparency (d, Tr), other maps and maps that cannot be read
-// are warned about.
+// OBJ: v (with linear r g b), vn, vt, f with positive and negative indices; o, g and all else are ignored.
+// MTL: Ka Kd Ks Ns illum (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or
+// black: the diffuse colour), map_Kd map_Ks map_Ka map_d; transparency (d, Tr), other maps and maps that
+// cannot be read are warned about.
 //
-// PLY: x y z, nx ny nz, texture coordinates (u v, s t, texture_u texture_v), colours (red green blue: integers are
-// sRGB codes, floats linear), face lists under either customary name; other elements and properties are
-// skipped.
+// PLY: x y z, nx ny nz, texture coordinates (u v, s t, texture_u texture_v), colours (red green blue:
+// integers are sRGB codes, floats linear), face lists under either customary name; other elements and
+// properties are skipped.
 //
 // Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
 // "bunny.obj:88: face uses vertex 9, the file has 8".

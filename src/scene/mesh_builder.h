@@ -19,8 +19,8 @@ class MeshBuilder {
     std::vector<glm::dvec2> uvs;
     std::vector<Color> colors;  // linear
 
-    // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each empty or as
-    // long; all in range.
+    // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each
+    // empty or as long; all in range.
     struct Corners {
         std::span<const uint32_t> vertices;
         std::span<const uint32_t> normals = {}, uvs = {}, colors = {};

@@ -14,8 +14,8 @@ void tint(Color& color, uint32_t texture) {
     if (texture != Material::kNoTexture && color == Color(0)) color = Color(1);
 }
 
-// `color` (or white, if null) with the grey of `cover` as alpha, in the size of `color`. A grey image is decoded as
-// sRGB like any other, but a coverage is a plain number, so it is encoded again.
+// `color` (or white, if null) with the grey of `cover` as alpha, in the size of `color`. A grey image is
+// decoded as sRGB like any other, but a coverage is a plain number, so it is encoded again.
 Image withAlpha(const Image* color, const Image& cover) {
     const int width = color ? color->width : cover.width, height = color ? color->height : cover.height;
     Image result(width, height, 4, 1.0f);
@@ -23,8 +23,10 @@ Image withAlpha(const Image* color, const Image& cover) {
         for (int x = 0; x < width; x++) {
             if (color)
                 for (int c = 0; c < 3; c++) result.at(x, y, c) = color->at(x, y, color->channels < 3 ? 0 : c);
-            const auto column = static_cast<int>((static_cast<int64_t>(2 * x) + 1) * cover.width / (2 * width));
-            const auto row = static_cast<int>((static_cast<int64_t>(2 * y) + 1) * cover.height / (2 * height));
+            const auto column =
+                static_cast<int>((static_cast<int64_t>(2 * x) + 1) * cover.width / (2 * width));
+            const auto row =
+                static_cast<int>((static_cast<int64_t>(2 * y) + 1) * cover.height / (2 * height));
             result.at(x, y, 3) = static_cast<float>(srgbByte(cover.at(column, row, 0))) / 255.0f;
         }
     }
@@ -64,8 +66,9 @@ uint32_t MtlMaps::add(const std::string& name, const tinyobj::texture_option_t& 
 void MtlMaps::applyAlpha(const tinyobj::material_t& from, Material& material) {
     if (from.alpha_texname.empty()) return;
     const uint32_t diffuse = material.diffuseTexture;
-    const Image* color =
-        diffuse == Material::kNoTexture ? nullptr : std::get<ImageTexture>(textures_[diffuse].source).image.get();
+    const Image* color = diffuse == Material::kNoTexture
+                             ? nullptr
+                             : std::get<ImageTexture>(textures_[diffuse].source).image.get();
     const bool own = color && from.alpha_texname == from.diffuse_texname;
     if (!(own && color->channels == 4)) {
         auto cover = load(from.alpha_texname, from.alpha_texopt);

@@ -13,8 +13,8 @@
 
 namespace glint {
 
-// Loads the maps of one file's materials. Models often come without their images: one that is missing or broken is
-// warned of once, and its material drawn without.
+// Loads the maps of one file's materials. Models often come without their images: one that is missing or
+// broken is warned of once, and its material drawn without.
 class MtlMaps {
   public:
     MtlMaps(const std::filesystem::path& file, std::vector<Texture>& textures,

@@ -22,12 +22,15 @@ Color color(const double (&rgb)[3]) {
 
 // The maps that are named and have no use here, as the file spells them.
 std::vector<const char*> ignoredMaps(const tinyobj::material_t& m) {
-    const std::pair<const std::string&, const char*> maps[] = {
-        {m.specular_highlight_texname, "map_Ns"}, {m.bump_texname, "map_bump"},
-        {m.displacement_texname, "disp"},         {m.reflection_texname, "refl"},
-        {m.roughness_texname, "map_Pr"}, {m.metallic_texname, "map_Pm"},
-        {m.sheen_texname, "map_Ps"},     {m.emissive_texname, "map_Ke"},
-        {m.normal_texname, "norm"}};
+    const std::pair<const std::string&, const char*> maps[] = {{m.specular_highlight_texname, "map_Ns"},
+                                                               {m.bump_texname, "map_bump"},
+                                                               {m.displacement_texname, "disp"},
+                                                               {m.reflection_texname, "refl"},
+                                                               {m.roughness_texname, "map_Pr"},
+                                                               {m.metallic_texname, "map_Pm"},
+                                                               {m.sheen_texname, "map_Ps"},
+                                                               {m.emissive_texname, "map_Ke"},
+                                                               {m.normal_texname, "norm"}};
     std::vector<const char*> named;
     for (const auto& [file, key] : maps)
         if (!file.empty()) named.push_back(key);

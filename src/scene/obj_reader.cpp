@@ -43,8 +43,7 @@ class ObjReader {
         if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), Color(1));
         builder_.reserve(faces_.size());
         for (const Face& face : faces_) addFace(face);
-        ImportedMesh imported =
-            builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
+        ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
         imported.textures = std::move(textures_);
         return imported;
     }

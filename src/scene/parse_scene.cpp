@@ -169,7 +169,8 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     if (const auto materials = root.find("materials")) {
         materials->expectObject();
         for (size_t i = 0; i < materials->memberCount(); i++)
-            scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i), textures));
+            scene.materials.push_back(
+                parseMaterial(materials->member(i), materials->memberName(i), textures));
     }
     parseObjects(root, scene, name, folder);
     validateScene(scene, name);

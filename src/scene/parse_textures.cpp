@@ -94,7 +94,8 @@ Texture TextureParser::parseChecker(const JsonCursor& source) {
         checker.solid = *solid->value().boolean();
     }
     const auto corner = source.find("corner");
-    if (corner && !checker.solid) corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
+    if (corner && !checker.solid)
+        corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
     if (corner) checker.corner = corner->vector3();
     if (const auto offset = source.find("offset"); offset && checker.solid)
         offset->fail("a solid checker is moved by \"corner\": [x, y, z]");

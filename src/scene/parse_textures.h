@@ -15,7 +15,8 @@ class TextureParser {
     // Textures are added to `scene`; image files are relative to `folder`.
     TextureParser(Scene& scene, const std::filesystem::path& folder) : scene_(scene), folder_(folder) {}
 
-    // Reads the optional key as a colour, or as a texture and the colour it is multiplied with. True if it is there.
+    // Reads the optional key as a colour, or as a texture and the colour it is multiplied with. True if it is
+    // there.
     bool readColor(const JsonCursor& object, std::string_view key, Color& color, uint32_t& texture);
     // "background": a colour or an environment map.
     void readBackground(const JsonCursor& root);

@@ -186,9 +186,9 @@ class PlyBody {
     static VertexSlots findSlots(const PlyElement& element) {
         // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
         constexpr std::pair<std::string_view, size_t> kNames[] = {
-            {"x", 0},  {"y", 1},  {"z", 2},         {"nx", 3},        {"ny", 4},  {"nz", 5},    {"s", 6},
-            {"t", 7},  {"u", 6},  {"v", 7},         {"texture_u", 6}, {"texture_v", 7},
-            {"red", 8}, {"green", 9}, {"blue", 10}};
+            {"x", 0},         {"y", 1},         {"z", 2},   {"nx", 3},    {"ny", 4},
+            {"nz", 5},        {"s", 6},         {"t", 7},   {"u", 6},     {"v", 7},
+            {"texture_u", 6}, {"texture_v", 7}, {"red", 8}, {"green", 9}, {"blue", 10}};
         VertexSlots slots;
         slots.ofProperty.assign(element.properties.size(), kOther);
         for (const auto& [name, slot] : kNames) {

@@ -116,8 +116,8 @@ struct CheckerTexture {
     glm::dvec3 corner{0};  // solid: in object space, where eight cubes meet
 };
 
-// `scale` then `offset` turn the surface's (u, v) into the texture's; a solid checker has `scale.x` cubes to a
-// length of 1 and a corner instead of the offset.
+// `scale` then `offset` turn the surface's (u, v) into the texture's; a solid checker has `scale.x` cubes to
+// a length of 1 and a corner instead of the offset.
 struct Texture {
     std::variant<ImageTexture, CheckerTexture> source;
     glm::dvec2 scale{1};
@@ -243,8 +243,8 @@ struct Object {
     // From the shape's coordinates to the world's, regular, of any kind. Meshes that several objects share
     // are stored once.
     std::optional<Affine> transform = {};
-    // What the reader has applied to the shape already, from the object's own coordinates: textures are fixed in
-    // those.
+    // What the reader has applied to the shape already, from the object's own coordinates: textures are fixed
+    // in those.
     Affine applied = {};
 };
 

@@ -26,7 +26,8 @@ inline constexpr auto kPoint = names("type", "position", "intensity", "falloff")
 inline constexpr auto kDirectional = names("type", "direction", "intensity");
 inline constexpr auto kSpot =
     names("type", "position", "direction", "angle", "penumbra", "intensity", "falloff");
-inline constexpr auto kMaterial = names("ambient", "diffuse", "specular", "shininess", "mirror", "alphaCutoff");
+inline constexpr auto kMaterial =
+    names("ambient", "diffuse", "specular", "shininess", "mirror", "alphaCutoff");
 inline constexpr auto kMaterialLater = names("transmission", "ior", "attenuation");
 inline constexpr auto kImageTexture = names("texture", "wrap", "filter", "scale", "offset", "color");
 inline constexpr auto kCheckerTexture = names("checker", "scale", "offset", "solid", "corner", "color");
@@ -62,9 +63,9 @@ inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detai
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep,
-    kImageTexture, kCheckerTexture, kEnvironmentMap};
+    kScene,      kImage,         kPerspective,  kOrthographic,   kPoint,         kDirectional, kSpot,
+    kMaterial,   kMesh,          kSphere,       kPlane,          kDisc,          kTriangle,    kPolygon,
+    kMeshObject, kTransformStep, kImageTexture, kCheckerTexture, kEnvironmentMap};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

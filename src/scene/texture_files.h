@@ -12,8 +12,8 @@ namespace glint {
 
 class TextureFiles {
   public:
-    // The image in linear samples: PNG and JPEG are decoded from sRGB (their alpha is linear already), HDR, EXR
-    // and PFM are linear. Throws Error(Scene) "PATH: reason" if there is none.
+    // The image in linear samples: PNG and JPEG are decoded from sRGB (their alpha is linear already), HDR,
+    // EXR and PFM are linear. Throws Error(Scene) "PATH: reason" if there is none.
     std::shared_ptr<const Image> read(const std::filesystem::path& path);
 
   private:

@@ -302,7 +302,8 @@ void validateTexture(const Texture& texture, const Place& place) {
         checkColor(place, "checker/0", checker->a);
         checkColor(place, "checker/1", checker->b);
         checkPoint(place, "corner", checker->corner);
-    } else if (const auto& image = std::get<ImageTexture>(texture.source).image; !image || image->pixels.empty()) {
+    } else if (const auto& image = std::get<ImageTexture>(texture.source).image;
+               !image || image->pixels.empty()) {
         place.fail("texture", "the image is missing");
     }
 }

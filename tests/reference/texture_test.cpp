@@ -86,8 +86,8 @@ TEST(Texture, wildCoordinatesAreHarmless) {
     EXPECT_EQ(redAt(scene, 1e6 + 0.25, -1e6 + 0.75), 1);
     const double corner = redAt(scene, 0, 0);
     EXPECT_EQ(corner, 2.5);
-    for (const double wild : {std::numeric_limits<double>::quiet_NaN(), 1e30, -1e30,
-                              std::numeric_limits<double>::infinity()})
+    for (const double wild :
+         {std::numeric_limits<double>::quiet_NaN(), 1e30, -1e30, std::numeric_limits<double>::infinity()})
         EXPECT_EQ(redAt(scene, wild, wild), corner) << wild;
 }
 
@@ -143,19 +143,19 @@ TEST(Texture, environmentDirections) {
     scene.environment.background = glm::vec3(2);
     const auto seen = [&](const dvec3& d) { return surroundings(scene, d, dvec2(0)).x / 2; };
     // On the horizon the rows count half each: column c gives c + 2.
-    EXPECT_NEAR(seen({0, 0, -1}), 1.5 + 2, 1e-12);   // u = 1/2: between columns 1 and 2
-    EXPECT_NEAR(seen({1, 0, 0}), 2.5 + 2, 1e-12);    // u = 3/4
-    EXPECT_NEAR(seen({-1, 0, 0}), 0.5 + 2, 1e-12);   // u = 1/4
-    EXPECT_NEAR(seen({0, 0, 1}), 1.5 + 2, 1e-12);    // u = 0 or 1: between columns 3 and 0
-    EXPECT_NEAR(seen({1, 0, -1}), 2 + 2, 1e-12);     // u = 5/8: column 2
-    EXPECT_NEAR(seen({1e-9, 1, 1e-9}), 3, 1e-6);     // u = 7/8, straight up: column 3 of row 0
+    EXPECT_NEAR(seen({0, 0, -1}), 1.5 + 2, 1e-12);  // u = 1/2: between columns 1 and 2
+    EXPECT_NEAR(seen({1, 0, 0}), 2.5 + 2, 1e-12);   // u = 3/4
+    EXPECT_NEAR(seen({-1, 0, 0}), 0.5 + 2, 1e-12);  // u = 1/4
+    EXPECT_NEAR(seen({0, 0, 1}), 1.5 + 2, 1e-12);   // u = 0 or 1: between columns 3 and 0
+    EXPECT_NEAR(seen({1, 0, -1}), 2 + 2, 1e-12);    // u = 5/8: column 2
+    EXPECT_NEAR(seen({1e-9, 1, 1e-9}), 3, 1e-6);    // u = 7/8, straight up: column 3 of row 0
     EXPECT_NEAR(seen({1e-9, -1, -1e-9}), 2 + 4, 1e-6);
     scene.textures[0].place.x = 0.25f;  // a quarter turn counter-clockwise: what was along -z is along -x
     EXPECT_NEAR(seen({-1, 0, 0}), 1.5 + 2, 1e-12);
 }
 
-// Object frame the identity: the pole is +y, the middle of the image faces +z, and east, larger u, is to the right seen
-// from outside, where +x is to the right of who looks along -z.
+// Object frame the identity: the pole is +y, the middle of the image faces +z, and east, larger u, is to the
+// right seen from outside, where +x is to the right of who looks along -z.
 TEST(Texture, sphereCoordinatesInSixDirections) {
     SceneMaker maker;
     maker.sphere({1, 2, 3}, 0.5f);
@@ -179,7 +179,8 @@ TEST(Texture, sphereCoordinatesInSixDirections) {
     EXPECT_NEAR(std::abs(uvFrom({0, 0, -1}).x - 0.5), 0.5, 1e-9);
     EXPECT_NEAR(uvFrom({0, 1, 0}).y, 1, 1e-7);
     EXPECT_NEAR(uvFrom({0, -1, 0}).y, 0, 1e-7);
-    EXPECT_TRUE(near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
+    EXPECT_TRUE(
+        near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
 }
 
 TEST(Texture, triangleInterpolatesCoordinatesAndColors) {
@@ -187,9 +188,9 @@ TEST(Texture, triangleInterpolatesCoordinatesAndColors) {
     maker.triangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
     PackedScene scene = maker.finish();
     scene.vertexAttributes.resize(5);
-    scene.vertexAttributes[0].value = {0.5f, 8.5f, 0.5f};   // u
-    scene.vertexAttributes[1].value = {-1, -1, 15};         // v
-    scene.vertexAttributes[2].value = {1, 0, 0};            // colours
+    scene.vertexAttributes[0].value = {0.5f, 8.5f, 0.5f};  // u
+    scene.vertexAttributes[1].value = {-1, -1, 15};        // v
+    scene.vertexAttributes[2].value = {1, 0, 0};           // colours
     scene.vertexAttributes[3].value = {0, 1, 0};
     scene.vertexAttributes[4].value = {0, 0, 1};
     const Tracer tracer(scene);

@@ -80,20 +80,21 @@ TEST_P(MutantTest, isFound) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, MutantTest,
-    testing::Values(Defect{"edge_sign", "triangles"}, Defect{"wrong_weight", "knot"},
-                    Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
-                    Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
-                    Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
-                    Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
-                    Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
-                    Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
-                    Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"},
-                    Defect{"texel_corner", "textures"}, Defect{"upside_down", "textures"},
-                    Defect{"late_checker", "checker"}, Defect{"turned_sky", "environment"},
-                    Defect{"deep_cut", "textures"}),
-    [](const auto& p) { return std::string(p.param.mutant); });
+INSTANTIATE_TEST_SUITE_P(All, MutantTest,
+                         testing::Values(Defect{"edge_sign", "triangles"}, Defect{"wrong_weight", "knot"},
+                                         Defect{kTieRule, kDecalScene}, Defect{"small_boxes", "knot"},
+                                         Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
+                                         Defect{"short_shadows", kLampScene},
+                                         Defect{"long_shadows", kLampScene}, Defect{"disc_rim", "discs"},
+                                         Defect{"polygon_side", "polygons"},
+                                         Defect{"flipped_film", "orthographic"},
+                                         Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"},
+                                         Defect{"diffuse_gain", "spheres"},
+                                         Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"},
+                                         Defect{"texel_corner", "textures"},
+                                         Defect{"upside_down", "textures"}, Defect{"late_checker", "checker"},
+                                         Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}),
+                         [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace
 }  // namespace glint::render::test

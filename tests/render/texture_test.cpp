@@ -132,8 +132,9 @@ TEST_F(TextureTest, environmentDirections) {
     EXPECT_NEAR(Viewer(device(), scene)(dvec3(0), {-1, 0, 0}).x, 3.5, 1e-4);
 }
 
-// The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to 2^-23; u is rounded once more
-// (2^-25), v takes the angle twice and the ring, which errs by 4 units of at most 1/(2 pi) turns' worth: below 2^-21 in all.
+// The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to
+// 2^-23; u is rounded once more (2^-25), v takes the angle twice and the ring, which errs by 4 units of at
+// most 1/(2 pi) turns' worth: below 2^-21 in all.
 TEST_F(TextureTest, anglesAreGoodToTheirBound) {
     Scene scene = emptyScene();
     addSphere(scene, {0, 0, 0}, 1, addTextured(scene, {CheckerTexture{}}));
@@ -159,7 +160,8 @@ TEST_F(TextureTest, anglesAreGoodToTheirBound) {
     EXPECT_LE(worstV, 8 * kUnit);
 }
 
-// Discs and polygons report where on the image they are hit; triangles their barycentrics, whatever the texture.
+// Discs and polygons report where on the image they are hit; triangles their barycentrics, whatever the
+// texture.
 TEST_F(TextureTest, coordinatesOfFlatObjects) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{}});
@@ -181,7 +183,8 @@ TEST_F(TextureTest, coordinatesOfFlatObjects) {
     }
 }
 
-// Opaque below, open above: for camera rays, in a mirror and for shadows, on flat things and for the far side of a ball.
+// Opaque below, open above: for camera rays, in a mirror and for shadows, on flat things and for the far side
+// of a ball.
 class MaskTest : public TextureTest {
   protected:
     static Scene maskScene() {
@@ -246,7 +249,8 @@ TEST_F(MaskTest, anyTripBudgetDrawsTheSame) {
     EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, tight)));
 }
 
-// Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than that.
+// Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than
+// that.
 TEST_F(TextureTest, checkerEdgesAreExplained) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{Color(1), Color(0)}, dvec2(400)});

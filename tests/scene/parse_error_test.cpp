@@ -48,7 +48,8 @@ const Case kStructure[] = {
     {"duplicateKey", R"({"ambient": 1, "ambient": 2})",
      R"(s.json:1:25: the key "ambient" stands here twice)"},
     {"pointerEscapes", R"({"materials": {"a/b~c": {"x": 1}}})",
-     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, alphaCutoff)"},
+     "s.json: /materials/a~1b~0c/x: unknown key (known: ambient, diffuse, specular, shininess, mirror, "
+     "alphaCutoff)"},
 };
 
 const Case kTypes[] = {

@@ -52,7 +52,8 @@ TEST_F(TextureFilesTest, imagesAreReadOnceAndDecoded) {
 }
 
 TEST_F(TextureFilesTest, checkersAndEnvironments) {
-    const Scene scene = parseIn(R"({"background": {"environment": "tiny.png", "rotation": 90, "intensity": [1, 2, 3]},
+    const Scene scene =
+        parseIn(R"({"background": {"environment": "tiny.png", "rotation": 90, "intensity": [1, 2, 3]},
         "materials": {"a": {"diffuse": {"checker": [1, [0.5, 0, 0]], "solid": true, "scale": 4, "corner": [1, 2, 3]}}}})");
     const auto& checker = std::get<CheckerTexture>(scene.textures[0].source);
     EXPECT_EQ(checker.a, Color(1));
@@ -67,9 +68,9 @@ TEST_F(TextureFilesTest, checkersAndEnvironments) {
 }
 
 TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
-    EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "none.png"}})"),
-              "s.json: /materials/m/diffuse/texture: " + (folder_.path() / "none.png").string() +
-                  ": no such file");
+    EXPECT_EQ(
+        errorIn(R"({"diffuse": {"texture": "none.png"}})"),
+        "s.json: /materials/m/diffuse/texture: " + (folder_.path() / "none.png").string() + ": no such file");
     folder_.write("broken.png", "not an image");
     const std::string broken = errorIn(R"({"specular": {"texture": "broken.png"}})");
     EXPECT_TRUE(broken.starts_with("s.json: /materials/m/specular/texture: " +
@@ -78,8 +79,9 @@ TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
     EXPECT_EQ(errorIn(R"({"diffuse": {"textur": "tiny.png"}})"),
               "s.json: /materials/m/diffuse: must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a "
               "number or [r, g, b]");
-    EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png", "wrap": "tile"}})"),
-              "s.json: /materials/m/diffuse/wrap: must be \"repeat\", \"clamp\" or \"mirror\" (got \"tile\")");
+    EXPECT_EQ(
+        errorIn(R"({"diffuse": {"texture": "tiny.png", "wrap": "tile"}})"),
+        "s.json: /materials/m/diffuse/wrap: must be \"repeat\", \"clamp\" or \"mirror\" (got \"tile\")");
     EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png", "filter": "cubic"}})"),
               "s.json: /materials/m/diffuse/filter: must be \"bilinear\" or \"nearest\" (got \"cubic\")");
     EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png", "scale": 0}})"),
@@ -96,9 +98,9 @@ TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
               "s.json: /materials/m/alphaCutoff: must be from 0 to 1 (got 2)");
     EXPECT_EQ(errorIn(R"({"mirror": {"texture": "tiny.png", "color": 2}})"),
               "s.json: /materials/m/mirror: must be from 0 to 1 (got 2)");
-    EXPECT_EQ(errorOf([&] { parseIn(R"({"background": {"environment": "gone.hdr"}})"); }),
-              "s.json: /background/environment: " + (folder_.path() / "gone.hdr").string() +
-                  ": no such file");
+    EXPECT_EQ(
+        errorOf([&] { parseIn(R"({"background": {"environment": "gone.hdr"}})"); }),
+        "s.json: /background/environment: " + (folder_.path() / "gone.hdr").string() + ": no such file");
     EXPECT_EQ(errorOf([&] { parseIn(R"({"background": {"rotation": 1}})"); }),
               "s.json: /background: missing key \"environment\"");
 }
@@ -141,8 +143,9 @@ TEST_F(TextureFilesTest, objCoordinatesOutOfRangeAreErrors) {
 }
 
 TEST_F(TextureFilesTest, plyBringsCoordinatesAndColors) {
-    const std::string header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                               "property float z\nproperty float s\nproperty float t\n";
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float s\nproperty float t\n";
     const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     const auto meshOf = [&](const std::string& type, const std::string& body) {
         std::string text = header;
@@ -150,7 +153,8 @@ TEST_F(TextureFilesTest, plyBringsCoordinatesAndColors) {
         const Scene scene = loadScene(folder_.write("m.ply", text + faces + body));
         return *std::get<MeshShape>(scene.objects[0].shape).mesh;
     };
-    const Mesh codes = meshOf("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
+    const Mesh codes =
+        meshOf("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
     EXPECT_EQ(codes.uvs[0], glm::dvec2(0.5, 1));
     EXPECT_EQ(codes.uvCorners[0], glm::uvec3(0, 1, 2));
     EXPECT_NEAR(codes.colors[0].x, 0.50289, 1e-5);
