@@ -5,9 +5,9 @@
 #define GLINT_ANY_HIT
 #define GLINT_SHADOW_RAYS
 #include "path.glsl"
-#include "surface.glsl"
-#include "tree.glsl"
+#include "material.glsl"
 #include "passage.glsl"
+#include "tree.glsl"
 #include "traversal.glsl"
 
 // A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
@@ -74,7 +74,7 @@ void main() {
     Surface surface = surfaceAt(ray, hit);
     bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
-    Material material = loadMaterial(surface.material);
+    Material material = materialAt(surface);
     Crossing crossing;
     if (FEATURE_TRANSMISSION) {
         crossing = crossingAt(loadMedia(path), material.medium, entering);

@@ -3,6 +3,7 @@
 #ifndef GLINT_PASSAGE_GLSL
 #define GLINT_PASSAGE_GLSL
 
+#include "material.glsl"
 #include "optics.glsl"
 
 struct Passage {
@@ -32,6 +33,11 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     uint medium = loadMaterial(surface.material).medium;
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
+    if (kHasTextures && optics.transmissionTexture != 0u) {
+        // Only triangles have texture coordinates of their own, within instances too.
+        if (!inInstance) fillObjectUv(kind, surface);
+        depth -= log(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
+    }
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - hit.t) * passage.scale;
         depth += optics.attenuation * (dot(surface.normal, ray.direction) > 0.0 ? -way : way);

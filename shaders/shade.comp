@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Ends a bounce: background or ambient light, the picture's other layers, and the next ray of the path.
 #include "path.glsl"
-#include "surface.glsl"
+#include "material.glsl"
 #include "tree.glsl"
 
 // FNV-1a over words (Fowler, Noll, Vo), see docs/shading.md.
@@ -10,11 +10,12 @@ uint hashStep(uint hash, uint word) { return (hash ^ word) * 16777619u; }
 
 void storeAovs(uint path, bool isHit, Hit hit, Surface surface) {
     vec3 position = isHit ? surface.position : vec3(0.0);
+    vec2 uv = hit.primitive >> kPrimitiveKindShift == kKindTriangle ? vec2(hit.u, hit.v) : surface.uv;
     // The largest float stands for "no hit": shaders need not keep infinities.
     storeRow(kRowAovPosition, path, packRow(position, floatBitsToUint(isHit ? hit.t : kInfinity)));
     storeRow(kRowAovNormal, path, packRow(isHit ? surface.shadingNormal : vec3(0.0), isHit ? surface.material : kNone));
     storeRow(kRowAovIndices, path,
-             uvec4(floatBitsToUint(isHit ? hit.u : 0.0), floatBitsToUint(isHit ? hit.v : 0.0),
+             uvec4(floatBitsToUint(isHit ? uv.x : 0.0), floatBitsToUint(isHit ? uv.y : 0.0),
                    isHit ? surface.object : kNone, isHit ? surface.primitive : kNone));
     storeRow(kRowAovGeometry, path, packRow(isHit ? surface.normal : vec3(0.0), 0u));
 }
@@ -31,7 +32,7 @@ void main() {
     if (MODE_AOVS && alive && dispatch.bounce == 0u && dispatch.sampleIndex == 0u) storeAovs(path, isHit, hit, surface);
     bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
-    Material material = loadMaterial(surface.material);
+    Material material = materialAt(surface);
 
     uvec4 throughputRow = loadRow(kRowThroughput, path);
     vec3 throughput = uintBitsToFloat(throughputRow.xyz);
@@ -42,7 +43,7 @@ void main() {
     }
     uint hash = hashStep(throughputRow.w, isHit ? hit.id + 1u : 0u);
     uvec4 sum = loadRow(kRowRadiance, path);
-    vec3 emitted = isHit ? material.ambient * environment.ambient : environment.background;
+    vec3 emitted = isHit ? material.ambient * environment.ambient : surroundings(environment, ray.direction);
     if (FEATURE_TRANSMISSION && isHit && !crossing.counts) emitted = vec3(0.0);
     uint hits = sum.w + (isHit && dispatch.bounce == 0u ? 1u : 0u);
 

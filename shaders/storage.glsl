@@ -156,6 +156,26 @@ GLINT_READ_ARRAY(23, opticsArray)
 GLINT_LOADER(Optics, GLINT_OPTICS_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(18, texturesArray)
+#define GLINT_ARRAY_NAME texturesArray
+GLINT_LOADER(Texture, GLINT_TEXTURE_ROWS)
+#undef GLINT_ARRAY_NAME
+
+GLINT_READ_ARRAY(19, texelsArray)
+#define GLINT_ARRAY_NAME texelsArray
+GLINT_LOADER(Texel, GLINT_TEXEL_ROWS)
+#undef GLINT_ARRAY_NAME
+
+GLINT_READ_ARRAY(20, vertexAttributesArray)
+#define GLINT_ARRAY_NAME vertexAttributesArray
+GLINT_LOADER(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS)
+#undef GLINT_ARRAY_NAME
+
+GLINT_READ_ARRAY(21, objectFramesArray)
+#define GLINT_ARRAY_NAME objectFramesArray
+GLINT_LOADER(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

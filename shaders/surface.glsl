@@ -5,6 +5,7 @@
 #include "instance.glsl"
 #include "intersect.glsl"
 #include "quadric.glsl"
+#include "texcoord.glsl"
 
 struct Surface {
     vec3 position;
@@ -14,7 +15,26 @@ struct Surface {
     uint object;
     uint primitive;
     uint material;
+    // Texture coordinates; of triangles without their own, the barycentrics. Every kind of primitive sets them here.
+    vec2 uv;
+    vec3 color;  // of the vertices, interpolated; white without
 };
+
+void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
+    uint first = attributes & kAttributeFirstMask;
+    bool hasUvs = (attributes & kAttributeUvs) != 0u;
+    if (FEATURE_UVS) {
+        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value), weigh(weights, loadVertexAttribute(first + 1u).value));
+        if (hasUvs) surface.uv = uv;
+    }
+    if (FEATURE_VERTEX_COLORS) {
+        bool colored = (attributes & kAttributeColors) != 0u;
+        uint row = first + (hasUvs ? 2u : 0u);
+        precise vec3 color = weights.x * loadVertexAttribute(row).value + weights.y * loadVertexAttribute(row + 1u).value +
+                             weights.z * loadVertexAttribute(row + 2u).value;
+        if (colored) surface.color = color;
+    }
+}
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed., sec. 6.8.5), far below the error of o + t d.
 // `instance`: of the hit, if it has one.
@@ -53,6 +73,8 @@ void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     surface.object = details.object;
     surface.primitive = details.primitive;
     surface.material = details.material;
+    surface.uv = vec2(hit.u, hit.v);
+    if (FEATURE_UVS || FEATURE_VERTEX_COLORS) triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
 }
 
 // The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5), plus the rounding of adding the centre.
@@ -153,6 +175,8 @@ Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance) {
     surface.object = 0u;
     surface.primitive = 0u;
     surface.material = 0u;
+    surface.uv = vec2(0.0);
+    surface.color = vec3(1.0);
     if (FEATURE_TRIANGLES && kind == kKindTriangle) triangleSurface(hit, instance, surface);
     if (FEATURE_SPHERES && kind == kKindSphere) sphereSurface(ray, hit, surface);
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
@@ -160,6 +184,12 @@ Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance) {
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
     if (FEATURE_QUADRICS && kind == kKindQuadric) quadricSurface(ray, hit, surface);
     return surface;
+}
+
+// Where the surface is in the world.
+void fillObjectUv(uint kind, inout Surface surface) {
+    if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && kind != kKindTriangle)
+        surface.uv = objectUv(surface.object, surface.position, surface.normal);
 }
 
 // hit.primitive must not be kNone.
@@ -170,6 +200,7 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (inInstance) enterInstance(instance, ray.origin, ray.direction);
     Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance);
     if (inInstance) surfaceInWorld(instance, surface);
+    fillObjectUv(hit.primitive >> kPrimitiveKindShift, surface);
     return surface;
 }
 

@@ -9,6 +9,7 @@
 
 #include "instance.glsl"
 #include "intersect.glsl"
+#include "material.glsl"
 #include "quadric.glsl"
 #include "textbook.glsl"
 
@@ -82,12 +83,48 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
     return root;
 }
 
-// A hit in the ray's interval. Those that let a shadow ray through do not end it.
-void take(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive, uint id) {
+// True if it is a hit, and not in a hole of the surface.
+bool isSolid(inout Traversal traversal, bool isHit, float t, float u, float v, uint primitive) {
+    if (!FEATURE_ALPHA_MASK) return isHit;
+    traversal.trips += kMaskTrips;
+    return isThere(traversal.ray, isHit, t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone);
+}
+
+// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray through does not end it.
+void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive, uint id) {
+    bool counts = isSolid(traversal, isHit, t, u, v, primitive);
 #ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS && passes(traversal.passage, traversal.ray, kind, Hit(t, u, v, primitive, traversal.instance, id))) return;
+    if (FEATURE_COLORED_SHADOWS && kHasTextures) traversal.trips += kMaskTrips;
+    if (FEATURE_COLORED_SHADOWS && counts &&
+        passes(traversal.passage, traversal.ray, kind, Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
+        return;
 #endif
-    accept(traversal, t, u, v, primitive, id);
+    if (counts) accept(traversal, t, u, v, primitive, id);
+}
+
+// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays through dielectrics.
+#ifdef GLINT_SHADOW_RAYS
+const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
+#else
+const bool kMayGoThrough = FEATURE_ALPHA_MASK;
+#endif
+
+void testQuadric(inout Traversal traversal, uint index) {
+    Quadric quadric = loadQuadric(index);
+    uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
+    Ray rest = traversal.ray;
+    float t;
+    uint part;
+    bool isHit = intersectQuadric(rest, quadric, primitive, t, part);
+    offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+    if (kMayGoThrough) {
+        for (uint further = 1u; isHit && further < kQuadricHits; ++further) {
+            rest.tMin = t;
+            isHit = intersectQuadric(rest, quadric, primitive, t, part);
+            offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            ++traversal.trips;
+        }
+    }
 }
 
 // Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
@@ -101,10 +138,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            if (meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
-                primitive != traversal.ray.source) {
-                take(traversal, kKindTriangle, t, u, v, primitive, triangle.id);
-            }
+            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) && primitive != traversal.ray.source;
+            offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -116,15 +151,14 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
-            if (meetSphere(traversal.ray, sphere, primitive, t)) {
-                take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
-#ifdef GLINT_SHADOW_RAYS
-                // The way out counts as well as the way in.
+            bool isHit = meetSphere(traversal.ray, sphere, primitive, t);
+            offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
+            if (kMayGoThrough) {
+                // Through a hole or a dielectric: the other root.
                 Ray rest = traversal.ray;
-                rest.tMin = t;
-                if (FEATURE_COLORED_SHADOWS && meetSphere(rest, sphere, primitive, t))
-                    take(traversal, kKindSphere, t, 0.0, 0.0, primitive, sphere.id);
-#endif
+                rest.tMin = isHit ? t : rest.tMin;
+                isHit = isHit && meetSphere(rest, sphere, primitive, t);
+                offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
             }
             ++index;
             ++traversal.trips;
@@ -137,9 +171,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Disc disc = loadDisc(index);
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
-            if (intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source) {
-                take(traversal, kKindDisc, t, 0.0, 0.0, primitive, disc.id);
-            }
+            bool isHit = intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source;
+            offer(traversal, kKindDisc, isHit, t, 0.0, 0.0, primitive, disc.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -151,9 +184,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Polygon polygon = loadPolygon(index);
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
-            if (intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source) {
-                take(traversal, kKindPolygon, t, 0.0, 0.0, primitive, polygon.id);
-            }
+            bool isHit = intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source;
+            offer(traversal, kKindPolygon, isHit, t, 0.0, 0.0, primitive, polygon.id);
             ++index;
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
@@ -163,24 +195,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     if (FEATURE_QUADRICS) {
         uint index = kind == kKindQuadric ? first : end;
         while (index < end) {
-            Quadric quadric = loadQuadric(index);
-            uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
-            float t;
-            uint part;
-            bool met = intersectQuadric(traversal.ray, quadric, primitive, t, part);
-            if (met) take(traversal, kKindQuadric, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
-#ifdef GLINT_SHADOW_RAYS
-            // Sides are met twice at the most, caps once each: every way in and out counts.
-            if (FEATURE_COLORED_SHADOWS) {
-                Ray rest = traversal.ray;
-                for (uint further = 1u; met && further < kQuadricHits; ++further) {
-                    rest.tMin = t;
-                    met = intersectQuadric(rest, quadric, primitive, t, part);
-                    if (met) take(traversal, kKindQuadric, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
-                    ++traversal.trips;
-                }
-            }
-#endif
+            testQuadric(traversal, index);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
@@ -193,9 +208,8 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         Plane plane = loadPlane(index);
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
-        if (intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source) {
-            take(traversal, kKindPlane, t, 0.0, 0.0, primitive, plane.id);
-        }
+        bool isHit = intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
+        offer(traversal, kKindPlane, isHit, t, 0.0, 0.0, primitive, plane.id);
         if (MODE_COST) ++traversal.cost;
     }
 }

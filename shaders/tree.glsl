@@ -4,6 +4,7 @@
 #ifndef GLINT_TREE_GLSL
 #define GLINT_TREE_GLSL
 
+#include "material.glsl"
 #include "optics.glsl"
 #include "path.glsl"
 
@@ -61,6 +62,11 @@ struct Branch {
     uint depth;  // rays before this one
 };
 
+vec3 transmissionAt(uint medium, Surface surface) {
+    Optics optics = opticsOf(medium);
+    return kHasTextures ? optics.transmission * textureAt(optics.transmissionTexture, surface).xyz : optics.transmission;
+}
+
 uint waitingRow(uint slot, uint row) { return treeRow(kTreeRowWaiting + slot * kWaitingRows + row); }
 
 void storeWaiting(uint path, uint slot, Branch branch) {
@@ -87,7 +93,7 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
     bool splits = dielectric && crossing.counts && eta != 1.0;
     Split split = splitAt(surface, ray.direction, splits ? eta : 1.0);
     vec3 reflectWeight = splits ? min(material.mirror + split.reflectance, vec3(1.0)) : material.mirror;
-    vec3 refractWeight = crossing.counts ? (1.0 - split.reflectance) * opticsOf(material.medium).transmission : vec3(1.0);
+    vec3 refractWeight = crossing.counts ? (1.0 - split.reflectance) * transmissionAt(material.medium, surface) : vec3(1.0);
     bool reflects = met && crossing.counts && (splits || greatestOf(material.mirror) > 0.0);
     bool refracts = met && dielectric && !split.total;
     if (MODE_LEDGER) book(path, met && crossing.crowded, kLostMedia, 0.0);

@@ -24,7 +24,13 @@
     X(14, INSTANCES, instances)                 \
     X(15, TRANSMISSION, transmission)           \
     X(16, COLORED_SHADOWS, coloredShadows)      \
-    X(17, ATTENUATION, attenuation)
+    X(17, ATTENUATION, attenuation)             \
+    X(18, TEXTURES, textures)                   \
+    X(19, ENVIRONMENT_MAP, environmentMap)      \
+    X(20, VERTEX_COLORS, vertexColors)          \
+    X(21, UVS, uvs)                             \
+    X(22, CHECKERS, checkers)                   \
+    X(31, ALPHA_MASK, alphaMask)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
@@ -45,22 +51,26 @@
     X(71, SPHERE_FORM, spheres)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
-#define GLINT_SCENE_ARRAYS(X)               \
-    X(2, nodes, Node)                       \
-    X(3, triangles, Triangle)               \
-    X(4, triangleSurfaces, TriangleSurface) \
-    X(5, vertexNormals, VertexNormals)      \
-    X(6, spheres, Sphere)                   \
-    X(7, planes, Plane)                     \
-    X(8, materials, Material)               \
-    X(9, lights, Light)                     \
-    X(10, environment, Environment)         \
-    X(11, camera, Camera)                   \
-    X(12, discs, Disc)                      \
-    X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)   \
-    X(15, quadrics, Quadric)                \
-    X(16, instances, Instance)              \
+#define GLINT_SCENE_ARRAYS(X)                \
+    X(2, nodes, Node)                        \
+    X(3, triangles, Triangle)                \
+    X(4, triangleSurfaces, TriangleSurface)  \
+    X(5, vertexNormals, VertexNormals)       \
+    X(6, spheres, Sphere)                    \
+    X(7, planes, Plane)                      \
+    X(8, materials, Material)                \
+    X(9, lights, Light)                      \
+    X(10, environment, Environment)          \
+    X(11, camera, Camera)                    \
+    X(12, discs, Disc)                       \
+    X(13, polygons, Polygon)                 \
+    X(14, polygonVertices, PolygonVertex)    \
+    X(15, quadrics, Quadric)                 \
+    X(16, instances, Instance)               \
+    X(18, textures, Texture)                 \
+    X(19, texels, Texel)                     \
+    X(20, vertexAttributes, VertexAttribute) \
+    X(21, objectFrames, ObjectFrame)         \
     X(23, optics, Optics)
 
 #define GLINT_BINDING_COUNT 24

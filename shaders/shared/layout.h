@@ -25,10 +25,12 @@
     V3U(v2, reserved2)
 
 // What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded
-// vertices. vertexNormals: index into the VertexNormals array, or kNone.
+// vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the
+// triangle's rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has
+// none.
 #define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4) \
     V3U(normal, object)                           \
-    U4(primitive, material, vertexNormals, reserved)
+    U4(primitive, material, vertexNormals, attributes)
 
 // Unit vertex normals of one triangle.
 #define GLINT_VERTEX_NORMALS_ROWS(V3F, V3U, U4) \
@@ -96,13 +98,15 @@
     V3F(toWorldY, reserved1)              \
     V3F(toWorldZ, reserved2)
 
-// medium: 0, or 1 + the material's index in the optics array; the number that stands for the material in
-// lists of media.
+// ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below
+// alphaCutoff the surface is not there. medium: 0, or 1 + the material's index in the optics array; the
+// number that stands for the material in lists of media.
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
-    V3F(diffuse, reserved0)               \
+    V3F(diffuse, alphaCutoff)             \
     V3F(specular, reserved1)              \
-    V3U(mirror, medium)
+    V3U(mirror, medium)                   \
+    U4(ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
 
 // What a dielectric material has besides. density: -ln(transmission), so that the light which passes many
 // surfaces is the exponential of a sum; attenuation: per unit length; rank: the priority as an unsigned
@@ -110,7 +114,34 @@
 #define GLINT_OPTICS_ROWS(V3F, V3U, U4) \
     V3F(transmission, ior)              \
     V3U(attenuation, rank)              \
-    V3F(density, reserved)
+    V3U(density, transmissionTexture)
+
+// flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
+// are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid
+// checker, a corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture
+// too.
+#define GLINT_TEXTURE_ROWS(V3F, V3U, U4) \
+    U4(flags, width, height, firstTexel) \
+    V3F(place, scaleU)                   \
+    V3F(colorA, scaleV)                  \
+    V3F(colorB, reserved)
+
+#define GLINT_TEXEL_ROWS(V3F, V3U, U4) V3F(color, alpha)
+
+// Rows of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then, with kAttributeColors, the linear
+// colours of its three vertices.
+#define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4) V3F(value, reserved)
+
+// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ... What texture
+// coordinates are made of, by uvKind (kUv... below), are U = toU.p + offsetU, V and W.
+#define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4) \
+    V3F(toObjectX, offsetX)                   \
+    V3F(toObjectY, offsetY)                   \
+    V3F(toObjectZ, offsetZ)                   \
+    V3F(toU, offsetU)                         \
+    V3F(toV, offsetV)                         \
+    V3F(toW, offsetW)                         \
+    U4(uvKind, reserved0, reserved1, reserved2)
 
 // kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot
 // light, unit, the way the light travels. Its full light ends at the angle whose 1 - cos is `inner`, all
@@ -132,18 +163,21 @@
     V3F(originStepX, reserved0)         \
     V3F(originStepY, reserved1)
 
-// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0. With
-// instances the boxes of the world's tree are wider by instancePad times the greatest coordinate of the ray's
-// origin, plus instancePadAtOrigin (bvh/instances.cpp). radianceBound: no ray of the tree brings more, in any
-// channel (kInfinity: not known); minContribution: what brings less to the pixel is not followed.
-// eyeMedium0..3: the media around the eye, outermost first, 0 where the list has ended.
+// Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
+// radianceBound: no ray of the tree brings more, in any channel (kInfinity: not known); minContribution: what
+// brings less to the pixel is not followed. eyeMedium0..3: the media around the eye, outermost first, 0 where
+// the list has ended. With instances the boxes of the world's tree are wider by instancePad times the
+// greatest coordinate of the ray's origin, plus instancePadAtOrigin (bvh/instances.cpp). map: 1 + the
+// environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of the
+// ObjectFrame array, 0 or the number of objects.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4)           \
     V3F(background, minContribution)                   \
     V3F(ambient, radianceBound)                        \
     U4(root, planeCount, lightCount, maxDepth)         \
     U4(eyeMedium0, eyeMedium1, eyeMedium2, eyeMedium3) \
     V3F(reserved0, instancePad)                        \
-    V3F(reserved1, instancePadAtOrigin)
+    V3F(reserved1, instancePadAtOrigin)                \
+    U4(map, frameCount, reserved2, reserved3)
 
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
@@ -161,7 +195,11 @@
     X(Optics, GLINT_OPTICS_ROWS)                    \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
-    X(Environment, GLINT_ENVIRONMENT_ROWS)
+    X(Environment, GLINT_ENVIRONMENT_ROWS)          \
+    X(Texture, GLINT_TEXTURE_ROWS)                  \
+    X(Texel, GLINT_TEXEL_ROWS)                      \
+    X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
+    X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -247,6 +285,28 @@ GLINT_CONST_UINT(kMaxMedia, 4u);
 // dropped.
 GLINT_CONST_UINT(kMaxWaiting, 16u);
 
+GLINT_CONST_UINT(kTextureWrapRepeat, 0u);
+GLINT_CONST_UINT(kTextureWrapClamp, 1u);
+GLINT_CONST_UINT(kTextureWrapMirror, 2u);
+GLINT_CONST_UINT(kTextureWrapMask, 3u);    // of u
+GLINT_CONST_UINT(kTextureWrapVShift, 2u);  // of v: the next two bits
+GLINT_CONST_UINT(kTextureNearest, 16u);    // else bilinear
+GLINT_CONST_UINT(kTextureChecker, 32u);    // else an image
+GLINT_CONST_UINT(kTextureSolid, 64u);      // a checker of cubes
+// Greater texture coordinates, which have no digits left for a place within a texel, and NaN count as 0.
+GLINT_CONST_FLOAT(kMaxTextureCoordinate, 1e9f);
+
+// Texture coordinates of an object that is not a mesh: (U, V); the direction of the outward normal; that of
+// (U, V, W); longitude by U and W, and V.
+GLINT_CONST_UINT(kUvFlat, 0u);
+GLINT_CONST_UINT(kUvNormal, 1u);
+GLINT_CONST_UINT(kUvRound, 2u);
+GLINT_CONST_UINT(kUvAxial, 3u);
+
+GLINT_CONST_UINT(kAttributeUvs, 0x80000000u);
+GLINT_CONST_UINT(kAttributeColors, 0x40000000u);
+GLINT_CONST_UINT(kAttributeFirstMask, 0x3fffffffu);
+
 // Levels of the BVH below the root that the builder may use, those of the world's tree and of a prototype's
 // together; a traversal pushes at most one entry per level.
 GLINT_CONST_UINT(kMaxBvhDepth, 48u);
@@ -258,6 +318,11 @@ GLINT_CONST_UINT(kMaxPlanes, 1024u);
 // resumed (renderer.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
 GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
+// Loop trips that asking a material for holes may cost a primitive test, within that of the primitive: three
+// loops of one trip, twice for a sphere. Counted for every test of a scene that has such materials.
+GLINT_CONST_UINT(kMaskTrips, 6u);
+// Of the loops around textures outside the traversal.
+GLINT_CONST_UINT(kTextureTrips, 16u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);

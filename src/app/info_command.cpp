@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <ostream>
+#include <set>
 
 #include "app/cli.h"
 #include "app/common.h"
@@ -24,12 +25,13 @@ uint64_t bytesOf(const std::vector<T>& array) {
 }
 
 std::string arraySize(const PackedScene& packed) {
-    const uint64_t bytes = bytesOf(packed.nodes) + bytesOf(packed.triangles) +
-                           bytesOf(packed.triangleSurfaces) + bytesOf(packed.vertexNormals) +
-                           bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
-                           bytesOf(packed.lights) + bytesOf(packed.discs) + bytesOf(packed.polygons) +
-                           bytesOf(packed.polygonVertices) + bytesOf(packed.instances) +
-                           bytesOf(packed.quadrics) + bytesOf(packed.optics);
+    const uint64_t bytes =
+        bytesOf(packed.nodes) + bytesOf(packed.triangles) + bytesOf(packed.triangleSurfaces) +
+        bytesOf(packed.vertexNormals) + bytesOf(packed.spheres) + bytesOf(packed.planes) +
+        bytesOf(packed.materials) + bytesOf(packed.lights) + bytesOf(packed.discs) +
+        bytesOf(packed.polygons) + bytesOf(packed.polygonVertices) + bytesOf(packed.instances) +
+        bytesOf(packed.quadrics) + bytesOf(packed.optics) + bytesOf(packed.textures) +
+        bytesOf(packed.texels) + bytesOf(packed.vertexAttributes) + bytesOf(packed.objectFrames);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
@@ -74,6 +76,28 @@ void printInstances(const PackedScene& packed, std::ostream& out) {
         << '\n';
 }
 
+void printImage(const std::string& file, const Image& image, std::ostream& out) {
+    const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
+    char line[64];
+    std::snprintf(line, sizeof(line), ", %d x %d, %.1f KiB on the device\n", image.width, image.height,
+                  static_cast<double>(bytes) / 1024.0);
+    out << "                " << file << line;
+}
+
+// Each image once, though several textures may show it.
+void printTextures(const Scene& scene, std::ostream& out) {
+    if (scene.textures.empty() && !scene.environment) return;
+    out << "  textures      " << scene.textures.size() << (scene.environment ? ", environment map" : "")
+        << '\n';
+    std::set<const Image*> seen;
+    for (const Texture& texture : scene.textures) {
+        const auto* image = std::get_if<ImageTexture>(&texture.source);
+        if (image != nullptr && seen.insert(image->image.get()).second)
+            printImage(image->file, *image->image, out);
+    }
+    if (scene.environment) printImage(scene.environment->file, *scene.environment->image, out);
+}
+
 }  // namespace
 
 int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
@@ -92,6 +116,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     printInstances(packed, out);
     out << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';
+    printTextures(scene, out);
     printGeometry(packed, out);
     out << "  arrays        " << arraySize(packed) << " on the device\n";
     std::vector<std::string> used, leftOut;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bvh/pack_geometry.h"
+#include "bvh/pack_textures.h"
 #include "bvh/primitives.h"
 #include "bvh/region.h"
 #include "core/parallel.h"
@@ -65,10 +66,15 @@ std::pair<size_t, const void*> prototypeKey(const Object& object) {
     return {object.shape.index(), unit ? nullptr : static_cast<const void*>(&object)};
 }
 
-Prototype packPrototype(const Object& object, size_t materialCount, uint32_t maxDepth,
+Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDepth,
                         const PackOptions& options) {
     Scene alone;
     alone.objects.push_back({object.name, object.shape, 0, std::nullopt});
+    // Each instance may have a material of its own, so texture coordinates are kept if any material wants
+    // them.
+    alone.materials.assign(scene.materials.size(), {});
+    const auto textured = std::find_if(scene.materials.begin(), scene.materials.end(), hasTexture);
+    if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
     checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxDepth);
     const Region region = geometryRegion(alone, numbers, nullptr, options.threads);
@@ -78,7 +84,7 @@ Prototype packPrototype(const Object& object, size_t materialCount, uint32_t max
     packed.origin = originOf(region);
     // Seen from its middle: no form of rounding may depend on where the camera is.
     const Frame frame{packed.origin, region.center(), nullptr};
-    Materials unused(materialCount);
+    Materials unused(scene.materials.size());
     packGeometry(alone, numbers, frame, maxDepth, options, packed, unused);
     prototype.boxes = topBoxes(packed.nodes, kTopBoxes);
     return prototype;
@@ -87,7 +93,7 @@ Prototype packPrototype(const Object& object, size_t materialCount, uint32_t max
 // Where the arrays of a part begin in the whole.
 struct Bases {
     std::array<uint32_t, shared::kKindCount> kinds;
-    uint32_t nodes, vertexNormals, polygonVertices;
+    uint32_t nodes, vertexNormals, polygonVertices, vertexAttributes;
 };
 
 uint32_t sizeOf(const auto& array) {
@@ -103,6 +109,7 @@ Bases basesIn(const PackedScene& packed) {
     bases.kinds[shared::kKindQuadric] = sizeOf(packed.quadrics);
     bases.nodes = sizeOf(packed.nodes);
     bases.vertexNormals = sizeOf(packed.vertexNormals);
+    bases.vertexAttributes = sizeOf(packed.vertexAttributes);
     bases.polygonVertices = sizeOf(packed.polygonVertices);
     return bases;
 }
@@ -126,13 +133,16 @@ void appendGeometry(PackedScene& to, PackedScene& part) {
         node.child1 = movedChild(node.child1, bases);
         if (node.escape != shared::kNone) node.escape += 2 * bases.nodes;
     }
-    for (shared::TriangleSurface& surface : part.triangleSurfaces)
+    for (shared::TriangleSurface& surface : part.triangleSurfaces) {
         if (surface.vertexNormals != shared::kNone) surface.vertexNormals += bases.vertexNormals;
+        if (surface.attributes != 0) surface.attributes += bases.vertexAttributes;
+    }
     for (shared::Polygon& polygon : part.polygons) polygon.firstVertex += bases.polygonVertices;
     appendArray(to.nodes, part.nodes);
     appendArray(to.triangles, part.triangles);
     appendArray(to.triangleSurfaces, part.triangleSurfaces);
     appendArray(to.vertexNormals, part.vertexNormals);
+    appendArray(to.vertexAttributes, part.vertexAttributes);
     appendArray(to.spheres, part.spheres);
     appendArray(to.discs, part.discs);
     appendArray(to.polygons, part.polygons);
@@ -196,7 +206,7 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
     const uint32_t needed = static_cast<uint32_t>(std::bit_width(numbers.total())) + 4;
     depthOfPrototypes_ = kDepth - std::max(needed, kDepth / 2);
     for (const Object* object : shown)
-        prototypes_.push_back(packPrototype(*object, scene.materials.size(), depthOfPrototypes_, options));
+        prototypes_.push_back(packPrototype(*object, scene, depthOfPrototypes_, options));
 }
 
 std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) const {

@@ -8,6 +8,7 @@
 #include "bvh/flatten.h"
 #include "bvh/instances.h"
 #include "bvh/pack_geometry.h"
+#include "bvh/pack_textures.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
 #include "bvh/quadrics.h"
@@ -132,7 +133,7 @@ class LeafOrderWriter {
   private:
     struct Counts {
         std::array<uint32_t, shared::kKindCount> kinds{};
-        uint32_t normals = 0, polygonVertices = 0;
+        uint32_t normals = 0, polygonVertices = 0, attributes = 0;
     };
     template <class Visit>
     void visitChunk(size_t chunk, Visit&& visit) const {
@@ -141,7 +142,8 @@ class LeafOrderWriter {
     }
     Counts count(size_t chunk) const;
     void writeChunk(size_t chunk, Counts next);
-    void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals);
+    void writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals, uint32_t& attributes);
+    uint32_t materialOf(Primitives::Source source) const;
     void writeSphere(Primitives::Source source, uint32_t slot);
     void writeDisc(Primitives::Source source, uint32_t slot);
     void writeInstance(Primitives::Source source, uint32_t slot);
@@ -170,6 +172,7 @@ void LeafOrderWriter::write(unsigned threads) {
         for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) total.kinds[kind] += here.kinds[kind];
         total.normals += here.normals;
         total.polygonVertices += here.polygonVertices;
+        total.attributes += here.attributes;
     }
     packed_.triangles.resize(total.kinds[shared::kKindTriangle]);
     packed_.triangleSurfaces.resize(total.kinds[shared::kKindTriangle]);
@@ -180,6 +183,8 @@ void LeafOrderWriter::write(unsigned threads) {
     packed_.polygonVertices.resize(total.polygonVertices);
     packed_.instances.resize(total.kinds[shared::kKindInstance]);
     packed_.vertexNormals.resize(total.normals);
+    // At most 5 rows for each of 2^25 triangles: the number fits kAttributeFirstMask.
+    packed_.vertexAttributes.resize(total.attributes);
     parallelFor(
         chunks, [&](size_t i) { writeChunk(i, first[i]); }, threads);
 }
@@ -192,6 +197,8 @@ LeafOrderWriter::Counts LeafOrderWriter::count(size_t chunk) const {
         if (primitives_.kinds[primitive] == shared::kKindTriangle) {
             const TriangleSource triangles(scene_.objects[source.object]);
             counts.normals += vertexNormals(triangles.mesh(), source.face, normals);
+            counts.attributes +=
+                attributeRows(attributeFlags(scene_, triangles.mesh(), source.face, materialOf(source)));
         } else if (primitives_.kinds[primitive] == shared::kKindInstance) {
             return;
         } else if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
@@ -218,11 +225,18 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         shared::VertexNormals normals;
         const bool smooth = vertexNormals(triangles.mesh(), source.face, normals);
         if (smooth) packed_.vertexNormals[next.normals] = normals;
-        writeTriangle(source, slot, smooth ? next.normals++ : shared::kNone);
+        writeTriangle(source, slot, smooth ? next.normals++ : shared::kNone, next.attributes);
     });
 }
 
-void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals) {
+uint32_t LeafOrderWriter::materialOf(Primitives::Source source) const {
+    const Object& object = scene_.objects[source.object];
+    const Mesh* mesh = TriangleSource(object).mesh();
+    return mesh != nullptr && !mesh->materials.empty() ? mesh->materials[source.face] : object.material;
+}
+
+void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, uint32_t normals,
+                                    uint32_t& attributes) {
     const Object& object = scene_.objects[source.object];
     const TriangleSource triangles(object);
     const Corners v = roundTriangle(triangles.vertices(source.face), frame_.origin).value();
@@ -237,9 +251,14 @@ void LeafOrderWriter::writeTriangle(Primitives::Source source, uint32_t slot, ui
     surface.normal = glm::vec3(unitVector(areaVector(v[0], v[1], v[2])).value());
     surface.object = source.object;
     surface.primitive = mesh != nullptr && !mesh->faces.empty() ? mesh->faces[source.face] : source.face;
-    surface.material =
-        mesh != nullptr && !mesh->materials.empty() ? mesh->materials[source.face] : object.material;
+    surface.material = materialOf(source);
     surface.vertexNormals = normals;
+    const uint32_t flags = attributeFlags(scene_, mesh, source.face, surface.material);
+    if (flags != 0) {
+        surface.attributes = attributes | flags;
+        writeAttributes(*mesh, source.face, flags, &packed_.vertexAttributes[attributes]);
+        attributes += attributeRows(flags);
+    }
     use(surface.material);
 }
 
@@ -334,7 +353,7 @@ void addLightKind(const shared::Light& light, SceneFeatures& features) {
 
 template <class Used>
 SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
-    SceneFeatures f;
+    SceneFeatures f = packed.features;  // those of packTextures
     f.triangles = !packed.triangles.empty();
     f.spheres = !packed.spheres.empty();
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
@@ -417,15 +436,14 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     LeafOrderWriter(scene, numbers, frame, primitives, bvh.order, packed, materials).write(threads);
 }
 
-bool castsColoredShadows(const Scene& scene) {
+bool anyTransmits(const Scene& scene) {
     const auto transmits = [](const Material& m) { return m.transmission != Color(0); };
-    return scene.transmissiveShadows == TransmissiveShadows::Colored &&
-           std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
+    return std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
 }
 
 PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality) {
     PackOptions options{threads, quality};
-    options.split = !castsColoredShadows(given);
+    options.split = !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
@@ -442,6 +460,8 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
     packEnvironment(scene, packed);
     instances.append(packed);
     for (const shared::Plane& plane : packed.planes) materials.use(plane.material);
+    packTextures(
+        scene, [&](size_t material) { return materials.used(material); }, packed);
     packed.features = featuresOf(packed, [&](size_t material) { return materials.used(material); });
     if (packed.features.transmission) {
         const glm::uvec4 media = mediaAt(packed, scene.camera.eye - packed.origin);

@@ -33,6 +33,12 @@ struct SceneFeatures {
     bool transmission = false;    // some material lets light through
     bool coloredShadows = false;  // and so do its shadows
     bool attenuation = false;     // and light fades inside of it
+    bool textures = false;        // some material has an image
+    bool environmentMap = false;
+    bool vertexColors = false;
+    bool uvs = false;        // triangles with texture coordinates of their own
+    bool checkers = false;   // some material has a checker
+    bool alphaMask = false;  // some material's image cuts holes
     bool operator==(const SceneFeatures&) const = default;
 };
 
@@ -74,6 +80,11 @@ struct PackedScene {
     std::vector<shared::Optics> optics;  // of the materials that let light through
     std::vector<shared::Light> lights;
     shared::Environment environment;
+    std::vector<shared::Texture> textures;  // those that a primitive's material, or the background, uses
+    std::vector<shared::Texel> texels;      // each image once
+    std::vector<shared::VertexAttribute> vertexAttributes;
+    std::vector<shared::ObjectFrame>
+        objectFrames;  // of every object, if a material has a texture; else empty
     SceneFeatures features;
     Methods methods;  // the intersection tests of both tracers; packScene leaves the default
     PackStatistics statistics;

@@ -45,21 +45,64 @@ double lightBound(const PackedScene& scene) {
     return sum;
 }
 
+// The greatest factor that a texture (1 + its index, 0 for none) has anywhere.
+double brightest(const PackedScene& scene, uint32_t number) {
+    if (number == 0) return 1;
+    const shared::Texture& texture = scene.textures[number - 1];
+    if (texture.flags & shared::kTextureChecker)
+        return std::max(greatest(texture.colorA), greatest(texture.colorB));
+    double most = 0;
+    const size_t count = static_cast<size_t>(texture.width) * texture.height;
+    for (size_t i = 0; i < count; ++i)
+        most = std::max<double>(most, greatest(scene.texels[texture.firstTexel + i].color));
+    return most;
+}
+
+double brightestVertex(const PackedScene& scene) {
+    double most = 1;
+    for (const shared::TriangleSurface& surface : scene.triangleSurfaces) {
+        if ((surface.attributes & shared::kAttributeColors) == 0) continue;
+        const size_t row = (surface.attributes & shared::kAttributeFirstMask) +
+                           ((surface.attributes & shared::kAttributeUvs) != 0 ? 2 : 0);
+        for (size_t i = 0; i < 3; ++i)
+            most = std::max<double>(most, greatest(scene.vertexAttributes[row + i].value));
+    }
+    return most;
+}
+
+// The greatest sums that a material reflects of lights, of ambient light, and into branches.
+struct Reflection {
+    double ofLights, ofAmbient, branches;
+};
+
+Reflection reflectionOf(const PackedScene& scene, const shared::Material& m, double vertex) {
+    Reflection r;
+    r.ofLights = greatest(m.diffuse) * vertex * brightest(scene, m.diffuseTexture) +
+                 greatest(m.specular) * brightest(scene, m.specularTexture);
+    r.ofAmbient = greatest(m.ambient) * vertex * brightest(scene, m.ambientTexture);
+    // R + (1 - R) t <= max(1, t), whatever R.
+    const double passed =
+        m.medium == 0 ? 0 : std::max(1.0, brightest(scene, scene.optics[m.medium - 1].transmissionTexture));
+    r.branches = greatest(m.mirror) * brightest(scene, m.mirrorTexture) + passed;
+    return r;
+}
+
 }  // namespace
 
 float radianceBound(const PackedScene& scene, uint32_t maxDepth) {
     const double lights = lightBound(scene);
-    const double background = greatest(scene.environment.background);
+    const double background =
+        greatest(scene.environment.background) * brightest(scene, scene.environment.map);
     const double ambient = greatest(scene.environment.ambient);
+    std::vector<Reflection> reflections;
+    const double vertex = brightestVertex(scene);
+    for (const shared::Material& m : scene.materials) reflections.push_back(reflectionOf(scene, m, vertex));
     double bound = background;
     for (uint32_t depth = 0; depth <= maxDepth; ++depth) {
         double next = background;
-        for (const shared::Material& m : scene.materials) {
-            const double reflected = greatest(m.diffuse) + greatest(m.specular);
-            const double local = greatest(m.ambient) * ambient + (reflected > 0 ? reflected * lights : 0);
-            // R + (1 - R) t <= 1, whatever R.
-            const double branches = greatest(m.mirror) + (m.medium != 0 ? 1 : 0);
-            next = std::max(next, local + (depth > 0 ? branches * bound : 0));
+        for (const Reflection& r : reflections) {
+            const double local = r.ofAmbient * ambient + (r.ofLights > 0 ? r.ofLights * lights : 0);
+            next = std::max(next, local + (depth > 0 ? r.branches * bound : 0));
         }
         if (next == bound && depth > 0) break;
         bound = next;

@@ -26,6 +26,7 @@ class RayMover {
     // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
     // verify/explain.cpp).
     double tieWidth() const { return 16 * step_; }
+    double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
     bool coin() { return next() < 0; }
     // Something that has gone through `roundings`.
     double sway(double value, double roundings) {

@@ -6,6 +6,7 @@
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
+#include "reference/material.h"
 #include "reference/optics.h"
 #include "reference/quadric.h"
 #include "reference/ray_mover.h"
@@ -198,10 +199,13 @@ class PathTracer {
     std::optional<dvec3> lightThrough(const Ray& ray, const Site& site, const Media& media, bool directional);
     dvec3 reflect(const Site& site) const;
     void follow(Branch branch);
-    void followOn(const Branch& branch, const Site& site, const shared::Material& material,
-                  const Passing& passing, const dvec3& throughput);
+    void followOn(const Branch& branch, const Site& site, const Surface& textured,
+                  const shared::Material& material, const Passing& passing, const dvec3& throughput);
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const;
+    // The surface as textures see it, and the environment map's coordinates, moved by rounding.
+    Surface texturedAt(const Hit& hit, const Surface& surface);
+    glm::dvec2 mapShift();
 
     const Tracer& tracer_;
     const PackedScene& scene_;
@@ -294,7 +298,7 @@ std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, 
         const Surface surface = tracer_.surface(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
         if (medium == 0) return std::nullopt;
-        left *= dvec3(scene_.optics[medium - 1].transmission);
+        left *= transmissionAt(scene_, medium, surface);
         const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
         change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
     }
@@ -353,6 +357,22 @@ dvec3 PathTracer::reflect(const Site& site) const {
     return glm::normalize(r);
 }
 
+Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
+    if (scene_.textures.empty()) return surface;
+    Surface moved = surface;
+    const double scale = std::max({1.0, std::abs(surface.uv.x), std::abs(surface.uv.y)});
+    const double reach = std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit));
+    for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
+    for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
+    return moved;
+}
+
+glm::dvec2 PathTracer::mapShift() {
+    if (scene_.environment.map == 0) return glm::dvec2(0);
+    const double u = mover_.shift(1);
+    return {u, mover_.shift(1)};
+}
+
 double PathTracer::contribution(const Branch& next) const {
     const dvec3& t = next.throughput;
     return std::max({t.x, t.y, t.z}) * static_cast<double>(scene_.environment.radianceBound);
@@ -372,8 +392,8 @@ bool PathTracer::isFollowed(const Branch& next) {
 
 // The branches of a surface: reflected, and for a dielectric refracted, or straight on where the surface does
 // not count. The one on the outer side comes first.
-void PathTracer::followOn(const Branch& branch, const Site& site, const shared::Material& material,
-                          const Passing& passing, const dvec3& throughput) {
+void PathTracer::followOn(const Branch& branch, const Site& site, const Surface& textured,
+                          const shared::Material& material, const Passing& passing, const dvec3& throughput) {
     const bool dielectric = material.medium != 0;
     const double ratio = iorOf(scene_, passing.mediumBefore) / iorOf(scene_, passing.mediumAfter);
     const dvec3 d = -site.view;
@@ -396,7 +416,7 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const shared::
         add(glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
             splits ? interface.reflected : reflect(site), passing.before);
     if (dielectric && !interface.total) {
-        const dvec3 part = passing.real ? dvec3(scene_.optics[material.medium - 1].transmission) : dvec3(1);
+        const dvec3 part = passing.real ? transmissionAt(scene_, material.medium, textured) : dvec3(1);
         add((1 - interface.reflectance) * part, interface.refracted, passing.after);
     }
     for (Branch& b : next) b.waiting = branch.waiting;
@@ -428,7 +448,7 @@ void PathTracer::follow(Branch branch) {
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
         record_.color += branch.throughput * beer(scene_, rulingMedium(scene_, branch.media), endless) *
-                         dvec3(environment.background);
+                         surroundings(scene_, ray.direction, mapShift());
         return;
     }
     const Surface surface = tracer_.surface(ray, *hit);
@@ -438,7 +458,8 @@ void PathTracer::follow(Branch branch) {
         record_.hit = hit;
         record_.surface = surface;
     }
-    const shared::Material& material = scene_.materials[surface.material];
+    const Surface textured = texturedAt(*hit, surface);
+    const shared::Material material = materialAt(scene_, textured);
     const Site site = siteOf(ray, *hit, surface);
     const Passing passing = passingAt(scene_, branch.media, material.medium, site.entering);
     record_.lost.crowdedMedia += passing.crowded ? 1 : 0;
@@ -448,7 +469,7 @@ void PathTracer::follow(Branch branch) {
         const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
         record_.color += throughput * (ambient + shadeLights(site, material, passing.before, first));
     }
-    followOn(branch, site, material, passing, throughput);
+    followOn(branch, site, textured, material, passing, throughput);
 }
 
 PixelRecord PathTracer::run(const Ray& cameraRay) {
@@ -498,6 +519,7 @@ Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
     }
     if (inInstance) moveToWorld(scene_, hit, surface);
     smoothTriangle(scene_, hit, surface);
+    fillTexturing(scene_, hit, surface);
     return surface;
 }
 

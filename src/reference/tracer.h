@@ -54,6 +54,8 @@ struct Surface {
     glm::dvec3 position{0};         // local
     glm::dvec3 geometricNormal{0};  // outward, unit: winding order for triangles
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
+    glm::dvec2 uv{0};               // texture coordinates (docs/shading.md)
+    glm::dvec3 color{1};            // of the vertices, interpolated
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
@@ -61,9 +63,10 @@ struct Surface {
 // 2^-24 * scale (scale: the greatest magnitude among the coordinates of origin, and hit point that spawned
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
-// cone, and each contribution before it is compared with the least that is followed. seed 0 and ulps 0: no
-// jitter. Deterministic for a seed. Where two primitives lie at the same t within
-// 16 * `ulps` * 2^-24 * t, either may be taken.
+// cone, and each contribution before it is compared with the least that is followed. Texture coordinates
+// move by up to `ulps` * 2^-24 * max(1, |u|, |v|), points looked up in a solid checker as origins do. seed 0
+// and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps`
+// * 2^-24 * t, either may be taken.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;

@@ -6,6 +6,7 @@
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
+#include "reference/material.h"
 #include "reference/quadric.h"
 #include "reference/textbook.h"
 #include "reference/tracer.h"
@@ -35,6 +36,7 @@ struct Search {
     uint32_t instance = kNone;
     uint32_t idBase = 0;
     std::vector<Hit>* all = nullptr;
+    const Ray* world = nullptr;  // as it was given
 };
 
 // The world, as a ray was given to it.
@@ -112,34 +114,41 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
     }
 }
 
+bool isHole(const PackedScene& scene, const Ray& world, const Hit& hit) {
+    return scene.features.alphaMask && holeAt(scene, Tracer(scene).surface(world, hit));
+}
+
+// The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
+// them. True if there is one.
+bool testPrimitive(const PackedScene& scene, PreparedRay ray, uint32_t kind, uint32_t index, uint32_t source,
+                   Search& search, Hit& hit) {
+    Root root;
+    uint32_t id = 0, part = 0;
+    while (intersectPrimitive(scene, ray, kind, index, source, search.best.t, root, id, part)) {
+        if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
+        const uint32_t primitive =
+            kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | index;
+        hit = {root.t, root.u, root.v, primitive, id + search.idBase, search.instance};
+        const bool hole = isHole(scene, *search.world, hit);
+        if (!hole && !search.all) return true;
+        if (!hole) search.all->push_back(hit);
+        // What is hit more than once: again from there on.
+        ray.tMin = root.t;
+    }
+    return false;
+}
+
 // Tests `count` primitives of a kind. True if an any-hit search is over.
 template <bool kAny>
 bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t first,
                     uint32_t count, uint32_t source, Search& search) {
     for (uint32_t i = first; i < first + count; ++i) {
-        Root root;
-        uint32_t id = 0, part = 0;
+        Hit hit;
         ++search.cost;
-        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id, part)) continue;
-        if (search.all) {
-            // What is hit more than once: again from there on.
-            PreparedRay rest = ray;
-            do {
-                const uint32_t primitive =
-                    kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
-                search.all->push_back(
-                    {root.t, root.u, root.v, primitive, id + search.idBase, search.instance});
-                rest.tMin = root.t;
-            } while (intersectPrimitive(scene, rest, kind, i, source, search.best.t, root, id, part));
-            continue;
-        }
-        id += search.idBase;
-        if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
+        if (!testPrimitive(scene, ray, kind, i, source, search, hit)) continue;
         if constexpr (!kAny) {
-            if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            const uint32_t primitive =
-                kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
-            search.best = {root.t, root.u, root.v, primitive, id, search.instance};
+            if (search.found && hit.t == search.best.t && hit.id > search.best.id) continue;
+            search.best = hit;
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -268,6 +277,7 @@ Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from,
                    std::vector<Hit>* all = nullptr) {
     Search search;
     search.all = all;
+    search.world = &ray;
     const World world{scene, ray, from};
     const uint32_t source = from.instance == kNone ? from.primitive : kNone;
     const PreparedRay prepared(ray);
@@ -307,6 +317,7 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& sourc
     Search search;
     const PreparedRay prepared(ray);
     if (!prepared.valid) return std::nullopt;
+    search.world = &ray;
     search.best.t = ray.tMax;
     if (scene_.instances.empty()) {
         testAll(scene_, prepared, source.primitive, search);

@@ -31,8 +31,9 @@ struct Options {
 // device's storage buffer range but not its texel buffer range; storage buffers everywhere else.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
-// Loop trips that one ray may make in a dispatch.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0);
+// Loop trips that one ray may make in a dispatch. alphaMask: materials are asked for holes.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0,
+                          bool alphaMask = false);
 
 struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture

@@ -12,16 +12,20 @@ namespace glint {
 struct ImportedMesh {
     Mesh mesh;                        // mesh.materials index `materials` below (empty if the file names none)
     std::vector<Material> materials;  // from the file, in order of first definition
+    std::vector<Texture> textures;    // that the materials index
     std::vector<std::string> warnings;
 };
 
 // Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
 //
-// OBJ: v, vn, f with positive and negative indices; o, g and all else are ignored. MTL: Ka Kd Ks Ns illum
-// (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or black: the diffuse
-// colour); transparency (d, Tr) and each kind of map (map_*) are warned about.
+// OBJ: v (with linear r g b), vn, vt, f with positive and negative indices; o, g and all else are ignored.
+// MTL: Ka Kd Ks Ns illum (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or
+// black: the diffuse colour), map_Kd map_Ks map_Ka map_d; transparency (d, Tr), other maps and maps that
+// cannot be read are warned about.
 //
-// PLY: x y z, nx ny nz, face lists under either customary name; other elements and properties are skipped.
+// PLY: x y z, nx ny nz, texture coordinates (u v, s t, texture_u texture_v), colours (red green blue:
+// integers are sRGB codes, floats linear), face lists under either customary name; other elements and
+// properties are skipped.
 //
 // Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
 // "bunny.obj:88: face uses vertex 9, the file has 8".

@@ -18,6 +18,7 @@ struct JsonObject {
 struct JsonValue {
     std::variant<std::monostate, bool, double, std::string, JsonArray, JsonObject> data;
 
+    const bool* boolean() const { return std::get_if<bool>(&data); }
     const double* number() const { return std::get_if<double>(&data); }
     const std::string* string() const { return std::get_if<std::string>(&data); }
     const JsonArray* array() const { return std::get_if<JsonArray>(&data); }

@@ -30,42 +30,43 @@ void MeshBuilder::reserve(size_t triangles) {
     mesh_.faces.reserve(triangles);
     mesh_.materials.reserve(triangles);
     if (!normals.empty()) mesh_.normalCorners.reserve(triangles);
+    if (!uvs.empty()) mesh_.uvCorners.reserve(triangles);
+    if (!colors.empty()) mesh_.colorCorners.reserve(triangles);
 }
 
-void MeshBuilder::addTriangle(const glm::uvec3& corners, const glm::uvec3& normalCorners, uint32_t material) {
-    mesh_.corners.push_back(corners);
-    if (!normals.empty()) mesh_.normalCorners.push_back(normalCorners);
+void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
+    const auto pick = [&](const std::vector<uint32_t>& from) {
+        return from.empty() ? kNoNormals : glm::uvec3(from[a], from[b], from[c]);
+    };
+    mesh_.corners.push_back(pick(corners_));
+    if (!normals.empty()) mesh_.normalCorners.push_back(pick(normalCorners_));
+    if (!uvs.empty()) mesh_.uvCorners.push_back(pick(uvCorners_));
+    if (!colors.empty()) mesh_.colorCorners.push_back(pick(colorCorners_));
     mesh_.faces.push_back(polygons_);
     mesh_.materials.push_back(material);
 }
 
-void MeshBuilder::addPolygon(std::span<const uint32_t> corners, std::span<const uint32_t> normalCorners,
-                             uint32_t material) {
-    const bool smooth = !normalCorners.empty();
-    corners_.clear();
-    normalCorners_.clear();
+void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
+    for (auto* scratch : {&corners_, &normalCorners_, &uvCorners_, &colorCorners_}) scratch->clear();
+    const auto& corners = polygon.vertices;
     for (size_t i = 0; i < corners.size(); i++) {
         if (corners[i] == corners[(i + 1) % corners.size()])
             continue;  // a corner repeated at once is no corner
         corners_.push_back(corners[i]);
-        if (smooth) normalCorners_.push_back(normalCorners[i]);
+        if (!polygon.normals.empty()) normalCorners_.push_back(polygon.normals[i]);
+        if (!polygon.uvs.empty()) uvCorners_.push_back(polygon.uvs[i]);
+        if (!polygon.colors.empty()) colorCorners_.push_back(polygon.colors[i]);
     }
     if (!hasThreeDifferent(corners_)) {
         degenerate_++;
     } else if (corners_.size() == 3) {
-        addTriangle({corners_[0], corners_[1], corners_[2]},
-                    smooth ? glm::uvec3(normalCorners_[0], normalCorners_[1], normalCorners_[2]) : kNoNormals,
-                    material);
+        addTriangle(0, 1, 2, material);
     } else {
         points_.clear();
         triangles_.clear();
         for (const uint32_t corner : corners_) points_.push_back(positions[corner]);
         splitPolygon(points_, triangles_);
-        for (const auto& [a, b, c] : triangles_)
-            addTriangle(
-                {corners_[a], corners_[b], corners_[c]},
-                smooth ? glm::uvec3(normalCorners_[a], normalCorners_[b], normalCorners_[c]) : kNoNormals,
-                material);
+        for (const auto& [a, b, c] : triangles_) addTriangle(a, b, c, material);
     }
     polygons_++;
 }
@@ -103,12 +104,21 @@ void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
     materials.push_back(material);
 }
 
+void MeshBuilder::finishAttributes() {
+    const auto none = [](const glm::uvec3& corners) { return corners == kNoNormals; };
+    for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
+        if (std::all_of(list->begin(), list->end(), none)) list->clear();
+    if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
+    if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
+}
+
 ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> materials,
                                  std::vector<std::string> warnings) {
     if (polygons_ == 0)
         throw Error(ExitCode::Scene, file + ": holds no faces; points and lines cannot be rendered");
     if (mesh_.corners.empty()) throw Error(ExitCode::Scene, file + ": no face has three different vertices");
     dropBadNormals();
+    finishAttributes();
     assignDefaultMaterial(materials);
     if (degenerate_ > 0)
         warnings.push_back(file + ": " + counted(degenerate_, "face", "faces") +
@@ -121,7 +131,7 @@ ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> 
     if (identity) mesh_.faces.clear();
     mesh_.positions = std::move(positions);
     mesh_.normals = std::move(normals);
-    return {std::move(mesh_), std::move(materials), std::move(warnings)};
+    return {std::move(mesh_), std::move(materials), {}, std::move(warnings)};
 }
 
 }  // namespace glint

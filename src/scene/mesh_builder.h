@@ -16,12 +16,18 @@ class MeshBuilder {
     // Filled by the reader; positions must be complete before the first polygon that uses them is added.
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;
+    std::vector<glm::dvec2> uvs;
+    std::vector<Color> colors;  // linear
 
-    // `corners` index positions, `normalCorners` index normals and is empty or as long; indices must be in
-    // range. Fewer than three different corners: dropped and counted. `material` counts only if some
-    // polygon's differs from kNoIndex.
-    void addPolygon(std::span<const uint32_t> corners, std::span<const uint32_t> normalCorners,
-                    uint32_t material = Mesh::kNoIndex);
+    // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each
+    // empty or as long; all in range.
+    struct Corners {
+        std::span<const uint32_t> vertices;
+        std::span<const uint32_t> normals = {}, uvs = {}, colors = {};
+    };
+    // Fewer than three different corners: dropped and counted. `material` counts only if some polygon's
+    // differs from kNoIndex.
+    void addPolygon(const Corners& corners, uint32_t material = Mesh::kNoIndex);
 
     void reserve(size_t triangles);
 
@@ -31,8 +37,10 @@ class MeshBuilder {
                         std::vector<std::string> warnings);
 
   private:
-    void addTriangle(const glm::uvec3& corners, const glm::uvec3& normalCorners, uint32_t material);
+    // Of the polygon at hand, by the places of its corners in the scratch.
+    void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
     void dropBadNormals();
+    void finishAttributes();
     void assignDefaultMaterial(std::vector<Material>& materials);
 
     Mesh mesh_;
@@ -40,7 +48,7 @@ class MeshBuilder {
     size_t degenerate_ = 0;
     size_t badNormals_ = 0;
     // Scratch of addPolygon.
-    std::vector<uint32_t> corners_, normalCorners_;
+    std::vector<uint32_t> corners_, normalCorners_, uvCorners_, colorCorners_;
     std::vector<glm::dvec3> points_;
     std::vector<std::array<uint32_t, 3>> triangles_;
 };

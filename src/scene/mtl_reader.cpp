@@ -5,6 +5,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "scene/mtl_maps.h"
 #include "scene/readers.h"
 #include "scene/text_file.h"
 #include "scene/validate.h"
@@ -19,16 +20,17 @@ Color color(const double (&rgb)[3]) {
     return {rgb[0], rgb[1], rgb[2]};
 }
 
-// The maps that are named, as the file spells them.
-std::vector<const char*> mapsOf(const tinyobj::material_t& m) {
-    const std::pair<const std::string&, const char*> maps[] = {
-        {m.ambient_texname, "map_Ka"},   {m.diffuse_texname, "map_Kd"},
-        {m.specular_texname, "map_Ks"},  {m.specular_highlight_texname, "map_Ns"},
-        {m.bump_texname, "map_bump"},    {m.displacement_texname, "disp"},
-        {m.alpha_texname, "map_d"},      {m.reflection_texname, "refl"},
-        {m.roughness_texname, "map_Pr"}, {m.metallic_texname, "map_Pm"},
-        {m.sheen_texname, "map_Ps"},     {m.emissive_texname, "map_Ke"},
-        {m.normal_texname, "norm"}};
+// The maps that are named and have no use here, as the file spells them.
+std::vector<const char*> ignoredMaps(const tinyobj::material_t& m) {
+    const std::pair<const std::string&, const char*> maps[] = {{m.specular_highlight_texname, "map_Ns"},
+                                                               {m.bump_texname, "map_bump"},
+                                                               {m.displacement_texname, "disp"},
+                                                               {m.reflection_texname, "refl"},
+                                                               {m.roughness_texname, "map_Pr"},
+                                                               {m.metallic_texname, "map_Pm"},
+                                                               {m.sheen_texname, "map_Ps"},
+                                                               {m.emissive_texname, "map_Ke"},
+                                                               {m.normal_texname, "norm"}};
     std::vector<const char*> named;
     for (const auto& [file, key] : maps)
         if (!file.empty()) named.push_back(key);
@@ -56,7 +58,7 @@ Material convert(const tinyobj::material_t& m) {
 }  // namespace
 
 void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
-             std::vector<std::string>& warnings) {
+             std::vector<Texture>& textures, std::vector<std::string>& warnings) {
     const std::string file = path.string();
     std::istringstream stream(readWholeFile(path));
     std::map<std::string, int> indices;
@@ -64,20 +66,22 @@ void readMtl(const std::filesystem::path& path, std::vector<Material>& materials
     std::string parserWarnings, errors;
     tinyobj::LoadMtl(&indices, &parsed, &stream, &parserWarnings, &errors);
 
+    MtlMaps maps(path, textures, warnings);
     std::vector<std::string> ignored;  // each map once, in order
     for (const tinyobj::material_t& m : parsed) {
         if (m.name.empty()) continue;  // what stands before the first newmtl
-        for (const char* map : mapsOf(m))
+        for (const char* map : ignoredMaps(m))
             if (std::find(ignored.begin(), ignored.end(), map) == ignored.end()) ignored.emplace_back(map);
         if (m.dissolve < 1)
             warnings.push_back(file + ": material \"" + m.name +
                                "\": d and Tr (transparency) are not supported by this version; drawn opaque");
-        const Material material = convert(m);
+        Material material = convert(m);
+        maps.apply(m, material);
         validateMaterial(material, {file, "material \"" + m.name + "\""});
         materials.push_back(material);
     }
     for (const std::string& map : ignored)
-        warnings.push_back(file + ": " + map + " is ignored, textures are not supported by this version");
+        warnings.push_back(file + ": " + map + " is ignored, such maps are not supported by this version");
 }
 
 }  // namespace glint

@@ -21,6 +21,7 @@ constexpr int64_t kNone = -1;
 // A face corner; indices count from 0 and may be out of range, as a face may come before its vertices.
 struct Corner {
     int64_t vertex = kNone;
+    int64_t uv = kNone;
     int64_t normal = kNone;
 };
 
@@ -39,9 +40,12 @@ class ObjReader {
     ImportedMesh read() {
         while (scanner_.nextLine()) readLine();
         checkIndices();
+        if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), Color(1));
         builder_.reserve(faces_.size());
         for (const Face& face : faces_) addFace(face);
-        return builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
+        ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
+        imported.textures = std::move(textures_);
+        return imported;
     }
 
   private:
@@ -49,8 +53,12 @@ class ObjReader {
         const std::string_view keyword = scanner_.word();
         if (keyword == "v") {
             const double x = scanner_.number("a vertex"), y = scanner_.number("a vertex");
-            builder_.positions.emplace_back(x, y,
-                                            scanner_.number("a vertex"));  // a weight or a colour may follow
+            builder_.positions.emplace_back(x, y, scanner_.number("a vertex"));
+            readColor();
+        } else if (keyword == "vt") {
+            const double u = scanner_.number("a texture vertex");
+            // v may be missing, a third coordinate may follow.
+            builder_.uvs.emplace_back(u, scanner_.lineDone() ? 0 : scanner_.number("a texture vertex"));
         } else if (keyword == "vn") {
             const double x = scanner_.number("a normal"), y = scanner_.number("a normal");
             builder_.normals.emplace_back(x, y, scanner_.number("a normal"));
@@ -61,7 +69,21 @@ class ObjReader {
         } else if (keyword == "mtllib") {
             readLibraries(std::string(scanner_.restOfLine()));
         }
-        // All else (groups, texture coordinates, lines, curves) does not change the triangles.
+        // All else (groups, lines, curves) does not change the triangles.
+    }
+
+    // Three numbers or more behind a vertex are its colour (ZBrush, MeshLab); a single one is a weight.
+    void readColor() {
+        double rgb[3] = {};
+        size_t count = 0;
+        while (!scanner_.lineDone()) {
+            const double number = scanner_.number("a vertex");
+            if (count < 3) rgb[count] = number;
+            count++;
+        }
+        if (count < 3) return;
+        builder_.colors.resize(builder_.positions.size() - 1, Color(1));
+        builder_.colors.emplace_back(rgb[0], rgb[1], rgb[2]);
     }
 
     void readFace() {
@@ -83,21 +105,20 @@ class ObjReader {
         const auto slash = [&] { return at < end && *at == '/' && ++at < end; };
         corner.vertex = readIndex(at, end, word, "vertex", builder_.positions.size());
         if (slash()) {
-            if (*at != '/') readIndex(at, end, word, nullptr, 0);
+            if (*at != '/') corner.uv = readIndex(at, end, word, "texture vertex", builder_.uvs.size());
             if (slash()) corner.normal = readIndex(at, end, word, "normal", builder_.normals.size());
         }
         if (at != end) badCorner(word);
         return corner;
     }
 
-    // An index that ends at a slash or at the word's end, counted from 0. `what` null: any value will do.
+    // An index that ends at a slash or at the word's end, counted from 0.
     int64_t readIndex(const char*& at, const char* end, std::string_view word, const char* what,
                       size_t count) {
         int64_t index = 0;
         const auto [stop, error] = std::from_chars(at, end, index);
         if (error != std::errc() || (stop != end && *stop != '/')) badCorner(word);
         at = stop;
-        if (!what) return index;
         const std::string uses = std::string("face uses ") + what + " " + std::to_string(index);
         if (index == 0) scanner_.fail(uses + ", indices start at 1");
         if (index > 0) return index - 1;
@@ -141,7 +162,7 @@ class ObjReader {
             return;
         }
         const size_t first = materials_.size();
-        readMtl(file, materials_, warnings_);
+        readMtl(file, materials_, textures_, warnings_);
         for (size_t i = first; i < materials_.size(); i++)
             materialIndices_.emplace(materials_[i].name,
                                      static_cast<uint32_t>(i));  // the first definition counts
@@ -149,16 +170,19 @@ class ObjReader {
 
     void checkIndices() const {
         const auto vertexCount = static_cast<int64_t>(builder_.positions.size());
+        const auto uvCount = static_cast<int64_t>(builder_.uvs.size());
         const auto normalCount = static_cast<int64_t>(builder_.normals.size());
         for (const Face& face : faces_) {
             for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++) {
                 if (corners_[i].vertex >= vertexCount)
                     failIndex(face, "vertex", corners_[i].vertex, vertexCount);
+                if (corners_[i].uv >= uvCount) failIndex(face, "texture vertex", corners_[i].uv, uvCount);
                 if (corners_[i].normal >= normalCount)
                     failIndex(face, "normal", corners_[i].normal, normalCount);
             }
         }
-        if (builder_.positions.size() >= Mesh::kNoIndex || builder_.normals.size() >= Mesh::kNoIndex)
+        if (builder_.positions.size() >= Mesh::kNoIndex || builder_.normals.size() >= Mesh::kNoIndex ||
+            builder_.uvs.size() >= Mesh::kNoIndex)
             scanner_.fail("more than 2^32 - 2 vertices");
     }
 
@@ -170,13 +194,18 @@ class ObjReader {
     void addFace(const Face& face) {
         vertexScratch_.clear();
         normalScratch_.clear();
+        uvScratch_.clear();
         for (size_t i = face.firstCorner; i < face.firstCorner + face.cornerCount; i++) {
             vertexScratch_.push_back(static_cast<uint32_t>(corners_[i].vertex));
+            if (corners_[i].uv != kNone) uvScratch_.push_back(static_cast<uint32_t>(corners_[i].uv));
             if (corners_[i].normal != kNone)
                 normalScratch_.push_back(static_cast<uint32_t>(corners_[i].normal));
         }
         if (normalScratch_.size() != vertexScratch_.size()) normalScratch_.clear();  // some have none: flat
-        builder_.addPolygon(vertexScratch_, normalScratch_, face.material);
+        if (uvScratch_.size() != vertexScratch_.size()) uvScratch_.clear();
+        MeshBuilder::Corners corners{vertexScratch_, normalScratch_, uvScratch_};
+        if (!builder_.colors.empty()) corners.colors = vertexScratch_;
+        builder_.addPolygon(corners, face.material);
     }
 
     std::filesystem::path path_;
@@ -186,10 +215,11 @@ class ObjReader {
     std::vector<Corner> corners_;
     std::vector<Face> faces_;
     std::vector<Material> materials_;
+    std::vector<Texture> textures_;
     std::unordered_map<std::string, uint32_t> materialIndices_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;
-    std::vector<uint32_t> vertexScratch_, normalScratch_;
+    std::vector<uint32_t> vertexScratch_, normalScratch_, uvScratch_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "scene/limits.h"
 #include "scene/load.h"
 #include "scene/parse_objects.h"
+#include "scene/parse_textures.h"
 #include "scene/placement.h"
 #include "scene/scene_keys.h"
 
@@ -28,13 +29,8 @@ void readInteger(const JsonCursor& object, std::string_view key, int least, int 
 }
 
 // Colours are vectors of the same C++ type as points, hence a function of their own.
-void readColor(const JsonCursor& object, std::string_view key, Color& target, const char* laterKey) {
-    const auto found = object.find(key);
-    if (!found) return;
-    if (laterKey && found->value().object() && found->find(laterKey))
-        found->fail("\"" + std::string(laterKey) +
-                    "\" is not supported by this version (give a number or [r, g, b])");
-    target = found->color();
+void readColor(const JsonCursor& object, std::string_view key, Color& target) {
+    if (const auto found = object.find(key)) target = found->color();
 }
 
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
@@ -93,7 +89,7 @@ PointLight parsePoint(const JsonCursor& light) {
     light.expectKeys(keys::kPoint);
     PointLight point;
     point.position = light.require("position").vector3();
-    readColor(light, "intensity", point.intensity, nullptr);
+    readColor(light, "intensity", point.intensity);
     point.inverseSquare = readFalloff(light);
     return point;
 }
@@ -105,7 +101,7 @@ SpotLight parseSpot(const JsonCursor& light) {
     spot.direction = light.require("direction").vector3();
     spot.angle = light.require("angle").number();
     readInto(light, "penumbra", spot.penumbra);
-    readColor(light, "intensity", spot.intensity, nullptr);
+    readColor(light, "intensity", spot.intensity);
     spot.inverseSquare = readFalloff(light);
     return spot;
 }
@@ -118,13 +114,13 @@ Light parseLight(const JsonCursor& light) {
     light.expectKeys(keys::kDirectional);
     DirectionalLight directional;
     directional.direction = light.require("direction").vector3();
-    readColor(light, "intensity", directional.intensity, nullptr);
+    readColor(light, "intensity", directional.intensity);
     return directional;
 }
 
 // Given directly, or as the colour that is left after a distance: sigma = -ln(color) / distance.
 void parseAttenuation(const JsonCursor& material, Material& result) {
-    readColor(material, "attenuation", result.attenuation, nullptr);
+    readColor(material, "attenuation", result.attenuation);
     const auto color = material.find("attenuationColor");
     const auto distance = material.find("attenuationDistance");
     if (!color && !distance) return;
@@ -141,8 +137,8 @@ void parseAttenuation(const JsonCursor& material, Material& result) {
     result.attenuation = glm::max(-glm::log(left) / length, Color(0));
 }
 
-void parseDielectric(const JsonCursor& material, Material& result) {
-    readColor(material, "transmission", result.transmission, "texture");
+void parseDielectric(const JsonCursor& material, Material& result, TextureParser& textures) {
+    textures.readColor(material, "transmission", result.transmission, result.transmissionTexture);
     readInto(material, "ior", result.ior);
     parseAttenuation(material, result);
     readInteger(material, "priority", -kMaxPriority, kMaxPriority, result.priority);
@@ -156,17 +152,19 @@ TransmissiveShadows readTransmissiveShadows(const JsonCursor& shadows) {
     return name == "full" ? TransmissiveShadows::Full : TransmissiveShadows::Colored;
 }
 
-Material parseMaterial(const JsonCursor& material, std::string_view name) {
+Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
     material.expectKeys(keys::kMaterial);
     Material result;
     result.name = name;
-    parseDielectric(material, result);
-    readColor(material, "diffuse", result.diffuse, "texture");
+    parseDielectric(material, result, textures);
+    textures.readColor(material, "diffuse", result.diffuse, result.diffuseTexture);
     result.ambient = result.diffuse;
-    readColor(material, "ambient", result.ambient, "texture");
-    readColor(material, "specular", result.specular, "texture");
+    result.ambientTexture = result.diffuseTexture;
+    textures.readColor(material, "ambient", result.ambient, result.ambientTexture);
+    textures.readColor(material, "specular", result.specular, result.specularTexture);
     readInto(material, "shininess", result.shininess);
-    readColor(material, "mirror", result.mirror, "texture");
+    textures.readColor(material, "mirror", result.mirror, result.mirrorTexture);
+    readInto(material, "alphaCutoff", result.alphaCutoff);
     return result;
 }
 
@@ -198,8 +196,9 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     if (const auto schema = root.find("$schema")) schema->string();
     if (const auto image = root.find("image")) parseImage(*image, scene.image);
     if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
-    readColor(root, "background", scene.background, "environment");
-    readColor(root, "ambient", scene.ambient, nullptr);
+    TextureParser textures(scene, folder);
+    textures.readBackground(root);
+    readColor(root, "ambient", scene.ambient);
     readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
     if (const auto shadows = root.find("transmissiveShadows"))
         scene.transmissiveShadows = readTransmissiveShadows(*shadows);
@@ -208,7 +207,8 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     if (const auto materials = root.find("materials")) {
         materials->expectObject();
         for (size_t i = 0; i < materials->memberCount(); i++)
-            scene.materials.push_back(parseMaterial(materials->member(i), materials->memberName(i)));
+            scene.materials.push_back(
+                parseMaterial(materials->member(i), materials->memberName(i), textures));
     }
     parseObjects(root, scene, name, folder);
     placeObjects(scene);

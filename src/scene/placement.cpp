@@ -65,9 +65,11 @@ void makeUnit(Object& object) {
         glm::dvec3 aside(0);
         aside[std::abs(n.x) < 0.6 ? 0 : std::abs(n.y) < 0.6 ? 1 : 2] = 1;
         const glm::dvec3 u = glm::normalize(glm::cross(aside, n));
-        if (disc->center != glm::dvec3(0) || disc->normal != kUnitNormal || disc->radius != 1)
-            object.transform =
-                then({disc->radius * glm::dmat3(u, glm::cross(n, u), n), disc->center}, *object.transform);
+        if (disc->center != glm::dvec3(0) || disc->normal != kUnitNormal || disc->radius != 1) {
+            const Affine own{disc->radius * glm::dmat3(u, glm::cross(n, u), n), disc->center};
+            object.transform = then(own, *object.transform);
+            object.applied = then(object.applied, inverse(own));
+        }
         object.shape = DiscShape{glm::dvec3(0), kUnitNormal, 1};
     }
 }
@@ -144,6 +146,7 @@ void placeObjects(Scene& scene) {
             object.transform.reset();
         } else if (auto shape = baked(object.shape, *object.transform)) {
             object.shape = std::move(*shape);
+            object.applied = then(object.applied, *object.transform);
             object.transform.reset();
         } else if (const auto* sphere = std::get_if<SphereShape>(&object.shape)) {
             object.shape = EllipsoidShape{sphere->center, glm::dvec3(sphere->radius)};

@@ -3,9 +3,11 @@
 // for a whole one and fills the rest with whatever was in memory, and lets bad vertex indices pass.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
+#include "core/quantize.h"
 #include "scene/limits.h"
 #include "scene/mesh_builder.h"
 #include "scene/ply_header.h"
@@ -173,36 +175,70 @@ class PlyBody {
         }
     }
 
-    void readVertices(const PlyElement& element) {
-        // Which of x y z nx ny nz each property is, or 6 for none.
-        constexpr std::string_view kNames[] = {"x", "y", "z", "nx", "ny", "nz"};
-        std::vector<size_t> slots(element.properties.size(), 6);
-        bool found[6] = {};
-        for (size_t slot = 0; slot < 6; slot++) {
-            const int at = element.find(kNames[slot]);
-            if (at < 0 || element.properties[static_cast<size_t>(at)].isList) continue;
-            slots[static_cast<size_t>(at)] = slot;
-            found[slot] = true;
+    // The place of each property's value among those of a vertex, kOther for none, and which are there.
+    static constexpr size_t kOther = 11;
+    struct VertexSlots {
+        std::vector<size_t> ofProperty;
+        bool found[kOther] = {};
+        double colorScale = 0;  // of integer colours: 1 / their greatest value; 0: floats, linear
+    };
+
+    static VertexSlots findSlots(const PlyElement& element) {
+        // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
+        constexpr std::pair<std::string_view, size_t> kNames[] = {
+            {"x", 0},         {"y", 1},         {"z", 2},   {"nx", 3},    {"ny", 4},
+            {"nz", 5},        {"s", 6},         {"t", 7},   {"u", 6},     {"v", 7},
+            {"texture_u", 6}, {"texture_v", 7}, {"red", 8}, {"green", 9}, {"blue", 10}};
+        VertexSlots slots;
+        slots.ofProperty.assign(element.properties.size(), kOther);
+        for (const auto& [name, slot] : kNames) {
+            const int at = element.find(name);
+            if (at < 0 || element.properties[static_cast<size_t>(at)].isList || slots.found[slot]) continue;
+            slots.ofProperty[static_cast<size_t>(at)] = slot;
+            slots.found[slot] = true;
+            const PlyType type = element.properties[static_cast<size_t>(at)].type;
+            if (slot == 8 && isInteger(type))
+                slots.colorScale = 1 / (std::pow(2.0, 8.0 * static_cast<double>(sizeOf(type))) - 1);
         }
+        return slots;
+    }
+
+    // Integers are codes as an image has them, floats linear.
+    static Color colorOf(const double (&values)[kOther + 1], double scale) {
+        const Color color(values[8], values[9], values[10]);
+        if (scale == 0) return color;
+        return {linearFromSrgb(color.x * scale), linearFromSrgb(color.y * scale),
+                linearFromSrgb(color.z * scale)};
+    }
+
+    void readVertices(const PlyElement& element) {
+        const VertexSlots slots = findSlots(element);
+        const auto& found = slots.found;
         if (!found[0] || !found[1] || !found[2]) fail("the vertices lack one of the properties x, y, z");
         if (element.count >= Mesh::kNoIndex) fail("more than 2^32 - 2 vertices");
         const bool normals = found[3] && found[4] && found[5];
+        const bool uvs = found[6] && found[7];
+        const bool colors = found[8] && found[9] && found[10];
 
         const uint64_t expected = std::min(element.count, source_.atMost(element));
         builder_.positions.reserve(expected);
         if (normals) builder_.normals.reserve(expected);
+        if (uvs) builder_.uvs.reserve(expected);
+        if (colors) builder_.colors.reserve(expected);
         for (uint64_t i = 0; i < element.count; i++) {
-            double values[7] = {};
+            double values[kOther + 1] = {};
             source_.beginElement(element, i);
-            for (size_t p = 0; p < slots.size(); p++) {
+            for (size_t p = 0; p < slots.ofProperty.size(); p++) {
                 if (element.properties[p].isList)
                     skipProperty(element.properties[p]);
                 else
-                    values[slots[p]] = source_.nextNumber(element.properties[p].type);
+                    values[slots.ofProperty[p]] = source_.nextNumber(element.properties[p].type);
             }
             source_.endElement();
             builder_.positions.emplace_back(values[0], values[1], values[2]);
             if (normals) builder_.normals.emplace_back(values[3], values[4], values[5]);
+            if (uvs) builder_.uvs.emplace_back(values[6], values[7]);
+            if (colors) builder_.colors.push_back(colorOf(values, slots.colorScale));
         }
     }
 
@@ -258,7 +294,11 @@ class PlyBody {
         size_t begin = 0;
         for (const size_t end : faceEnds_) {
             const auto corners = all.subspan(begin, end - begin);
-            builder_.addPolygon(corners, builder_.normals.empty() ? std::span<const uint32_t>() : corners);
+            const auto given = [&](const auto& list) {
+                return list.empty() ? std::span<const uint32_t>() : corners;
+            };
+            builder_.addPolygon(
+                {corners, given(builder_.normals), given(builder_.uvs), given(builder_.colors)});
             begin = end;
         }
     }

@@ -113,9 +113,11 @@ struct ImageTexture {
 struct CheckerTexture {
     Color a{1}, b{0};
     bool solid = false;
+    glm::dvec3 corner{0};  // solid: in object space, where eight cubes meet
 };
 
-// `scale` then `offset` turn the surface's (u, v) into the texture's; of a solid checker, lengths into cells.
+// `scale` then `offset` turn the surface's (u, v) into the texture's; a solid checker has `scale.x` cubes to
+// a length of 1 and a corner instead of the offset.
 struct Texture {
     std::variant<ImageTexture, CheckerTexture> source;
     glm::dvec2 scale{1};
@@ -243,10 +245,13 @@ struct Object {
     // From the shape's coordinates to the world's, regular, of any kind. Meshes that several objects share
     // are stored once.
     std::optional<Affine> transform = {};
+    // What the reader has applied to the shape already, from the object's own coordinates: textures are fixed
+    // in those.
+    Affine applied = {};
 };
 
 // Radiance from infinitely far away, in latitude and longitude: row 0 is straight up, the middle column is
-// seen along -z. `rotation` turns it about y, degrees, counter-clockwise from above.
+// seen along -z, +x to its right. `rotation` turns it about y, degrees, counter-clockwise from above.
 struct EnvironmentMap {
     std::string file;  // for messages
     std::shared_ptr<const Image> image;

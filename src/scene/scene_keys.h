@@ -28,7 +28,10 @@ inline constexpr auto kSpot =
     names("type", "position", "direction", "angle", "penumbra", "intensity", "falloff");
 inline constexpr auto kMaterial =
     names("ambient", "diffuse", "specular", "shininess", "mirror", "transmission", "ior", "attenuation",
-          "attenuationColor", "attenuationDistance", "priority");
+          "attenuationColor", "attenuationDistance", "priority", "alphaCutoff");
+inline constexpr auto kImageTexture = names("texture", "wrap", "filter", "scale", "offset", "color");
+inline constexpr auto kCheckerTexture = names("checker", "scale", "offset", "solid", "corner", "color");
+inline constexpr auto kEnvironmentMap = names("environment", "rotation", "intensity");
 inline constexpr auto kMesh = names("file");
 inline constexpr auto kSphere = names("type", "center", "radius", "material", "transform");
 inline constexpr auto kPlane = names("type", "point", "normal", "material", "transform");
@@ -57,6 +60,9 @@ inline constexpr KeyTable kPoint{"lights/point", detail::kPoint, detail::kNothin
 inline constexpr KeyTable kDirectional{"lights/directional", detail::kDirectional, detail::kNothing};
 inline constexpr KeyTable kSpot{"lights/spot", detail::kSpot, detail::kNothing};
 inline constexpr KeyTable kMaterial{"material", detail::kMaterial, detail::kNothing};
+inline constexpr KeyTable kImageTexture{"imageTexture", detail::kImageTexture, detail::kNothing};
+inline constexpr KeyTable kCheckerTexture{"checkerTexture", detail::kCheckerTexture, detail::kNothing};
+inline constexpr KeyTable kEnvironmentMap{"environmentMap", detail::kEnvironmentMap, detail::kNothing};
 inline constexpr KeyTable kMesh{"mesh", detail::kMesh, detail::kNothing};
 inline constexpr KeyTable kSphere{"objects/sphere", detail::kSphere, detail::kNothing};
 inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothing};
@@ -74,9 +80,10 @@ inline constexpr KeyTable kGroup{"objects/group", detail::kGroup, detail::kNothi
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene,         kImage,   kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,          kSphere,  kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kGroup,
-    kTransformStep, kQuadric, kEllipsoid,   kCylinder,     kCone,     kHyperboloid, kParaboloid};
+    kScene,       kImage,      kPerspective,   kOrthographic,   kPoint,         kDirectional, kSpot,
+    kMaterial,    kMesh,       kSphere,        kPlane,          kDisc,          kTriangle,    kPolygon,
+    kMeshObject,  kGroup,      kTransformStep, kQuadric,        kEllipsoid,     kCylinder,    kCone,
+    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

@@ -127,6 +127,14 @@ void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount
         if (mesh.normalCorners[i] != glm::uvec3(Mesh::kNoIndex))
             for (int k = 0; k < 3; k++)
                 checkIndex("normal", i, mesh.normalCorners[i][k], mesh.normals.size());
+    const auto checkAttribute = [&](const char* what, const std::vector<glm::uvec3>& corners, size_t count) {
+        checkSize((std::string(what) + " corners").c_str(), corners.size());
+        for (size_t i = 0; i < corners.size(); i++)
+            if (corners[i] != glm::uvec3(Mesh::kNoIndex))
+                for (int k = 0; k < 3; k++) checkIndex(what, i, corners[i][k], count);
+    };
+    checkAttribute("texture vertex", mesh.uvCorners, mesh.uvs.size());
+    checkAttribute("colour", mesh.colorCorners, mesh.colors.size());
     for (size_t i = 0; i < mesh.materials.size(); i++)
         checkIndex("material", i, mesh.materials[i], materialCount);
 }
@@ -194,6 +202,8 @@ struct ShapeCheck {
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);
+        for (size_t i = 0; i < shape.mesh->colors.size(); i++)
+            checkColor(place, "color of vertex " + std::to_string(i), shape.mesh->colors[i]);
         const auto& positions = shape.mesh->positions;
         for (size_t i = 0; i < positions.size(); i++)
             if (finite(positions[i]) && greatest(positions[i]) >= kMaxCoordinate)
@@ -276,17 +286,66 @@ void validateMaterial(const Material& material, const Place& place) {
                    "must be from " + describe(kMinIor) + " to " + describe(kMaxIor) + got(material.ior));
     checkColor(place, "attenuation", material.attenuation);
     checkInteger(place, "priority", material.priority, -kMaxPriority, kMaxPriority);
+    if (!(material.alphaCutoff >= 0 && material.alphaCutoff <= 1))
+        place.fail("alphaCutoff", "must be from 0 to 1" + got(material.alphaCutoff));
+    if (material.alphaCutoff > 0 && material.diffuseTexture == Material::kNoTexture)
+        place.fail("alphaCutoff", "needs a diffuse texture, whose alpha it is compared with");
 }
 
 void validateShape(const Shape& shape, const Place& place, size_t materialCount) {
     std::visit(ShapeCheck{place, materialCount}, shape);
 }
 
+void validateTexture(const Texture& texture, const Place& place) {
+    for (const double number : {texture.scale.x, texture.scale.y})
+        if (!(std::abs(number) <= kMaxCoordinate) || number == 0)
+            place.fail("scale", "must be finite and not 0" + got(number));
+    for (const double number : {texture.offset.x, texture.offset.y})
+        if (!(std::abs(number) <= kMaxCoordinate)) place.fail("offset", "must be finite" + got(number));
+    if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
+        checkColor(place, "checker/0", checker->a);
+        checkColor(place, "checker/1", checker->b);
+        checkPoint(place, "corner", checker->corner);
+    } else if (const auto& image = std::get<ImageTexture>(texture.source).image;
+               !image || image->pixels.empty()) {
+        place.fail("texture", "the image is missing");
+    }
+}
+
+namespace {
+
+void checkEnvironment(const Scene& scene, const Place& place) {
+    if (!scene.environment) return;
+    if (!scene.environment->image) place.fail("environment", "the image is missing");
+    if (!std::isfinite(scene.environment->rotation))
+        place.fail("rotation", "must be finite" + got(scene.environment->rotation));
+    checkColor(place, "intensity", scene.environment->intensity);
+}
+
+// Textures are looked at where a material names them, so that messages say where that is.
+void checkTextures(const Scene& scene, const Material& material, const Place& place) {
+    const std::pair<const char*, uint32_t> named[] = {{"diffuse", material.diffuseTexture},
+                                                      {"ambient", material.ambientTexture},
+                                                      {"specular", material.specularTexture},
+                                                      {"mirror", material.mirrorTexture},
+                                                      {"transmission", material.transmissionTexture}};
+    for (const auto& [key, index] : named) {
+        if (index == Material::kNoTexture) continue;
+        if (index >= scene.textures.size())
+            place.fail(key, "there is no texture number " + std::to_string(index) + " (there are " +
+                                std::to_string(scene.textures.size()) + ")");
+        validateTexture(scene.textures[index], {place.file, place.pointer + "/" + key});
+    }
+}
+
+}  // namespace
+
 void validateScene(const Scene& scene, const std::string& name) {
     const Place root{name, ""};
     validateImage(scene.image, {name, "/image"});
     validateCamera(scene.camera, {name, "/camera"});
     checkColor(root, "background", scene.background);
+    checkEnvironment(scene, {name, "/background"});
     checkColor(root, "ambient", scene.ambient);
     checkInteger(root, "maxDepth", scene.maxDepth, 0, kMaxBounces);
     for (size_t i = 0; i < scene.lights.size(); i++)
@@ -295,6 +354,7 @@ void validateScene(const Scene& scene, const std::string& name) {
         const Material& material = scene.materials[i];
         const std::string key = material.name.empty() ? std::to_string(i) : escapePointer(material.name);
         validateMaterial(material, {name, "/materials/" + key});
+        checkTextures(scene, material, {name, "/materials/" + key});
     }
     std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
     for (const Object& object : scene.objects) {

@@ -19,6 +19,7 @@ void validateImage(const ImageSettings& image, const Place& place);
 void validateCamera(const Camera& camera, const Place& place);
 void validateLight(const Light& light, const Place& place);
 void validateMaterial(const Material& material, const Place& place);
+void validateTexture(const Texture& texture, const Place& place);
 // Every vertex of a mesh is looked at; materials are checked against `materialCount`.
 void validateShape(const Shape& shape, const Place& place, size_t materialCount);
 

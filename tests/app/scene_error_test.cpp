@@ -98,8 +98,7 @@ TEST_F(SceneFile, TexturesAndMissingMaterialFilesAreWarnings) {
     writeText("a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd no.png\n");
     writeText("b.obj", "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const Ran a = runGlint({"render", "a.obj", "--backend", "cpu", "--size", "16x12"});
-    EXPECT_EQ(a.err,
-              "glint: warning: a.mtl: map_Kd is ignored, textures are not supported by this version\n");
+    EXPECT_EQ(a.err, "glint: warning: a.mtl: no.png: no such file; drawn without it\n");
     EXPECT_EQ(a.code, 0);
     const Ran b = runGlint({"render", "b.obj", "--backend", "cpu", "--size", "16x12"});
     EXPECT_EQ(b.err, "glint: warning: b.obj:1: no material file \"no.mtl\"\n");

@@ -58,6 +58,13 @@ TEST(TripBudget, leavesRoomForEveryLane) {
         const uint32_t leaf = shared::kMaxPolygonTrips + 2, beside = deriveTripBudget(device, leaf);
         EXPECT_LE(std::max(lanes, 8u) * (beside + leaf) + shared::kMaxPlanes, 65535u) << lanes;
         EXPECT_GE(beside, 500u) << lanes;
+        // A mask adds kMaskTrips to the trips of each test, also after the last check and for planes.
+        const uint32_t masked = deriveTripBudget(device, leaf, true);
+        EXPECT_LE(std::max(lanes, 8u) * (masked + leaf + 8 * shared::kMaskTrips) +
+                      shared::kMaxPlanes * (1 + shared::kMaskTrips),
+                  65535u)
+            << lanes;
+        EXPECT_GE(masked, 400u) << lanes;
     }
 }
 

@@ -34,6 +34,11 @@ mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.out
 mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
+mutant(texel_corner texture.glsl "s * count - 0.5" "s * count - 0.25" light shade)
+mutant(upside_down texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)
+mutant(late_checker texture.glsl "vec3 whole = floor(cell)" "vec3 whole = floor(cell + 0.02)" light shade)
+mutant(turned_sky material.glsl "-direction.z)" "direction.z)" shade)
+mutant(deep_cut material.glsl "surface).w < material.alphaCutoff" "surface).w < 0.9 * material.alphaCutoff" intersect light)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
 mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)

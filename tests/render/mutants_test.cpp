@@ -89,7 +89,9 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"polygon_side", "polygons"}, Defect{"flipped_film", "orthographic"},
         Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
         Defect{"mirror_sign", kMirrorScene}, Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"},
-        Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"not_finite", "spheres"}),
+        Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"texel_corner", "textures"},
+        Defect{"upside_down", "textures"}, Defect{"late_checker", "checker"},
+        Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace

@@ -41,6 +41,8 @@ std::vector<std::string> examples() {
 TEST(SceneFormatPage, examplesAreAcceptedByParserAndSchema) {
     const TemporaryFolder folder;
     folder.write("bunny.obj", kCubeObj);
+    for (const char* image : {"earth.jpg", "bricks.png", "leaf.png", "sky.hdr"})
+        std::filesystem::copy_file(GLINT_SOURCE_DIR "/scenes/images/leaf.png", folder.path() / image);
     const nlohmann::json schema = loadSceneSchema();
     const std::vector<std::string> blocks = examples();
     EXPECT_GE(blocks.size(), 8u);

@@ -236,8 +236,9 @@ TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
         (std::vector<std::string>{
             mtl.string() +
                 ": material \"a\": d and Tr (transparency) are not supported by this version; drawn opaque",
-            mtl.string() + ": map_Kd is ignored, textures are not supported by this version",
-            mtl.string() + ": map_bump is ignored, textures are not supported by this version",
+            mtl.string() + ": " + (folder.path() / "a.png").string() + ": no such file; drawn without it",
+            mtl.string() + ": " + (folder.path() / "b.png").string() + ": no such file; drawn without it",
+            mtl.string() + ": map_bump is ignored, such maps are not supported by this version",
             file.string() + ":1: no material file \"gone.mtl\"",
             file.string() + ":9: material \"nobody\" is not defined in a material file; grey is used"}));
     ASSERT_EQ(imported.materials.size(), 3u);

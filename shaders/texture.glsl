@@ -1,0 +1,89 @@
+// Images and checkers at texture coordinates, in plain arithmetic instead of samplers, whose filtering every device rounds as it
+// likes (Vulkan 1.3, sec. 16.8: 8 bits of weight are enough).
+#ifndef GLINT_TEXTURE_GLSL
+#define GLINT_TEXTURE_GLSL
+
+#include "surface.glsl"
+
+// A coordinate brought into [0, 1]; NaN and what is beyond kMaxTextureCoordinate to 0.
+float wrapped(float s, uint wrap) {
+    float sound = abs(s) <= kMaxTextureCoordinate ? s : 0.0;
+    precise float repeated = sound - floor(sound);
+    precise float folded = abs(sound - 2.0 * floor(0.5 * sound + 0.5));
+    return wrap == kTextureWrapRepeat ? repeated : (wrap == kTextureWrapClamp ? clamp(sound, 0.0, 1.0) : folded);
+}
+
+// The two texels of a row or column next to s, which lies in [0, 1], and the weight of the second. The centre of texel i is at (i + 1/2) / size.
+struct Taps {
+    uint first;
+    uint second;
+    float weight;
+};
+
+Taps tapsAt(float s, uint size, bool nearest, uint wrap) {
+    float count = float(size);
+    precise float x = nearest ? s * count : s * count - 0.5;
+    float low = floor(x);
+    precise float weight = nearest ? 0.0 : x - low;
+    float high = low + 1.0;
+    bool repeats = wrap == kTextureWrapRepeat && !nearest;
+    float last = count - 1.0;
+    low = low < 0.0 ? (repeats ? last : 0.0) : min(low, last);
+    high = high > last ? (repeats ? 0.0 : last) : high;
+    return Taps(uint(low), uint(high), weight);
+}
+
+vec4 texelAt(uint index) {
+    Texel texel = loadTexel(index);
+    return vec4(texel.color, texel.alpha);
+}
+
+vec4 imageAt(Texture image, vec2 uv) {
+    bool nearest = (image.flags & kTextureNearest) != 0u;
+    uint wrapU = image.flags & kTextureWrapMask;
+    uint wrapV = (image.flags >> kTextureWrapVShift) & kTextureWrapMask;
+    Taps column = tapsAt(wrapped(uv.x, wrapU), image.width, nearest, wrapU);
+    // Counted from below, as v is; row 0 of the image is its uppermost.
+    Taps row = tapsAt(wrapped(uv.y, wrapV), image.height, nearest, wrapV);
+    uint lower = image.firstTexel + (image.height - 1u - row.first) * image.width;
+    uint upper = image.firstTexel + (image.height - 1u - row.second) * image.width;
+    precise vec4 below = (1.0 - column.weight) * texelAt(lower + column.first) + column.weight * texelAt(lower + column.second);
+    precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) + column.weight * texelAt(upper + column.second);
+    precise vec4 mixed = (1.0 - row.weight) * below + row.weight * above;
+    return mixed;
+}
+
+vec3 checkerAt(Texture checker, vec3 cell) {
+    vec3 whole = floor(cell);
+    float sum = whole.x + whole.y + whole.z;
+    bool odd = sum - 2.0 * floor(0.5 * sum) > 0.5;
+    return odd ? checker.colorB : checker.colorA;
+}
+
+// A point of an object in the object's own coordinates.
+vec3 objectPoint(ObjectFrame frame, vec3 position) {
+    precise float x = dot(frame.toObjectX, position) + frame.offsetX;
+    precise float y = dot(frame.toObjectY, position) + frame.offsetY;
+    precise float z = dot(frame.toObjectZ, position) + frame.offsetZ;
+    return vec3(x, y, z);
+}
+
+// Colour and alpha of a material's texture on a surface; white without one. A loop of one trip, see objectUv.
+vec4 textureAt(uint number, Surface surface) {
+    vec4 color = vec4(1.0);
+    while (number != 0u) {
+        Texture source = loadTexture(number - 1u);
+        bool checker = FEATURE_CHECKERS && (source.flags & kTextureChecker) != 0u;
+        bool solid = checker && (source.flags & kTextureSolid) != 0u;
+        precise vec2 uv = surface.uv * vec2(source.scaleU, source.scaleV) + source.place.xy;
+        if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv);
+        if (FEATURE_CHECKERS && checker) {
+            precise vec3 inCubes = (objectPoint(loadObjectFrame(surface.object), surface.position) - source.place) * source.scaleU;
+            color.xyz = checkerAt(source, solid ? inCubes : vec3(uv, 0.0));
+        }
+        number = 0u;
+    }
+    return color;
+}
+
+#endif

@@ -1,0 +1,108 @@
+#include "reference/material.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace glint::reference {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::dvec4;
+
+// Longitude from +z towards +x, latitude from straight down to straight up.
+dvec2 latitudeLongitude(const dvec3& direction) {
+    const double length = glm::length(direction);
+    if (!(length > 0)) return {0.5, 0.5};
+    const double longitude = std::atan2(direction.x, direction.z);
+    const double latitude = std::asin(std::clamp(direction.y / length, -1.0, 1.0));
+    return {0.5 + longitude / (2 * std::numbers::pi), 0.5 + latitude / std::numbers::pi};
+}
+
+void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
+    surface.uv = {hit.u, hit.v};
+    const uint32_t attributes =
+        scene.triangleSurfaces[hit.primitive & shared::kPrimitiveIndexMask].attributes;
+    const double weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+    size_t row = attributes & shared::kAttributeFirstMask;
+    if (attributes & shared::kAttributeUvs) {
+        surface.uv = dvec2(0);
+        for (int i = 0; i < 3; ++i)
+            surface.uv += weights[i] * dvec2(scene.vertexAttributes[row].value[i],
+                                             scene.vertexAttributes[row + 1].value[i]);
+        row += 2;
+    }
+    if (attributes & shared::kAttributeColors) {
+        surface.color = dvec3(0);
+        for (int i = 0; i < 3; ++i)
+            surface.color += weights[i] * dvec3(scene.vertexAttributes[row + static_cast<size_t>(i)].value);
+    }
+}
+
+dvec4 sampleNumber(const PackedScene& scene, uint32_t number, const Surface& surface) {
+    if (number == 0) return dvec4(1);
+    return sampleTexture(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
+}
+
+}  // namespace
+
+void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
+    const uint32_t kind = hit.primitive >> shared::kPrimitiveKindShift;
+    if (kind == shared::kKindTriangle) return fillTriangle(scene, hit, surface);
+    if (scene.objectFrames.empty()) return;
+    const shared::ObjectFrame& f = scene.objectFrames[surface.object];
+    const auto along = [&](const glm::vec3& row, float offset) {
+        return glm::dot(dvec3(row), surface.position) + static_cast<double>(offset);
+    };
+    const dvec3 own(along(f.toU, f.offsetU), along(f.toV, f.offsetV), along(f.toW, f.offsetW));
+    const dvec3 n = surface.geometricNormal;
+    switch (f.uvKind) {
+        case shared::kUvFlat:
+            surface.uv = {own.x, own.y};
+            break;
+        case shared::kUvNormal:
+            surface.uv = latitudeLongitude({glm::dot(dvec3(f.toObjectX), n), glm::dot(dvec3(f.toObjectY), n),
+                                            glm::dot(dvec3(f.toObjectZ), n)});
+            break;
+        case shared::kUvAxial:
+            surface.uv = {latitudeLongitude(own).x, own.y};
+            break;
+        default:
+            surface.uv = latitudeLongitude(own);
+    }
+}
+
+shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
+    shared::Material material = scene.materials[surface.material];
+    const auto tint = [&](glm::vec3& color, uint32_t number, const dvec3& more) {
+        color = glm::vec3(dvec3(color) * dvec3(sampleNumber(scene, number, surface)) * more);
+    };
+    tint(material.ambient, material.ambientTexture, surface.color);
+    tint(material.diffuse, material.diffuseTexture, surface.color);
+    tint(material.specular, material.specularTexture, dvec3(1));
+    tint(material.mirror, material.mirrorTexture, dvec3(1));
+    return material;
+}
+
+dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface) {
+    const shared::Optics& optics = scene.optics[medium - 1];
+    return dvec3(optics.transmission) * dvec3(sampleNumber(scene, optics.transmissionTexture, surface));
+}
+
+bool holeAt(const PackedScene& scene, const Surface& surface) {
+    const shared::Material& material = scene.materials[surface.material];
+    return material.alphaCutoff > 0 &&
+           sampleNumber(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
+}
+
+dvec3 surroundings(const PackedScene& scene, const dvec3& direction, const dvec2& shift) {
+    const dvec3 background(scene.environment.background);
+    if (scene.environment.map == 0) return background;
+    // The middle column, which latitudeLongitude has at +z, is seen along -z with +x to its right.
+    const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
+    return background *
+           dvec3(sampleTexture(scene, scene.textures[scene.environment.map - 1], uv, dvec3(0), 0));
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,30 @@
+// What a surface point looks like: texture coordinates, textures and the surroundings, in double.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "reference/tracer.h"
+
+namespace glint::reference {
+
+// Texture coordinates and vertex colour of the hit that the rest of `surface` describes.
+void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface);
+
+// The surface's material, its colours times those of textures and vertices, rounded to fp32.
+shared::Material materialAt(const PackedScene& scene, const Surface& surface);
+
+// What of light passes a surface of this medium (shared::Material::medium, not 0).
+glm::dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface);
+
+// True where the diffuse texture's alpha is below the material's alphaCutoff.
+bool holeAt(const PackedScene& scene, const Surface& surface);
+
+// What comes from infinitely far away against `direction`. shift: added to the environment map's coordinates.
+glm::dvec3 surroundings(const PackedScene& scene, const glm::dvec3& direction, const glm::dvec2& shift);
+
+// Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
+// at a local position on an object.
+glm::dvec4 sampleTexture(const PackedScene& scene, const shared::Texture& texture, const glm::dvec2& uv,
+                         const glm::dvec3& position, uint32_t object);
+
+}  // namespace glint::reference

@@ -1,0 +1,232 @@
+// Textures in the reference: values worked out by hand from docs/shading.md.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "reference/material.h"
+#include "scene_maker.h"
+
+namespace glint::reference::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::dvec4;
+
+// Two by two texels, rows from the top: 1 2 / 3 4 in red, their tenth in alpha.
+PackedScene quadScene(uint32_t flags = 0) {
+    PackedScene scene;
+    for (int i = 1; i <= 4; ++i) {
+        shared::Texel texel;
+        texel.color = glm::vec3(static_cast<float>(i), 0, 0);
+        texel.alpha = static_cast<float>(i) / 16;
+        scene.texels.push_back(texel);
+    }
+    shared::Texture texture;
+    texture.flags = flags;
+    texture.width = texture.height = 2;
+    texture.scaleU = texture.scaleV = 1;
+    scene.textures.push_back(texture);
+    return scene;
+}
+
+double redAt(const PackedScene& scene, double u, double v) {
+    return sampleTexture(scene, scene.textures[0], {u, v}, dvec3(0), 0).x;
+}
+
+uint32_t wraps(uint32_t wrap) {
+    return wrap | wrap << shared::kTextureWrapVShift;
+}
+
+// Texel centres are at 1/4 and 3/4; v is upwards, row 0 at the top.
+TEST(Texture, bilinearOfTwoByTwo) {
+    const PackedScene scene = quadScene(wraps(shared::kTextureWrapClamp));
+    EXPECT_EQ(redAt(scene, 0.25, 0.75), 1);
+    EXPECT_EQ(redAt(scene, 0.75, 0.75), 2);
+    EXPECT_EQ(redAt(scene, 0.25, 0.25), 3);
+    EXPECT_EQ(redAt(scene, 0.75, 0.25), 4);
+    EXPECT_EQ(redAt(scene, 0.5, 0.5), 2.5);
+    EXPECT_EQ(redAt(scene, 0.375, 0.75), 1.25);
+    EXPECT_EQ(redAt(scene, 0.25, 0.375), 2.5);  // 3/4 of the way from 1 down to 3
+    EXPECT_EQ(sampleTexture(scene, scene.textures[0], {0.5, 0.5}, dvec3(0), 0).w, 2.5 / 16);
+}
+
+TEST(Texture, wrapModes) {
+    const PackedScene clamp = quadScene(wraps(shared::kTextureWrapClamp));
+    EXPECT_EQ(redAt(clamp, 0, 1), 1);
+    EXPECT_EQ(redAt(clamp, -3, 0.75), 1);
+    EXPECT_EQ(redAt(clamp, 9, -5), 4);
+    const PackedScene repeat = quadScene(wraps(shared::kTextureWrapRepeat));
+    EXPECT_EQ(redAt(repeat, 0, 0.75), 1.5);  // half way between the last column and the first
+    EXPECT_EQ(redAt(repeat, 1.25, 0.75), 1);
+    EXPECT_EQ(redAt(repeat, -0.75, -0.25), 1);
+    EXPECT_EQ(redAt(repeat, 0.25, 1), 2);
+    const PackedScene mirror = quadScene(wraps(shared::kTextureWrapMirror));
+    EXPECT_EQ(redAt(mirror, 0, 0.75), 1);  // the same texel on both sides of the edge
+    EXPECT_EQ(redAt(mirror, 1.25, 0.75), 2);
+    EXPECT_EQ(redAt(mirror, 1.75, 0.75), 1);
+    EXPECT_EQ(redAt(mirror, -0.25, 0.75), 1);
+    EXPECT_EQ(redAt(mirror, 2.25, -0.25), 3);
+}
+
+TEST(Texture, nearestTakesTheTexelThatHoldsThePoint) {
+    const PackedScene scene = quadScene(wraps(shared::kTextureWrapRepeat) | shared::kTextureNearest);
+    EXPECT_EQ(redAt(scene, 0.49, 0.51), 1);
+    EXPECT_EQ(redAt(scene, 0.51, 0.51), 2);
+    EXPECT_EQ(redAt(scene, 0.49, 0.49), 3);
+    EXPECT_EQ(redAt(scene, 0.5, 0.5), 2);  // a border belongs to what is right of it and above
+    EXPECT_EQ(redAt(scene, 0, 0), 3);
+    EXPECT_EQ(redAt(scene, 1, 1), 3);  // which is (0, 0)
+}
+
+TEST(Texture, wildCoordinatesAreHarmless) {
+    const PackedScene scene = quadScene(wraps(shared::kTextureWrapRepeat));
+    EXPECT_EQ(redAt(scene, 1e6 + 0.25, -1e6 + 0.75), 1);
+    const double corner = redAt(scene, 0, 0);
+    EXPECT_EQ(corner, 2.5);
+    for (const double wild :
+         {std::numeric_limits<double>::quiet_NaN(), 1e30, -1e30, std::numeric_limits<double>::infinity()})
+        EXPECT_EQ(redAt(scene, wild, wild), corner) << wild;
+}
+
+TEST(Texture, checkersAlternate) {
+    PackedScene scene = quadScene(shared::kTextureChecker);
+    scene.textures[0].colorA = glm::vec3(1, 0, 0);
+    scene.textures[0].colorB = glm::vec3(5, 0, 0);
+    EXPECT_EQ(redAt(scene, 0.5, 0.5), 1);
+    EXPECT_EQ(redAt(scene, 1.5, 0.5), 5);
+    EXPECT_EQ(redAt(scene, 1.5, 1.5), 1);
+    EXPECT_EQ(redAt(scene, -0.5, 0.5), 5);
+    EXPECT_EQ(redAt(scene, -0.5, -0.5), 1);
+    scene.textures[0].scaleU = 2;
+    EXPECT_EQ(redAt(scene, 0.75, 0.5), 5);
+    scene.textures[0].place = glm::vec3(0.6f, 0, 0);
+    EXPECT_EQ(redAt(scene, 0.75, 0.5), 1);  // 1.5 + 0.6 = 2.1
+}
+
+// The frame moves local x = 10 to object x = 0.
+TEST(Texture, solidCheckerLivesInObjectSpace) {
+    PackedScene scene = quadScene(shared::kTextureChecker | shared::kTextureSolid);
+    scene.textures[0].colorA = glm::vec3(1, 0, 0);
+    scene.textures[0].colorB = glm::vec3(5, 0, 0);
+    shared::ObjectFrame frame;
+    frame.toObjectX = {1, 0, 0};
+    frame.toObjectY = {0, 1, 0};
+    frame.toObjectZ = {0, 0, 1};
+    frame.offsetX = -10;
+    scene.objectFrames.push_back(frame);
+    const auto at = [&](const dvec3& p) { return sampleTexture(scene, scene.textures[0], {7, 7}, p, 0).x; };
+    EXPECT_EQ(at({10.5, 0.5, 0.5}), 1);
+    EXPECT_EQ(at({11.5, 0.5, 0.5}), 5);
+    EXPECT_EQ(at({11.5, 0.5, -0.5}), 1);
+    EXPECT_EQ(at({9.5, 0.5, 0.5}), 5);
+    EXPECT_EQ(at({9.5, 1.5, 2.5}), 1);
+}
+
+// A map of 4 x 2 texels numbered by rows from the top; centres of columns at u = 1/8, 3/8, 5/8, 7/8.
+TEST(Texture, environmentDirections) {
+    PackedScene scene;
+    for (int i = 0; i < 8; ++i) {
+        shared::Texel texel;
+        texel.color = glm::vec3(static_cast<float>(i));
+        scene.texels.push_back(texel);
+    }
+    shared::Texture map;
+    map.flags = shared::kTextureWrapRepeat | shared::kTextureWrapClamp << shared::kTextureWrapVShift;
+    map.width = 4;
+    map.height = 2;
+    map.scaleU = map.scaleV = 1;
+    scene.textures.push_back(map);
+    scene.environment.map = 1;
+    scene.environment.background = glm::vec3(2);
+    const auto seen = [&](const dvec3& d) { return surroundings(scene, d, dvec2(0)).x / 2; };
+    // On the horizon the rows count half each: column c gives c + 2.
+    EXPECT_NEAR(seen({0, 0, -1}), 1.5 + 2, 1e-12);  // u = 1/2: between columns 1 and 2
+    EXPECT_NEAR(seen({1, 0, 0}), 2.5 + 2, 1e-12);   // u = 3/4
+    EXPECT_NEAR(seen({-1, 0, 0}), 0.5 + 2, 1e-12);  // u = 1/4
+    EXPECT_NEAR(seen({0, 0, 1}), 1.5 + 2, 1e-12);   // u = 0 or 1: between columns 3 and 0
+    EXPECT_NEAR(seen({1, 0, -1}), 2 + 2, 1e-12);    // u = 5/8: column 2
+    EXPECT_NEAR(seen({1e-9, 1, 1e-9}), 3, 1e-6);    // u = 7/8, straight up: column 3 of row 0
+    EXPECT_NEAR(seen({1e-9, -1, -1e-9}), 2 + 4, 1e-6);
+    scene.textures[0].place.x = 0.25f;  // a quarter turn counter-clockwise: what was along -z is along -x
+    EXPECT_NEAR(seen({-1, 0, 0}), 1.5 + 2, 1e-12);
+}
+
+// Object frame the identity: the pole is +y, the middle of the image faces +z, and east, larger u, is to the
+// right seen from outside, where +x is to the right of who looks along -z.
+TEST(Texture, sphereCoordinatesInSixDirections) {
+    SceneMaker maker;
+    maker.sphere({1, 2, 3}, 0.5f);
+    PackedScene scene = maker.finish();
+    shared::ObjectFrame frame;
+    frame.toObjectX = {1, 0, 0};
+    frame.toObjectY = {0, 1, 0};
+    frame.toObjectZ = {0, 0, 1};
+    scene.objectFrames.push_back(frame);
+    const Tracer tracer(scene);
+    const auto uvFrom = [&](const dvec3& d) {
+        const Ray ray = makeRay(dvec3(1, 2, 3) + 2.0 * d, -d);
+        const auto hit = tracer.closest(ray);
+        EXPECT_TRUE(hit.has_value());
+        return tracer.surface(ray, *hit).uv;
+    };
+    const auto near = [](const dvec2& a, const dvec2& b) { return glm::length(a - b) < 1e-9; };
+    EXPECT_TRUE(near(uvFrom({0, 0, 1}), {0.5, 0.5}));
+    EXPECT_TRUE(near(uvFrom({1, 0, 0}), {0.75, 0.5}));
+    EXPECT_TRUE(near(uvFrom({-1, 0, 0}), {0.25, 0.5}));
+    EXPECT_NEAR(std::abs(uvFrom({0, 0, -1}).x - 0.5), 0.5, 1e-9);
+    EXPECT_NEAR(uvFrom({0, 1, 0}).y, 1, 1e-7);
+    EXPECT_NEAR(uvFrom({0, -1, 0}).y, 0, 1e-7);
+    EXPECT_TRUE(
+        near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
+}
+
+TEST(Texture, triangleInterpolatesCoordinatesAndColors) {
+    SceneMaker maker;
+    maker.triangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
+    PackedScene scene = maker.finish();
+    scene.vertexAttributes.resize(5);
+    scene.vertexAttributes[0].value = {0.5f, 8.5f, 0.5f};  // u
+    scene.vertexAttributes[1].value = {-1, -1, 15};        // v
+    scene.vertexAttributes[2].value = {1, 0, 0};           // colours
+    scene.vertexAttributes[3].value = {0, 1, 0};
+    scene.vertexAttributes[4].value = {0, 0, 1};
+    const Tracer tracer(scene);
+    const Ray ray = makeRay({1, 2, 5}, {0, 0, -1});  // u = 1/4, v = 1/2
+    const auto hit = tracer.closest(ray);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(1));
+    scene.triangleSurfaces[0].attributes = shared::kAttributeUvs | shared::kAttributeColors;
+    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(2.5, 7));
+    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+    scene.triangleSurfaces[0].attributes = shared::kAttributeColors | 2;
+    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+}
+
+TEST(Texture, materialIsMultipliedWithTexturesAndVertexColors) {
+    PackedScene scene = quadScene(wraps(shared::kTextureWrapClamp));
+    shared::Material material;
+    material.ambient = material.diffuse = material.specular = material.mirror = glm::vec3(0.5f);
+    material.diffuseTexture = 1;
+    material.mirrorTexture = 1;
+    scene.materials.push_back(material);
+    Surface surface;
+    surface.uv = {0.25, 0.25};
+    surface.color = {0.5, 1, 1};
+    const shared::Material result = materialAt(scene, surface);
+    EXPECT_EQ(result.ambient, glm::vec3(0.25f, 0.5f, 0.5f));
+    EXPECT_EQ(result.diffuse, glm::vec3(0.75f, 0, 0));
+    EXPECT_EQ(result.specular, glm::vec3(0.5f));
+    EXPECT_EQ(result.mirror, glm::vec3(1.5f, 0, 0));
+    scene.materials[0].alphaCutoff = 0.18f;  // alpha there is 3/16 = 0.1875
+    EXPECT_FALSE(holeAt(scene, surface));
+    scene.materials[0].alphaCutoff = 0.19f;
+    EXPECT_TRUE(holeAt(scene, surface));
+}
+
+}  // namespace
+}  // namespace glint::reference::test

@@ -1,0 +1,291 @@
+// Textures on the device: pixels known by hand, and how exact texture coordinates are.
+#include <cmath>
+#include <numbers>
+
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::vec3;
+
+constexpr double kUnit = 0x1p-24;
+
+// Two by two texels, rows from the top: 1 2 / 3 4 in red; alpha 0 in the upper row.
+std::shared_ptr<const Image> quadImage() {
+    auto image = std::make_shared<Image>(2, 2, 4, 0.0f);
+    for (int i = 0; i < 4; ++i) image->at(i % 2, i / 2, 0) = static_cast<float>(i + 1);
+    for (int x = 0; x < 2; ++x) image->at(x, 1, 3) = 1;
+    return image;
+}
+
+uint32_t addTexture(Scene& scene, Texture texture) {
+    scene.textures.push_back(std::move(texture));
+    return static_cast<uint32_t>(scene.textures.size() - 1);
+}
+
+// White, by ambient light alone, with a texture.
+uint32_t addTextured(Scene& scene, Texture texture) {
+    const uint32_t material = addMaterial(scene, Color(1));
+    scene.materials[material].ambient = Color(1);
+    scene.materials[material].ambientTexture = scene.materials[material].diffuseTexture =
+        addTexture(scene, std::move(texture));
+    scene.ambient = Color(1);
+    return material;
+}
+
+// Pictures of one pixel by one renderer: kernels are compiled once.
+class Viewer {
+  public:
+    Viewer(const gpu::Device& device, Scene scene, const Options& options = {})
+        : case_(makeCase(std::move(scene), 1, 1)), renderer_(device, case_.packed, options) {}
+
+    vec3 operator()(const dvec3& eye, const dvec3& target) {
+        Camera camera;
+        camera.eye = eye;
+        camera.target = target;
+        camera.up = std::abs(glm::normalize(target - eye).y) > 0.9 ? dvec3(0, 0, -1) : dvec3(0, 1, 0);
+        camera.fovY = 1e-3;
+        case_.camera = packCamera(camera, 1, 1, case_.packed.origin);
+        const Picture picture = draw(renderer_, case_);
+        return {picture.color.at(0, 0, 0), picture.color.at(0, 0, 1), picture.color.at(0, 0, 2)};
+    }
+
+  private:
+    Case case_;
+    Renderer renderer_;
+};
+
+class TextureTest : public RenderTest {
+  protected:
+    // A wall z = 0 with this texture, where its coordinates are `points`.
+    static std::vector<float> wall(const Texture& texture, const std::vector<dvec2>& points,
+                                   const Options& options = {}) {
+        Scene scene = emptyScene();
+        addPlane(scene, {0, 0, 0}, {0, 0, 1}, addTextured(scene, texture));
+        Viewer viewer(device(), std::move(scene), options);
+        std::vector<float> values;
+        for (const dvec2& p : points) values.push_back(viewer(dvec3(p, 1), dvec3(p, 0)).x);
+        return values;
+    }
+};
+
+void expectNear(const std::vector<float>& values, const std::vector<double>& expected, double tolerance) {
+    ASSERT_EQ(values.size(), expected.size());
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], expected[i], tolerance) << i;
+}
+
+TEST_F(TextureTest, bilinearAndWrapOnBothAccesses) {
+    for (const gpu::Access access : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
+        Options options;
+        options.access = access;
+        const Texture clamp{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp}};
+        const Texture repeat{ImageTexture{"q", quadImage()}};
+        const Texture mirror{ImageTexture{"q", quadImage(), Wrap::Mirror, Wrap::Mirror}};
+        expectNear(wall(clamp, {{0.25, 0.75}, {0.5, 0.5}, {0.375, 0.25}, {-4, 7}}, options),
+                   {1, 2.5, 3.25, 1}, 1e-5);
+        expectNear(wall(repeat, {{1, 0.75}, {-0.75, -0.75}}, options), {1.5, 3}, 1e-5);
+        expectNear(wall(mirror, {{1.25, 0.75}, {-0.25, 0.75}}, options), {2, 1}, 1e-5);
+    }
+}
+
+TEST_F(TextureTest, nearestAndCheckers) {
+    const Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
+    expectNear(wall(nearest, {{0.49, 0.51}, {0.51, 0.49}}), {1, 4}, 0);
+    const Texture checker{CheckerTexture{Color(1), Color(5)}};
+    expectNear(wall(checker, {{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}}), {1, 5, 1}, 0);
+    const Texture moved{CheckerTexture{Color(1), Color(5)}, dvec2(2), dvec2(0.6, 0)};
+    expectNear(wall(moved, {{0.75, 0.25}}), {1}, 0);
+    // Of the cubes (0, 0, 1) and (1, 0, 1).
+    const Texture solid{CheckerTexture{Color(1), Color(5), true, dvec3(0, 0, -0.75)}, dvec2(2)};
+    expectNear(wall(solid, {{0.25, 0.25}, {0.75, 0.25}}), {5, 1}, 0);
+}
+
+// Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
+TEST_F(TextureTest, greatCoordinatesStayInTheImage) {
+    Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}, dvec2(1), dvec2(1e6, -1e6)};
+    expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
+    far.offset = {1e17, -1e17};
+    expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
+}
+
+// One pixel each way; see the same in tests/reference/texture_test.cpp.
+TEST_F(TextureTest, environmentDirections) {
+    auto map = std::make_shared<Image>(4, 2, 3);
+    for (int i = 0; i < 8; ++i)
+        for (int c = 0; c < 3; ++c) map->at(i % 4, i / 4, c) = static_cast<float>(i);
+    Scene scene = emptyScene();
+    scene.environment = EnvironmentMap{"map", map, 0, Color(1, 2, 3)};
+    Viewer viewer(device(), scene);
+    const auto seen = [&](const dvec3& d) { return viewer(dvec3(0), d); };
+    EXPECT_NEAR(seen({0, 0, -1}).x, 3.5, 1e-4);
+    EXPECT_NEAR(seen({0, 0, -1}).z, 3 * 3.5, 3e-4);
+    EXPECT_NEAR(seen({1, 0, 0}).x, 4.5, 1e-4);
+    EXPECT_NEAR(seen({-1, 0, 0}).x, 2.5, 1e-4);
+    EXPECT_NEAR(seen({1, 0, -1}).x, 4, 1e-4);
+    EXPECT_NEAR(seen({1e-3, 1, 1e-3}).x, 3, 1e-2);
+    EXPECT_NEAR(seen({1e-3, -1, -1e-3}).x, 6, 1e-2);
+    scene.environment->rotation = 90;
+    EXPECT_NEAR(Viewer(device(), scene)(dvec3(0), {-1, 0, 0}).x, 3.5, 1e-4);
+}
+
+// The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to
+// 2^-23; u is rounded once more (2^-25), v takes the angle twice and the ring, which errs by 4 units of at
+// most 1/(2 pi) turns' worth: below 2^-21 in all.
+TEST_F(TextureTest, anglesAreGoodToTheirBound) {
+    Scene scene = emptyScene();
+    addSphere(scene, {0, 0, 0}, 1, addTextured(scene, {CheckerTexture{}}));
+    Random random(7);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 4000; ++i) {
+        dvec3 d = random.direction();
+        if (i % 4 == 0) d[i / 4 % 3] *= std::exp(random.uniform(-30, 0));  // near the planes between octants
+        rays.push_back(rayTowards(2.0 * glm::normalize(d), dvec3(0)));
+    }
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    double worstU = 0, worstV = 0;
+    for (const RayHit& hit : renderer.trace(rays, false)) {
+        ASSERT_TRUE(hit.hit);
+        const dvec3 n(hit.data.geometricNormal);
+        const double u = 0.5 + std::atan2(n.x, n.z) / (2 * std::numbers::pi);
+        const double v = 0.5 + std::atan2(n.y, std::hypot(n.x, n.z)) / std::numbers::pi;
+        worstU = std::max(worstU, std::abs(hit.data.u - u));
+        worstV = std::max(worstV, std::abs(hit.data.v - v));
+    }
+    EXPECT_LE(worstU, 2 * kUnit + kUnit / 2);
+    EXPECT_LE(worstV, 8 * kUnit);
+}
+
+// Discs and polygons report where on the image they are hit; triangles their barycentrics, whatever the
+// texture.
+TEST_F(TextureTest, coordinatesOfFlatObjects) {
+    Scene scene = emptyScene();
+    const uint32_t material = addTextured(scene, {CheckerTexture{}});
+    addDisc(scene, {0, 0, 0}, {0, 0, 1}, 2, material);
+    addPolygon(scene, {{10, 0, 0}, {14, 0, 0}, {14, 2, 0}, {10, 2, 0}}, material);
+    addPlane(scene, {0, -5, 0}, {0, 1, 0}, material);
+    addTriangle(scene, {20, 0, 0}, {24, 0, 0}, {20, 4, 0}, material);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    const std::vector<RayHit> hits =
+        renderer.trace({rayOf({1, 0.5f, 5}, {0, 0, -1}), rayOf({13, 0.5f, 5}, {0, 0, -1}),
+                        rayOf({3, 0, 7}, {0, -1, 0}), rayOf({21, 2, 5}, {0, 0, -1})},
+                       false);
+    const dvec2 expected[] = {{0.75, 0.625}, {0.75, 0.25}, {3, -7}, {0.25, 0.5}};
+    for (size_t i = 0; i < hits.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit);
+        EXPECT_NEAR(hits[i].data.u, expected[i].x, 1e-6) << i;
+        EXPECT_NEAR(hits[i].data.v, expected[i].y, 1e-6) << i;
+    }
+}
+
+// Opaque below, open above: for camera rays, in a mirror and for shadows, on flat things and for the far side
+// of a ball.
+class MaskTest : public TextureTest {
+  protected:
+    static Scene maskScene() {
+        Scene scene = emptyScene();
+        Texture texture{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp, true}};
+        mask_ = addTextured(scene, std::move(texture));
+        scene.materials[mask_].alphaCutoff = 0.5;
+        scene.background = Color(9);
+        return scene;
+    }
+    static inline uint32_t mask_ = 0;
+};
+
+TEST_F(MaskTest, cameraRaysPassHoles) {
+    Scene scene = maskScene();
+    addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
+    Viewer viewer(device(), scene);
+    EXPECT_EQ(viewer({0.25, 0.25, 2}, {0.25, 0.25, 0}).x, 3);
+    EXPECT_EQ(viewer({0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 9);
+    scene.materials[mask_].alphaCutoff = 0;
+    EXPECT_EQ(Viewer(device(), scene)({0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 1);
+}
+
+TEST_F(MaskTest, mirrorsShowWhatIsBehindHoles) {
+    Scene scene = maskScene();
+    addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
+    addPlane(scene, {0, 0, -3}, {0, 0, 1}, addMaterial(scene, Color(0), Color(1)));
+    // Its image is clamped to the opaque row, as v < 0 below the point.
+    addPlane(scene, {0, 50, 6}, {0, 0, -1}, mask_);
+    Viewer viewer(device(), scene);
+    // From behind the polygon into the mirror and back up to it.
+    EXPECT_EQ(viewer({0.25, 0.25, -1}, {0.25, 0.25, -3}).x, 3);
+    const float through = viewer({0.25, 0.75, -1}, {0.25, 0.75, -3}).x;
+    EXPECT_TRUE(through == 3 || through == 4) << through;  // the far wall
+}
+
+TEST_F(MaskTest, shadowsHaveHoles) {
+    Scene scene = maskScene();
+    addPolygon(scene, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, mask_);
+    addPlane(scene, {0, 0, 0}, {0, 0, 1}, addMaterial(scene, Color(1)));
+    scene.ambient = Color(0);
+    scene.lights.push_back(DirectionalLight{{0, 0, -1}, Color(1)});
+    Viewer viewer(device(), scene);
+    EXPECT_EQ(viewer({0.25, 0.25, 0.5}, {0.25, 0.25, 0}).x, 0);
+    EXPECT_NEAR(viewer({0.25, 0.75, 0.5}, {0.25, 0.75, 0}).x, 1, 1e-6);
+}
+
+// v = 1/2 is the equator: from above the inside of the lower half is seen through the open upper one.
+TEST_F(MaskTest, openBallsShowTheirInside) {
+    Scene scene = maskScene();
+    addSphere(scene, {0, 0, 0}, 1, mask_);
+    Viewer viewer(device(), scene);
+    EXPECT_NEAR(viewer({0.3, 4, 0.3}, {0.3, -0.5, 0.3}).x, 4, 1e-6);  // u in (1/2, 3/4): the right texel
+    EXPECT_EQ(viewer({0, 4, 4}, {0, 0.9, 0}).x, 9);                   // in and out through the upper half
+}
+
+// Rays that run out of loop trips in the middle, with a mask, end up the same.
+TEST_F(MaskTest, anyTripBudgetDrawsTheSame) {
+    const Case c = fileCase("textures", 96, 72);
+    Options tight;
+    tight.tripBudget = 12;
+    EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, tight)));
+}
+
+// Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than
+// that.
+TEST_F(TextureTest, checkerEdgesAreExplained) {
+    Scene scene = emptyScene();
+    const uint32_t material = addTextured(scene, {CheckerTexture{Color(1), Color(0)}, dvec2(400)});
+    addPlane(scene, {0.1, 0, 0.3}, {0, 1, 0}, material);
+    scene.camera.eye = {0.7, 1, 3};
+    scene.camera.target = {0.2, 0, 0};
+    const Case c = makeCase(scene, 200, 150);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_GT(report.edges, 0u) << "the scene should have some";
+    EXPECT_LT(report.edges, 0.005 * 200 * 150);
+}
+
+TEST_F(TextureTest, scenesWithoutTexturesLeaveThemOut) {
+    const PackedScene plain = packScene(emptyScene());
+    EXPECT_FALSE(plain.features.textures || plain.features.checkers || plain.features.uvs ||
+                 plain.features.alphaMask || plain.features.environmentMap || plain.features.vertexColors);
+    EXPECT_TRUE(plain.textures.empty() && plain.texels.empty() && plain.objectFrames.empty() &&
+                plain.vertexAttributes.empty());
+    // Unused materials' images are not packed, used ones once, whatever the number of textures.
+    Scene scene = emptyScene();
+    const auto image = quadImage();
+    addTextured(scene, {ImageTexture{"q", quadImage()}});
+    addSphere(scene, {0, 0, 0}, 1, addTextured(scene, {ImageTexture{"q", image}}));
+    addSphere(scene, {0, 0, 0}, 2, addTextured(scene, {ImageTexture{"q", image, Wrap::Clamp}}));
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(packed.textures.size(), 2u);
+    EXPECT_EQ(packed.texels.size(), 4u);
+    EXPECT_TRUE(packed.features.textures);
+    EXPECT_FALSE(packed.features.checkers);
+}
+
+}  // namespace
+}  // namespace glint::render::test

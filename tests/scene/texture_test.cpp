@@ -1,0 +1,179 @@
+// Textures in scene files and models.
+#include <cmath>
+
+#include "core/image_io.h"
+#include "scene/load.h"
+#include "support.h"
+
+namespace glint::test {
+namespace {
+
+// A folder with tiny.png, 2 x 1 texels: sRGB codes 188 and 0.
+class TextureFilesTest : public testing::Test {
+  protected:
+    TextureFilesTest() {
+        Image image(2, 1, 4, 0.0f);
+        for (int c = 0; c < 3; c++) image.at(0, 0, c) = 0.5029f;
+        image.at(0, 0, 3) = 1;
+        writeImage(folder_.path() / "tiny.png", image);
+    }
+    Scene parseIn(const std::string& text) const { return parseScene(text, "s.json", folder_.path()); }
+    std::string errorIn(const std::string& material) const {
+        return errorOf([&] { parseIn(R"({"materials": {"m": )" + material + "}}"); });
+    }
+    const TemporaryFolder folder_;
+};
+
+TEST_F(TextureFilesTest, imagesAreReadOnceAndDecoded) {
+    const Scene scene = parseIn(R"({"materials": {
+        "a": {"diffuse": {"texture": "tiny.png", "wrap": ["clamp", "mirror"], "filter": "nearest",
+                          "scale": [2, 3], "offset": [0.5, -1], "color": [1, 0.5, 0]}},
+        "b": {"diffuse": 0.3, "ambient": {"texture": "./tiny.png"}, "mirror": {"texture": "tiny.png", "color": 0.5}}}})");
+    ASSERT_EQ(scene.textures.size(), 3u);
+    const auto& image = std::get<ImageTexture>(scene.textures[0].source);
+    // IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4
+    EXPECT_NEAR(image.image->at(0, 0, 0), std::pow((188 / 255.0 + 0.055) / 1.055, 2.4), 1e-7);
+    EXPECT_NEAR(image.image->at(0, 0, 0), 0.50289, 1e-5);
+    EXPECT_EQ(image.image->at(1, 0, 3), 0);
+    EXPECT_EQ(image.wrapU, Wrap::Clamp);
+    EXPECT_EQ(image.wrapV, Wrap::Mirror);
+    EXPECT_TRUE(image.nearest);
+    EXPECT_EQ(scene.textures[0].scale, glm::dvec2(2, 3));
+    EXPECT_EQ(scene.textures[0].offset, glm::dvec2(0.5, -1));
+    EXPECT_EQ(scene.materials[0].diffuse, Color(1, 0.5, 0));
+    // Ambient follows diffuse, texture and all.
+    EXPECT_EQ(scene.materials[0].ambient, Color(1, 0.5, 0));
+    EXPECT_EQ(scene.materials[0].ambientTexture, scene.materials[0].diffuseTexture);
+    EXPECT_EQ(scene.materials[1].diffuseTexture, Material::kNoTexture);
+    EXPECT_EQ(scene.materials[1].ambient, Color(1));
+    EXPECT_EQ(scene.materials[1].mirror, Color(0.5));
+    for (const Texture& texture : scene.textures)
+        EXPECT_EQ(std::get<ImageTexture>(texture.source).image, image.image);
+}
+
+TEST_F(TextureFilesTest, checkersAndEnvironments) {
+    const Scene scene =
+        parseIn(R"({"background": {"environment": "tiny.png", "rotation": 90, "intensity": [1, 2, 3]},
+        "materials": {"a": {"diffuse": {"checker": [1, [0.5, 0, 0]], "solid": true, "scale": 4, "corner": [1, 2, 3]}}}})");
+    const auto& checker = std::get<CheckerTexture>(scene.textures[0].source);
+    EXPECT_EQ(checker.a, Color(1));
+    EXPECT_EQ(checker.b, Color(0.5, 0, 0));
+    EXPECT_TRUE(checker.solid);
+    EXPECT_EQ(checker.corner, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(scene.textures[0].scale.x, 4);
+    ASSERT_TRUE(scene.environment.has_value());
+    EXPECT_EQ(scene.environment->rotation, 90);
+    EXPECT_EQ(scene.environment->intensity, Color(1, 2, 3));
+    EXPECT_EQ(scene.environment->image->width, 2);
+}
+
+TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
+    EXPECT_EQ(
+        errorIn(R"({"diffuse": {"texture": "none.png"}})"),
+        "s.json: /materials/m/diffuse/texture: " + (folder_.path() / "none.png").string() + ": no such file");
+    folder_.write("broken.png", "not an image");
+    const std::string broken = errorIn(R"({"specular": {"texture": "broken.png"}})");
+    EXPECT_TRUE(broken.starts_with("s.json: /materials/m/specular/texture: " +
+                                   (folder_.path() / "broken.png").string()))
+        << broken;
+    EXPECT_EQ(errorIn(R"({"diffuse": {"textur": "tiny.png"}})"),
+              "s.json: /materials/m/diffuse: must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a "
+              "number or [r, g, b]");
+    EXPECT_EQ(
+        errorIn(R"({"diffuse": {"texture": "tiny.png", "wrap": "tile"}})"),
+        "s.json: /materials/m/diffuse/wrap: must be \"repeat\", \"clamp\" or \"mirror\" (got \"tile\")");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png", "filter": "cubic"}})"),
+              "s.json: /materials/m/diffuse/filter: must be \"bilinear\" or \"nearest\" (got \"cubic\")");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png", "scale": 0}})"),
+              "s.json: /materials/m/diffuse/scale: must be finite and not 0 (got 0)");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"checker": [1]}})"),
+              "s.json: /materials/m/diffuse/checker: must be two colours [a, b] (got [1])");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"checker": [1, 0], "solid": true, "offset": [1, 0]}})"),
+              "s.json: /materials/m/diffuse/offset: a solid checker is moved by \"corner\": [x, y, z]");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"checker": [1, -1]}})"),
+              "s.json: /materials/m/diffuse/checker/1: must be >= 0 (got -1)");
+    EXPECT_EQ(errorIn(R"({"alphaCutoff": 0.5})"),
+              "s.json: /materials/m/alphaCutoff: needs a diffuse texture, whose alpha it is compared with");
+    EXPECT_EQ(errorIn(R"({"diffuse": {"texture": "tiny.png"}, "alphaCutoff": 2})"),
+              "s.json: /materials/m/alphaCutoff: must be from 0 to 1 (got 2)");
+    EXPECT_EQ(errorIn(R"({"mirror": {"texture": "tiny.png", "color": 2}})"),
+              "s.json: /materials/m/mirror: must be from 0 to 1 (got 2)");
+    EXPECT_EQ(
+        errorOf([&] { parseIn(R"({"background": {"environment": "gone.hdr"}})"); }),
+        "s.json: /background/environment: " + (folder_.path() / "gone.hdr").string() + ": no such file");
+    EXPECT_EQ(errorOf([&] { parseIn(R"({"background": {"rotation": 1}})"); }),
+              "s.json: /background: missing key \"environment\"");
+}
+
+TEST_F(TextureFilesTest, objBringsCoordinatesColorsAndMaps) {
+    folder_.write("m.mtl",
+                  "newmtl skin\nKd 0 0 0\nmap_Kd -s 2 3 1 -o 0.5 0 0 tiny.png\nnewmtl leaf\nKd 1 1 1\n"
+                  "map_Kd tiny.png\nmap_d tiny.png\nnewmtl lost\nKd 0.5 0.5 0.5\nmap_Kd gone.png\n");
+    const auto path = folder_.write("m.obj",
+                                    "mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0\n"
+                                    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.25 0.75\n"
+                                    "usemtl skin\nf 1/1 2/2 3/3 4/4\nusemtl leaf\nf 1/1 2/2 3/-1\n"
+                                    "usemtl lost\nf 1 2 3\n");
+    const Scene scene = loadScene(path);
+    const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    ASSERT_EQ(mesh.corners.size(), 4u);
+    ASSERT_EQ(mesh.uvCorners.size(), 4u);
+    for (size_t i = 0; i < 2; i++) EXPECT_EQ(mesh.uvCorners[i], mesh.corners[i]);
+    EXPECT_EQ(mesh.uvCorners[2], glm::uvec3(0, 1, 3));
+    EXPECT_EQ(mesh.uvCorners[3], glm::uvec3(Mesh::kNoIndex));
+    EXPECT_EQ(mesh.uvs[3], glm::dvec2(0.25, 0.75));
+    EXPECT_EQ(mesh.colors[1], Color(0, 1, 0));
+    EXPECT_EQ(mesh.colors[3], Color(1));
+    EXPECT_EQ(mesh.colorCorners[0], mesh.corners[0]);
+    const Material& skin = scene.materials[0];
+    EXPECT_EQ(skin.diffuse, Color(1));  // a black Kd would hide the map
+    EXPECT_EQ(skin.ambientTexture, skin.diffuseTexture);
+    EXPECT_EQ(scene.textures[skin.diffuseTexture].scale, glm::dvec2(2, 3));
+    EXPECT_EQ(scene.textures[skin.diffuseTexture].offset, glm::dvec2(0.5, 0));
+    EXPECT_EQ(scene.materials[1].alphaCutoff, 0.5);
+    EXPECT_EQ(scene.materials[2].diffuseTexture, Material::kNoTexture);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("gone.png: no such file; drawn without it"), std::string::npos);
+}
+
+TEST_F(TextureFilesTest, objCoordinatesOutOfRangeAreErrors) {
+    const auto path = folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/2\n");
+    EXPECT_EQ(errorOf([&] { loadScene(path); }),
+              path.string() + ":5: face uses texture vertex 2, the file has 1");
+}
+
+TEST_F(TextureFilesTest, plyBringsCoordinatesAndColors) {
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float s\nproperty float t\n";
+    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    const auto meshOf = [&](const std::string& type, const std::string& body) {
+        std::string text = header;
+        for (const char* name : {"red", "green", "blue"}) text += "property " + type + " " + name + "\n";
+        const Scene scene = loadScene(folder_.write("m.ply", text + faces + body));
+        return *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    };
+    const Mesh codes =
+        meshOf("uchar", "0 0 0 0.5 1 188 0 255\n1 0 0 0 0 0 0 0\n1 1 0 1 1 255 255 255\n3 0 1 2\n");
+    EXPECT_EQ(codes.uvs[0], glm::dvec2(0.5, 1));
+    EXPECT_EQ(codes.uvCorners[0], glm::uvec3(0, 1, 2));
+    EXPECT_NEAR(codes.colors[0].x, 0.50289, 1e-5);
+    EXPECT_EQ(codes.colors[0].y, 0);
+    EXPECT_NEAR(codes.colors[0].z, 1, 1e-15);
+    const Mesh linear = meshOf("float", "0 0 0 0 0 0.5 0 2\n1 0 0 0 0 0 0 0\n1 1 0 1 1 1 1 1\n3 0 1 2\n");
+    EXPECT_EQ(linear.colors[0], Color(0.5, 0, 2));
+}
+
+// A mirroring transform exchanges the second and third corner of everything.
+TEST_F(TextureFilesTest, mirroredMeshesKeepTheirCoordinates) {
+    folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
+    const Scene scene = parseIn(R"({"meshes": {"m": {"file": "m.obj"}},
+        "objects": [{"type": "mesh", "mesh": "m", "transform": [{"scale": [-1, 1, 1]}]}]})");
+    const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
+    EXPECT_EQ(mesh.corners[0], glm::uvec3(0, 2, 1));
+    EXPECT_EQ(mesh.uvCorners[0], glm::uvec3(0, 2, 1));
+    EXPECT_EQ(scene.objects[0].applied.linear[0][0], -1);
+}
+
+}  // namespace
+}  // namespace glint::test
