@@ -45,7 +45,10 @@ void main() {
     uint hash = hashStep(throughputRow.w, isHit ? hit.id + 1u : 0u);
     uvec4 sum = loadRow(kRowRadiance, path);
     vec3 emitted = isHit ? material.ambient * environment.ambient : environment.background;
-    uint hits = sum.w + (isHit && dispatch.bounce == 0u ? 1u : 0u);
+    bool counts = isHit && dispatch.bounce == 0u;
+    uint hits = sum.w + (counts ? 1u : 0u);
+    // The throughput of a camera ray is its sample's weight.
+    if (MODE_SCATTERED) hits = counts ? floatBitsToUint(uintBitsToFloat(sum.w) + throughput.x) : sum.w;
 
     vec3 onward = throughput * material.mirror;
     bool goesOn = FEATURE_MIRRORS && alive && isHit && dispatch.bounce < environment.maxDepth &&

@@ -141,6 +141,11 @@ GLINT_READ_ARRAY(14, polygonVerticesArray)
 GLINT_LOADER(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(22, samplesArray)
+#define GLINT_ARRAY_NAME samplesArray
+GLINT_LOADER(Sample, GLINT_SAMPLE_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

@@ -10,6 +10,7 @@
 
 #include "core/progress.h"
 #include "scene/picture.h"
+#include "scene/scene.h"
 
 namespace glint::app {
 
@@ -23,12 +24,21 @@ struct Size {
 
 enum class Backend { Gpu, Cpu };
 
+struct FilterChoice {
+    Filter filter = Filter::Box;
+    std::optional<double> radius;  // pixels; empty: the filter's own
+};
+
 // Options that several commands share.
 struct SceneOptions {
     std::filesystem::path scene;
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
+    std::optional<Sampler> sampler;
+    std::optional<FilterChoice> filter;
+    std::optional<uint32_t> seed;
+    std::optional<AdaptiveSampling> adaptive;
 };
 
 struct DeviceChoice {

@@ -21,6 +21,11 @@ Backend parseBackend(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);  // >= 0, finite
 
+Sampler parseSampler(const std::string& text);
+FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RADIUS"
+AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
+uint32_t parseSeed(const std::string& text);
+
 // User's text for a message: in quotes, on one line, not too long.
 std::string quoted(const std::string& text);
 

@@ -44,6 +44,7 @@ void keepBand(const reference::RenderResult& band, size_t first, Picture& pictur
         color[3] = static_cast<float>(pixel.alpha);
         if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
         picture.done[first + i] = 1;
+        if (!picture.samples.empty()) picture.samples[first + i] = pixel.samples;
         if (!picture.data.empty()) picture.data[first + i] = toData(pixel);
     }
 }
@@ -64,6 +65,9 @@ Picture renderReference(const PackedScene& scene, const shared::Camera& camera,
     options.x0 = region.x0;
     options.x1 = region.x1;
     options.sampleOffsets = settings.sampleOffsets;
+    options.samples = settings.samples;
+    picture.samplesPerPixel = settings.samples ? settings.samples->count() : static_cast<uint32_t>(settings.sampleOffsets.size());
+    if (settings.samples && settings.samples->threshold) picture.samples.assign(pixels, 0);
     options.aovs = !picture.data.empty();
     options.cancelled = settings.cancelled;
     const int rows = bandRows(region.width());

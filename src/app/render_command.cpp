@@ -65,7 +65,7 @@ render::RenderSettings settingsOf(const RenderCommand& command, const Scene& sce
     settings.width = scene.image.width;
     settings.height = scene.image.height;
     settings.region = region;
-    settings.sampleOffsets = sampleOffsets(scene.image.samplesPerPixel);
+    settings.samples = packSamples(scene.image, scene.camera.lensRadius > 0);
     settings.data = needsData(command);
     settings.cost = wants(command, "cost");
     settings.progress = [&progress](double fraction) { progress.update(fraction); };

@@ -372,6 +372,7 @@ PackedScene packScene(const Scene& scene, unsigned threads) {
     for (const shared::Plane& plane : packed.planes) writer.use(plane.material);
     packed.features = featuresOf(packed, [&](size_t material) { return writer.used(material); });
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
+    packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;
 }
 

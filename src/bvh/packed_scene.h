@@ -26,6 +26,7 @@ struct SceneFeatures {
     bool polygons = false;
     bool spotLights = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
+    bool thinLens = false;        // it moves with the sample
     bool operator==(const SceneFeatures&) const = default;
 };
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bvh/pack_samples.h"
 #include "bvh/packed_scene.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
@@ -38,6 +39,7 @@ struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture
     Region region;              // the part wanted; all zero: everything
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
+    std::optional<PackedSamples> samples;  // instead of sampleOffsets; a lens needs it, or stays a pinhole
     bool data = false;                 // fill Picture::data
     bool cost = false;                 // count boxes and primitives (PixelData::cost); implies data
     bool shadows = true;               // false: lights shine through everything
