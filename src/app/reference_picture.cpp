@@ -66,7 +66,8 @@ Picture renderReference(const PackedScene& scene, const shared::Camera& camera,
     options.x1 = region.x1;
     options.sampleOffsets = settings.sampleOffsets;
     options.samples = settings.samples;
-    picture.samplesPerPixel = settings.samples ? settings.samples->count() : static_cast<uint32_t>(settings.sampleOffsets.size());
+    picture.samplesPerPixel =
+        settings.samples ? settings.samples->count() : static_cast<uint32_t>(settings.sampleOffsets.size());
     if (settings.samples && settings.samples->threshold) picture.samples.assign(pixels, 0);
     options.aovs = !picture.data.empty();
     options.cancelled = settings.cancelled;

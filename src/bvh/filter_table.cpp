@@ -26,15 +26,16 @@ uint32_t fixed(double distance) {
         static_cast<int32_t>(std::lround(std::ldexp(distance, shared::kFilterBits))));
 }
 
-// The inverse of the sums of `density`, whose steps fill [-radius, radius]. Where the density is 0 between two
-// parts, the sum is the same all along: a cell that ends there ends before the gap, one that begins there
+// The inverse of the sums of `density`, whose steps fill [-radius, radius]. Where the density is 0 between
+// two parts, the sum is the same all along: a cell that ends there ends before the gap, one that begins there
 // begins behind it.
 std::vector<uint32_t> invert(const std::vector<double>& density, double radius) {
     std::vector<double> sums(density.size() + 1, 0.0);
     for (size_t i = 0; i < density.size(); ++i) sums[i + 1] = sums[i] + density[i];
     const double mass = sums.back(), rounding = 1e-12 * mass;
     const auto place = [&](std::vector<double>::const_iterator end, double wanted) {
-        const size_t step = std::clamp<size_t>(static_cast<size_t>(end - sums.begin()), 1, density.size()) - 1;
+        const size_t step =
+            std::clamp<size_t>(static_cast<size_t>(end - sums.begin()), 1, density.size()) - 1;
         const double within = std::clamp((wanted - sums[step]) / std::max(density[step], 1e-300), 0.0, 1.0);
         return fixed(radius * (2 * (static_cast<double>(step) + within) / kSteps - 1));
     };

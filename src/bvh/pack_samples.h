@@ -17,8 +17,8 @@ struct PackedSamples {
     std::vector<glm::dvec2> offsets;
     // Two filter tables in place of the first shared::kFirstSample, then the samples.
     std::vector<shared::Sample> rows;
-    // Samples are taken in whole rounds of so many, and after each one a pixel stops unless `threshold` says to
-    // go on. Not adaptive: one round.
+    // Samples are taken in whole rounds of so many, and after each one a pixel stops unless `threshold` says
+    // to go on. Not adaptive: one round.
     uint32_t round = 1;
     std::optional<float> threshold;
 

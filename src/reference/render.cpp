@@ -38,8 +38,8 @@ PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const sh
     std::vector<dvec3> colors;  // of an adaptive pixel
     const uint32_t most = samples.count();
     while (pixel.samples < most) {
-        const FilmSample s = filmSample(samples, pixel.samples, static_cast<uint32_t>(x),
-                                        static_cast<uint32_t>(y));
+        const FilmSample s =
+            filmSample(samples, pixel.samples, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
         const PixelRecord record =
             tracer.trace(tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens));
         pixel.color += s.weight * record.color;

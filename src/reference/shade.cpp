@@ -369,7 +369,8 @@ Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y, const gl
         const double radius = glm::length(dvec3(camera.lensX));
         ray.originScale = 2 * (ray.originScale + radius);
         const double reached = glm::length(direction - aside / focus);
-        ray.directionScale = 2 * std::max(1.0, (reach(camera.center, camera.stepX, camera.stepY) + radius / focus) / reached);
+        ray.directionScale =
+            2 * std::max(1.0, (reach(camera.center, camera.stepX, camera.stepY) + radius / focus) / reached);
     }
     ray.tMin = camera.nearT;
     if (camera.farT < shared::kInfinity) ray.tMax = camera.farT;

@@ -23,8 +23,8 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade",
-                                        "adapt"};
+    static const char* const names[] = {"generate", "intersect", "intersect (any hit)",
+                                        "light",    "shade",     "adapt"};
     return names[static_cast<int>(id)];
 }
 

@@ -310,8 +310,7 @@ void Renderer::State::readData(const Slice& slice, Picture& picture) const {
     const AovRows rows(paths, device, slice.paths());
     for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
-        if (slice.pixelOf(path, pixel))
-            picture.data[slice.indexOf(pixel)] = rows.at(path, scene.origin);
+        if (slice.pixelOf(path, pixel)) picture.data[slice.indexOf(pixel)] = rows.at(path, scene.origin);
     }
 }
 

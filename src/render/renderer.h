@@ -40,9 +40,9 @@ struct RenderSettings {
     Region region;              // the part wanted; all zero: everything
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
     std::optional<PackedSamples> samples;  // instead of sampleOffsets; a lens needs it, or stays a pinhole
-    bool data = false;                 // fill Picture::data
-    bool cost = false;                 // count boxes and primitives (PixelData::cost); implies data
-    bool shadows = true;               // false: lights shine through everything
+    bool data = false;                     // fill Picture::data
+    bool cost = false;                     // count boxes and primitives (PixelData::cost); implies data
+    bool shadows = true;                   // false: lights shine through everything
     std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
     std::function<void(double)> progress;  // 0..1
     std::function<bool()> cancelled;       // asked between submissions

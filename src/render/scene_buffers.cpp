@@ -13,8 +13,8 @@ constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
 constexpr uint32_t kSamplesBinding = 22;
 
-// Calls visit(binding, name, bytes) for each array of the scene; the camera comes later, by setCamera, samples
-// by setSamples.
+// Calls visit(binding, name, bytes) for each array of the scene; the camera comes later, by setCamera,
+// samples by setSamples.
 template <typename Visit>
 void visitArrays(const PackedScene& scene, const Visit& visit) {
     const shared::Camera camera;

@@ -49,8 +49,7 @@ void parseSampling(const JsonCursor& image, ImageSettings& settings) {
     if (const auto sampler = image.find("sampler"))
         settings.sampler = readName(*sampler, samplerNamed, "\"grid\", \"jittered\" or \"lowDiscrepancy\"");
     if (const auto filter = image.find("filter")) {
-        settings.filter =
-            readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
+        settings.filter = readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
         settings.filterRadius = defaultRadius(settings.filter);
     }
     readInto(image, "filterRadius", settings.filterRadius);
@@ -97,8 +96,10 @@ void parseCamera(const JsonCursor& camera, Camera& result) {
         height->fail("only an orthographic camera has a height; give \"fovY\" or \"window\"");
     for (const char* key : {"lensRadius", "focusDistance"})
         if (const auto lens = camera.find(key); lens && orthographic)
-            lens->fail("an orthographic camera has no lens: its parallel rays would have to be focused without a centre of projection; "
-                       "use a perspective one, from far away if need be");
+            lens->fail(
+                "an orthographic camera has no lens: its parallel rays would have to be focused without a "
+                "centre of projection; "
+                "use a perspective one, from far away if need be");
     camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
     readInto(camera, "eye", result.eye);
     readInto(camera, "target", result.target);

@@ -60,8 +60,8 @@ std::string samplingConflict(const ImageSettings& image) {
     if (image.samplesPerPixel < 2)
         return "adaptive sampling needs samplesPerPixel of 2 or more, to compare them (got " + samples + ")";
     if (image.adaptive->maxSamples < image.samplesPerPixel)
-        return "adaptive sampling needs maxSamples of at least samplesPerPixel, which is " + samples + " (got " +
-               std::to_string(image.adaptive->maxSamples) + ")";
+        return "adaptive sampling needs maxSamples of at least samplesPerPixel, which is " + samples +
+               " (got " + std::to_string(image.adaptive->maxSamples) + ")";
     return "";
 }
 

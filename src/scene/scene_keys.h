@@ -17,12 +17,11 @@ constexpr std::array<std::string_view, sizeof...(Names)> names(Names... list) {
 inline constexpr auto kNothing = std::array<std::string_view, 0>{};
 inline constexpr auto kScene = names("$schema", "image", "camera", "background", "ambient", "maxDepth",
                                      "lights", "materials", "meshes", "objects");
-inline constexpr auto kImage = names("width", "height", "samplesPerPixel", "sampler", "filter",
-                                     "filterRadius", "seed", "adaptive");
+inline constexpr auto kImage =
+    names("width", "height", "samplesPerPixel", "sampler", "filter", "filterRadius", "seed", "adaptive");
 inline constexpr auto kAdaptive = names("maxSamples", "threshold");
-inline constexpr auto kPerspective =
-    names("type", "eye", "target", "up", "planeNormal", "fovY", "window", "near", "far", "lensRadius",
-          "focusDistance");
+inline constexpr auto kPerspective = names("type", "eye", "target", "up", "planeNormal", "fovY", "window",
+                                           "near", "far", "lensRadius", "focusDistance");
 inline constexpr auto kOrthographic =
     names("type", "eye", "target", "up", "planeNormal", "height", "window", "near", "far");
 inline constexpr auto kPoint = names("type", "position", "intensity", "falloff");
@@ -60,8 +59,8 @@ inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detai
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene, kImage,  kAdaptive, kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep};
+    kScene, kImage,  kAdaptive, kPerspective, kOrthographic, kPoint,   kDirectional, kSpot,         kMaterial,
+    kMesh,  kSphere, kPlane,    kDisc,        kTriangle,     kPolygon, kMeshObject,  kTransformStep};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

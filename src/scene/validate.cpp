@@ -254,8 +254,8 @@ void checkLens(const Camera& camera, const Place& place) {
     const auto check = [&](const char* key, double value) {
         if (!(value >= 0)) place.fail(key, "must be >= 0" + got(value));
         if (value > 0 && (value < kMinLength || value >= kMaxCoordinate))
-            place.fail(key,
-                       "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) + got(value));
+            place.fail(
+                key, "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) + got(value));
     };
     check("lensRadius", camera.lensRadius);
     check("focusDistance", camera.focusDistance);

@@ -143,7 +143,8 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     Report report;
     report.difference = Image(options.width, options.height, 3);
     uint64_t samePath = 0;
-    const PackedSamples samples = options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
+    const PackedSamples samples =
+        options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
     const uint32_t count = samples.round;
     for (uint32_t sample = 0; sample < count; ++sample) {
         render::RenderSettings settings;
