@@ -42,7 +42,6 @@ uvec4 scatteredPlace(Sample s, uvec2 pixel) {
         if (FEATURE_THIN_LENS) place.zw += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
     }
     if (s.scatter == kScatterOwen) place = owenScrambled(place, random);
-    if (s.scatter == kScatterRotate) place += random;
     return place;
 }
 

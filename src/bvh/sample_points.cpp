@@ -76,17 +76,6 @@ FixedPoint sobolPoint(uint32_t index) {
     return point;
 }
 
-FixedPoint kroneckerPoint(uint32_t index) {
-    constexpr double kRoot = 1.1673039782614187;
-    FixedPoint point{};
-    double step = 1;
-    for (uint32_t& coordinate : point) {
-        step /= kRoot;
-        coordinate = 0x80000000u + (index + 1) * fixed(step);
-    }
-    return point;
-}
-
 std::vector<FixedCell> stratifiedCells(uint32_t count, uint32_t seed) {
     const auto rows = static_cast<uint32_t>(std::lround(std::sqrt(static_cast<double>(count))));
     std::vector<FixedCell> cells;

@@ -19,10 +19,6 @@ struct FixedCell {
 // from a multiple of 2^k on hold one in each elementary interval of a dimension.
 FixedPoint sobolPoint(uint32_t index);
 
-// Point `index` of the Kronecker sequence of four dimensions with the powers of the root of x^5 = x + 1 (M.
-// Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
-FixedPoint kroneckerPoint(uint32_t index);
-
 // `count` cells that fill the film's square without overlap, all of area 1 / count, in about as many rows as
 // columns; each with another one on the lens, paired at random for a `seed`.
 std::vector<FixedCell> stratifiedCells(uint32_t count, uint32_t seed);

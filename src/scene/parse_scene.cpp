@@ -97,9 +97,9 @@ void parseCamera(const JsonCursor& camera, Camera& result) {
     for (const char* key : {"lensRadius", "focusDistance"})
         if (const auto lens = camera.find(key); lens && orthographic)
             lens->fail(
-                "an orthographic camera has no lens: its parallel rays would have to be focused without a "
-                "centre of projection; "
-                "use a perspective one, from far away if need be");
+                "an orthographic camera has no lens: its rays are parallel and have no centre where one "
+                "could "
+                "stand; use a perspective camera");
     camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
     readInto(camera, "eye", result.eye);
     readInto(camera, "target", result.target);
