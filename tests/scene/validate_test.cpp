@@ -46,7 +46,8 @@ TEST(Validate, acceptsAValidScene) {
 
 TEST(Validate, acceptsTheEndsOfTheRanges) {
     EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.image = {65536, 1, 65536};
+                  s.image.width = s.image.samplesPerPixel = 65536;
+                  s.image.height = 1;
                   s.maxDepth = 1000;
                   s.materials[0].shininess = 0;
                   s.materials[0].mirror = Color(1);
