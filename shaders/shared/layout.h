@@ -196,7 +196,6 @@ GLINT_CONST_UINT(kLightSpotInverseSquare, 4u);
 GLINT_CONST_UINT(kScatterNone, 0u);    // the same place in all pixels
 GLINT_CONST_UINT(kScatterJitter, 1u);  // at random in its cell
 GLINT_CONST_UINT(kScatterOwen, 2u);    // scrambled, by other random numbers in each pixel
-GLINT_CONST_UINT(kScatterRotate, 3u);  // shifted toroidally, by another random amount in each pixel
 // The third word hashed for the shift of a pixel's jittered lens points; no sample has this key.
 GLINT_CONST_UINT(kLensKey, 0xffffffffu);
 // The samples' array begins with two filter tables, the inverse of a cumulative distribution each: for each of
