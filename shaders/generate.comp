@@ -4,25 +4,45 @@
 // host has worked every kind of camera into steps, see Camera in shared/layout.h.
 #include "path.glsl"
 #include "tree.glsl"
+#include "sample.glsl"
 
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
     bool inside = pixelOf(pixel);
     Camera camera = loadCamera(0u);
+    vec2 offset = dispatch.sampleOffset.xy;
+    vec3 weight = vec3(1.0);
+    vec2 lens = vec2(0.0);
+    if (MODE_SCATTERED) {
+        Sample s = loadSample(kFirstSample + dispatch.sampleIndex);
+        uvec4 place = scatteredPlace(s, pixel);
+        offset = vec2(filmOffset(place.x, s.tableX), filmOffset(place.y, s.tableY));
+        weight = s.weight;
+        if (FEATURE_THIN_LENS) lens = onDisc(place.zw);
+    }
     // Measured from the picture's centre: the offsets are small where a telephoto lens needs them exact.
-    precise float x = (float(pixel.x) - camera.halfWidth) + dispatch.sampleOffset.x;
-    precise float y = (float(pixel.y) - camera.halfHeight) + dispatch.sampleOffset.y;
+    precise float x = (float(pixel.x) - camera.halfWidth) + offset.x;
+    precise float y = (float(pixel.y) - camera.halfHeight) + offset.y;
     precise vec3 direction = camera.center + (x * camera.stepX + y * camera.stepY);
-    precise vec3 unit = direction / length(direction);
     vec3 origin = camera.eye;
     if (FEATURE_PARALLEL_CAMERA) {
         precise vec3 moved = camera.eye + (x * camera.originStepX + y * camera.originStepY);
         origin = moved;
     }
-    storeRay(path, Ray(origin, unit, inside ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
-    storeRow(kRowThroughput, path, packRow(vec3(1.0), 2166136261u));
+    if (FEATURE_THIN_LENS) {
+        precise vec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
+        precise vec3 moved = camera.eye + aside;
+        precise vec3 turned = direction - camera.inverseFocus * aside;
+        origin = moved;
+        direction = turned;
+    }
+    precise vec3 unit = direction / length(direction);
+    bool takes = inside;
+    if (MODE_ADAPTIVE && dispatch.sampleIndex != 0u) takes = loadRow(kRowSpread, path).w == 1u;
+    storeRay(path, Ray(origin, unit, takes ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
+    storeRow(kRowThroughput, path, packRow(weight, 2166136261u));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
     startTree(path, loadEnvironment(0u));
-    if (dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));
+    if (MODE_ADAPTIVE || dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));
 }

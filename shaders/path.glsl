@@ -27,7 +27,7 @@ bool pixelOf(out uvec2 pixel) {
 bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 
 // Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
-uint rowInstance() { return MODE_AOVS ? kPathRowsWithAovs : kPathRows; }
+uint rowInstance() { return MODE_ADAPTIVE ? kPathRowsAdaptive : (MODE_AOVS ? kPathRowsWithAovs : kPathRows); }
 
 uvec4 loadInstanceRow(uint path) {
     uvec4 row = uvec4(kNone);

@@ -45,7 +45,10 @@ void main() {
     uvec4 sum = loadRow(kRowRadiance, path);
     vec3 emitted = isHit ? material.ambient * environment.ambient : surroundings(environment, ray.direction);
     if (FEATURE_TRANSMISSION && isHit && !crossing.counts) emitted = vec3(0.0);
-    uint hits = sum.w + (isHit && dispatch.bounce == 0u ? 1u : 0u);
+    bool covers = isHit && dispatch.bounce == 0u;
+    uint hits = sum.w + (covers ? 1u : 0u);
+    // The throughput of a camera ray is its sample's weight.
+    if (MODE_SCATTERED) hits = covers ? floatBitsToUint(uintBitsToFloat(sum.w) + uintBitsToFloat(throughputRow.x)) : sum.w;
 
     if (MODE_AOVS && alive && dispatch.sampleIndex == 0u) {
         storeRow(kRowAovCounts, path, uvec4(dispatch.bounce, walkRow.z, walkRow.w, hash));

@@ -176,6 +176,11 @@ GLINT_READ_ARRAY(21, objectFramesArray)
 GLINT_LOADER(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(22, samplesArray)
+#define GLINT_ARRAY_NAME samplesArray
+GLINT_LOADER(Sample, GLINT_SAMPLE_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

@@ -8,7 +8,7 @@
 #include "optics.glsl"
 #include "path.glsl"
 
-uint treeRow(uint row) { return (MODE_AOVS ? kPathRowsWithAovs : kPathRows) + (FEATURE_INSTANCES ? 1u : 0u) + row; }
+uint treeRow(uint row) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + row; }
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
@@ -46,7 +46,7 @@ void book(uint path, bool lost, uint reason, float bound) {
 bool isFollowed(uint path, bool wanted, uint depth, vec3 throughput, Environment environment) {
     bool inDepth = depth < environment.maxDepth;
     if (!MODE_LEDGER) return wanted && inDepth;
-    float bound = greatestOf(throughput) * environment.radianceBound;
+    float bound = greatestOf(abs(throughput)) * environment.radianceBound;
     bool enough = !(bound < environment.minContribution);
     book(path, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
     return wanted && inDepth && enough;
@@ -115,9 +115,9 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
         second = innerBranch;
     }
     bool crowded = both && state.y >= kMaxWaiting;
-    float weakest = min(greatestOf(next.throughput), greatestOf(second.throughput));
+    float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
     if (MODE_LEDGER) book(path, crowded, kLostRoom, weakest * environment.radianceBound);
-    if (crowded && greatestOf(second.throughput) > greatestOf(next.throughput)) next = second;
+    if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
     uint waiting = state.y;
     if (both && !crowded) {
         storeWaiting(path, waiting, second);

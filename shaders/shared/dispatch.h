@@ -30,19 +30,24 @@
     X(20, VERTEX_COLORS, vertexColors)          \
     X(21, UVS, uvs)                             \
     X(22, CHECKERS, checkers)                   \
+    X(24, THIN_LENS, thinLens)                  \
     X(31, ALPHA_MASK, alphaMask)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
 // the stackless walk. shadowless: lights shine through everything; no picture of `glint render` has it, the
 // window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
-// those below Environment::minContribution.
+// those below Environment::minContribution. scattered: samples come from the array of that name, else all
+// pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
+// (adapt.comp); implies scattered.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
     X(66, RESUME, resume)         \
     X(67, SHADOWLESS, shadowless) \
-    X(72, LEDGER, ledger)
+    X(72, LEDGER, ledger)         \
+    X(73, SCATTERED, scattered)   \
+    X(74, ADAPTIVE, adaptive)
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
 // kSphere... below.
@@ -71,6 +76,7 @@
     X(19, texels, Texel)                     \
     X(20, vertexAttributes, VertexAttribute) \
     X(21, objectFrames, ObjectFrame)         \
+    X(22, samples, Sample)                   \
     X(23, optics, Optics)
 
 #define GLINT_BINDING_COUNT 24
@@ -79,12 +85,14 @@
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
 // threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:
 // the pixels wanted, tiles are numbered by rows of ceil(regionWidth / 8). capacity: paths in one row of the
-// state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch.
+// state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold,
+// decide: of adapt.comp; decide is 1 after the last sample of a round.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4)           \
     U4(firstTile, tileCount, interleave, run)       \
     U4(regionX, regionY, regionWidth, regionHeight) \
     U4(capacity, tripBudget, lightIndex, bounce)    \
-    V3U(sampleOffset, sampleIndex)
+    V3U(sampleOffset, sampleIndex)                  \
+    V3U(threshold, decide)
 
 #ifdef __cplusplus
 namespace glint::shared {
@@ -99,7 +107,9 @@ GLINT_CONST_UINT(kRowOrigin, 0u);      // origin.xyz, primitive the ray starts o
 GLINT_CONST_UINT(kRowDirection, 1u);   // direction.xyz, tMin (kInfinity: the path has ended)
 GLINT_CONST_UINT(kRowHit, 2u);         // t, u, v, primitive of the best hit; tMax, 0, 0, kNone before any
 GLINT_CONST_UINT(kRowThroughput, 3u);  // rgb, path hash
-GLINT_CONST_UINT(kRowRadiance, 4u);    // rgb, number of samples that hit anything; summed over samples
+GLINT_CONST_UINT(kRowRadiance,
+                 4u);  // rgb, samples that hit anything: an uint, if scattered a float, the sum of their
+                       // weights; summed over samples, if adaptive of the sample at hand
 GLINT_CONST_UINT(
     kRowWalk,
     5u);  // slot where an unfinished ray goes on (kNone: finished), id of the best hit, cost, shadow bits
@@ -110,6 +120,10 @@ GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
 GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+GLINT_CONST_UINT(kRowFilm, 11u);    // rgb, alpha: weighted sums over samples
+GLINT_CONST_UINT(kRowMean, 12u);    // mean of the samples so far, unweighted; their number
+GLINT_CONST_UINT(kRowSpread, 13u);  // sum of squared differences from that mean; 1: the pixel goes on, else 0
+GLINT_CONST_UINT(kPathRowsAdaptive, 14u);
 
 // With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit,
 // instance the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree;
@@ -140,6 +154,7 @@ GLINT_CONST_UINT(kWaitingRows, 4u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading
+GLINT_CONST_UINT(kCounterFlagged, 2u);     // pixels that take a further round of samples
 GLINT_CONST_UINT(kCounterCount, 4u);
 
 #ifdef __cplusplus

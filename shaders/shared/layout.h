@@ -155,13 +155,18 @@
 // height/2: origin = eye + x originStepX + y originStepY, direction = normalize(center + x stepX + y stepY).
 // The origin steps are 0 for a perspective camera, the direction's for a parallel one.
 // near, far bound t, the distance from the origin; far may be kInfinity.
+// Thin lens: the ray through the point (a, b) of the unit disc starts a lensX + b lensY beside the eye and
+// its direction, before it is normalised, is less by inverseFocus times that; inverseFocus is 1 over the
+// focus distance, so that all rays of a film point meet there. Without a lens all three are 0.
 #define GLINT_CAMERA_ROWS(V3F, V3U, U4) \
     V3F(eye, nearT)                     \
     V3F(center, farT)                   \
     V3F(stepX, halfWidth)               \
     V3F(stepY, halfHeight)              \
     V3F(originStepX, reserved0)         \
-    V3F(originStepY, reserved1)
+    V3F(originStepY, reserved1)         \
+    V3F(lensX, inverseFocus)            \
+    V3F(lensY, reserved2)
 
 // Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
 // radianceBound: no ray of the tree brings more, in any channel (kInfinity: not known); minContribution: what
@@ -178,6 +183,17 @@
     V3F(reserved0, instancePad)                        \
     V3F(reserved1, instancePadAtOrigin)                \
     U4(map, frameCount, reserved2, reserved3)
+
+// One sample of all pixels (bvh/pack_samples.h). Its place on the film and on the lens are numbers of [0, 1)
+// in units of 2^-32, to be scattered by `scatter`, one of kScatter... below, with random numbers hashed from
+// pixel, `key` and `seed`; `width`: the cells of a jittered sample. tableX, tableY: the filter tables that
+// turn the place on the film into the distance from the pixel's centre. weight: the same in all channels,
+// where the path's throughput starts. Sums of weights over a pixel's samples are their number.
+#define GLINT_SAMPLE_ROWS(V3F, V3U, U4)        \
+    U4(x, y, lensX, lensY)                     \
+    U4(widthX, widthY, widthLensX, widthLensY) \
+    U4(tableX, tableY, scatter, key)           \
+    V3U(weight, seed)
 
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
@@ -199,7 +215,8 @@
     X(Texture, GLINT_TEXTURE_ROWS)                  \
     X(Texel, GLINT_TEXEL_ROWS)                      \
     X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
-    X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)
+    X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)         \
+    X(Sample, GLINT_SAMPLE_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -306,6 +323,20 @@ GLINT_CONST_UINT(kUvAxial, 3u);
 GLINT_CONST_UINT(kAttributeUvs, 0x80000000u);
 GLINT_CONST_UINT(kAttributeColors, 0x40000000u);
 GLINT_CONST_UINT(kAttributeFirstMask, 0x3fffffffu);
+
+GLINT_CONST_UINT(kScatterNone, 0u);    // the same place in all pixels
+GLINT_CONST_UINT(kScatterJitter, 1u);  // at random in its cell
+GLINT_CONST_UINT(kScatterOwen, 2u);    // scrambled, by other random numbers in each pixel
+// The third word hashed for the shift of a pixel's jittered lens points; no sample has this key.
+GLINT_CONST_UINT(kLensKey, 0xffffffffu);
+// The samples' array begins with two filter tables, the inverse of a cumulative distribution each: for each
+// of kFilterCells equal parts of [0, 1) the first and last distance from the pixel's centre, in units of
+// 2^-kFilterBits pixels, between which it is linear. Two cells fill a row, four rows stand in for a Sample.
+GLINT_CONST_UINT(kFilterCells, 1024u);
+GLINT_CONST_UINT(kFilterCellShift, 22u);  // 2^32 / kFilterCells
+GLINT_CONST_UINT(kFilterBits, 18u);
+GLINT_CONST_UINT(kFilterRows, 512u);
+GLINT_CONST_UINT(kFirstSample, 256u);  // two tables
 
 // Levels of the BVH below the root that the builder may use, those of the world's tree and of a prototype's
 // together; a traversal pushes at most one entry per level.

@@ -76,6 +76,19 @@ void addMinContribution(CLI::App& command, SceneOptions& options) {
             [&](const Text& t) { options.minContribution = parseMinContribution(t); });
 }
 
+void addSampling(CLI::App& command, SceneOptions& options) {
+    addText(command, "--sampler", "NAME", "grid, jittered or lowDiscrepancy instead of the scene's",
+            [&](const Text& t) { options.sampler = parseSampler(t); });
+    addText(command, "--filter", "NAME[,RADIUS]",
+            "box, tent, gaussian or mitchell instead of the scene's; radius in pixels",
+            [&](const Text& t) { options.filter = parseFilter(t); });
+    addText(command, "--seed", "N", "of the jittered and the lowDiscrepancy sampler, instead of the scene's",
+            [&](const Text& t) { options.seed = parseSeed(t); });
+    addText(command, "--adaptive", "MAX[,THRESHOLD]",
+            "up to MAX samples for pixels whose samples differ, see docs/sampling.md",
+            [&](const Text& t) { options.adaptive = parseAdaptive(t); });
+}
+
 void addDevice(CLI::App& command, DeviceChoice& device) {
     addText(command, "--device", "NAME|INDEX",
             "index or part of the name, see glint devices (default: the best)",
@@ -108,6 +121,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addSceneOverrides(command, c.scene);
     addMethods(command, c.scene);
     addMinContribution(command, c.scene);
+    addSampling(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
     addText(command, "--aov", "LIST",
@@ -118,12 +132,6 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addText(command, "--crop", "x0,y0,x1,y1",
             "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
             [&](const Text& t) { c.crop = parseCrop(t); });
-    addText(command, "--seed", "N", "not in this version: the sample pattern has no randomness",
-            [](const Text&) {
-                throw Error(ExitCode::Usage,
-                            "--seed: this version samples each pixel on a fixed pattern, which has no seed; "
-                            "leave --seed out");
-            });
     addText(command, "--stats", "json", "times and counts as JSON on standard output, instead of the summary",
             [&](const Text& t) {
                 if (t != "json") throw Error(ExitCode::Usage, "--stats: expected json, got " + quoted(t));
@@ -174,6 +182,7 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
     addSceneOverrides(command, c.common);
     addMethods(command, c.common);
     addMinContribution(command, c.common);
+    addSampling(command, c.common);
     addDevice(command, c.device);
     addProgress(command, c.progress);
 }

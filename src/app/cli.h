@@ -12,6 +12,7 @@
 #include "core/progress.h"
 #include "scene/methods.h"
 #include "scene/picture.h"
+#include "scene/scene.h"
 
 namespace glint::app {
 
@@ -25,6 +26,11 @@ struct Size {
 
 enum class Backend { Gpu, Cpu };
 
+struct FilterChoice {
+    Filter filter = Filter::Box;
+    std::optional<double> radius;  // pixels; empty: the filter's own
+};
+
 // Options that several commands share.
 struct SceneOptions {
     std::filesystem::path scene;
@@ -34,6 +40,10 @@ struct SceneOptions {
     BuildQuality buildQuality = BuildQuality::Default;
     Methods methods;
     double minContribution = 0;  // branches that bring less to a pixel's colour are not followed
+    std::optional<Sampler> sampler;
+    std::optional<FilterChoice> filter;
+    std::optional<uint32_t> seed;
+    std::optional<AdaptiveSampling> adaptive;
 };
 
 struct DeviceChoice {

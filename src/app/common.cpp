@@ -8,8 +8,25 @@
 #include "core/error.h"
 #include "core/stopwatch.h"
 #include "scene/load.h"
+#include "scene/sampling.h"
 
 namespace glint::app {
+
+namespace {
+
+void overrideSampling(const SceneOptions& options, ImageSettings& image) {
+    if (options.sampler) image.sampler = *options.sampler;
+    if (options.filter) {
+        image.filter = options.filter->filter;
+        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
+    }
+    if (options.seed) image.seed = *options.seed;
+    if (options.adaptive) image.adaptive = options.adaptive;
+    const std::string wrong = samplingConflict(image);
+    if (!wrong.empty()) throw Error(ExitCode::Usage, options.scene.string() + ": " + wrong);
+}
+
+}  // namespace
 
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
     if (options.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
@@ -22,6 +39,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     }
     if (options.spp) loaded.scene.image.samplesPerPixel = *options.spp;
     if (options.maxDepth) loaded.scene.maxDepth = *options.maxDepth;
+    overrideSampling(options, loaded.scene.image);
     loaded.loadSeconds = watch.seconds();
     watch.restart();
     loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
@@ -40,6 +58,10 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 shared::Camera cameraOf(const LoadedScene& loaded) {
     const Scene& scene = loaded.scene;
     return packCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
+}
+
+PackedSamples samplesOf(const LoadedScene& loaded) {
+    return packSamples(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
 }
 
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/cli.h"
+#include "bvh/pack_samples.h"
 #include "bvh/packed_scene.h"
 #include "gpu/device.h"
 #include "render/renderer.h"
@@ -23,6 +24,9 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 
 // The camera of the scene's picture.
 shared::Camera cameraOf(const LoadedScene& loaded);
+
+// The samples of the scene's picture.
+PackedSamples samplesOf(const LoadedScene& loaded);
 
 // Prints what the validation layer said; throws Error(Device) if it said anything, or was asked for and is
 // not there.

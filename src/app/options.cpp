@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "scene/limits.h"
 #include "scene/near_names.h"
+#include "scene/sampling.h"
 
 namespace glint::app {
 
@@ -31,6 +32,14 @@ std::optional<int64_t> wholeNumber(std::string_view text) {
     } else if (error != std::errc()) {
         return std::nullopt;
     }
+    return value;
+}
+
+std::optional<double> number(const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
     return value;
 }
 
@@ -155,6 +164,16 @@ BuildQuality parseBuildQuality(const std::string& text) {
     refuse("--build-quality", "fast, default or high", text);
 }
 
+namespace {
+
+double parseNotNegative(const std::string& option, const std::string& text) {
+    const auto value = number(text);
+    if (!value || *value < 0) refuse(option, "a number from 0 up", text);
+    return *value;
+}
+
+}  // namespace
+
 ProgressMode parseProgress(const std::string& text) {
     try {
         return parseProgressMode(text);
@@ -163,26 +182,57 @@ ProgressMode parseProgress(const std::string& text) {
     }
 }
 
-namespace {
-
-double parseNotNegative(const std::string& option, const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) ||
-        value < 0) {
-        refuse(option, "a number from 0 up", text);
-    }
-    return value;
-}
-
-}  // namespace
-
 double parseTolerance(const std::string& text) {
     return parseNotNegative("--tolerance", text);
 }
 
 double parseMinContribution(const std::string& text) {
     return parseNotNegative("--min-contribution", text);
+}
+
+Sampler parseSampler(const std::string& text) {
+    const auto sampler = samplerNamed(text);
+    if (!sampler) refuse("--sampler", "grid, jittered or lowDiscrepancy", text);
+    return *sampler;
+}
+
+FilterChoice parseFilter(const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    const auto filter = filterNamed(parts[0]);
+    FilterChoice choice;
+    if (filter) choice.filter = *filter;
+    if (parts.size() == 2) choice.radius = number(parts[1]);
+    const bool badRadius = parts.size() == 2 && !(choice.radius && *choice.radius >= kMinFilterRadius &&
+                                                  *choice.radius <= kMaxFilterRadius);
+    if (!filter || parts.size() > 2 || badRadius)
+        refuse("--filter",
+               "box, tent, gaussian or mitchell, and perhaps a radius from 0.01 to 8 pixels as in tent,1.5",
+               text);
+    return choice;
+}
+
+AdaptiveSampling parseAdaptive(const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    AdaptiveSampling adaptive;
+    const auto most = wholeNumber(parts[0]);
+    const std::optional<double> threshold =
+        parts.size() == 2 ? number(parts[1]) : std::optional(adaptive.threshold);
+    if (!most || *most < 1 || *most > kMaxSamplesPerPixel || parts.size() > 2 || !threshold ||
+        !(*threshold > 0 && *threshold <= 1))
+        refuse("--adaptive",
+               "the most samples of a pixel, from 1 to " + std::to_string(kMaxSamplesPerPixel) +
+                   ", and perhaps a threshold above 0, at most 1, as in 64,0.05",
+               text);
+    adaptive.maxSamples = static_cast<int>(*most);
+    adaptive.threshold = *threshold;
+    return adaptive;
+}
+
+uint32_t parseSeed(const std::string& text) {
+    const auto value = wholeNumber(text);
+    if (!value || *value < 0 || *value > std::numeric_limits<uint32_t>::max())
+        refuse("--seed", "a whole number from 0 to 4294967295", text);
+    return static_cast<uint32_t>(*value);
 }
 
 }  // namespace glint::app

@@ -25,6 +25,11 @@ ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);        // >= 0, finite
 double parseMinContribution(const std::string& text);  // the same
 
+Sampler parseSampler(const std::string& text);
+FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RADIUS"
+AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
+uint32_t parseSeed(const std::string& text);
+
 // User's text for a message: in quotes, on one line, not too long.
 std::string quoted(const std::string& text);
 

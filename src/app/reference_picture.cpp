@@ -48,6 +48,7 @@ void keepBand(const reference::RenderResult& band, size_t first, Picture& pictur
         picture.losses.room.add(pixel.lost.room.count, pixel.lost.room.bound);
         picture.losses.crowdedMedia += pixel.lost.crowdedMedia;
         picture.done[first + i] = 1;
+        if (!picture.samples.empty()) picture.samples[first + i] = pixel.samples;
         if (!picture.data.empty()) picture.data[first + i] = toData(pixel);
     }
 }
@@ -68,6 +69,10 @@ Picture renderReference(const PackedScene& scene, const shared::Camera& camera,
     options.x0 = region.x0;
     options.x1 = region.x1;
     options.sampleOffsets = settings.sampleOffsets;
+    options.samples = settings.samples;
+    picture.samplesPerPixel =
+        settings.samples ? settings.samples->count() : static_cast<uint32_t>(settings.sampleOffsets.size());
+    if (settings.samples && settings.samples->threshold) picture.samples.assign(pixels, 0);
     options.aovs = !picture.data.empty();
     options.cancelled = settings.cancelled;
     const int rows = bandRows(region.width());

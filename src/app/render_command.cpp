@@ -67,7 +67,7 @@ render::RenderSettings settingsOf(const RenderCommand& command, const LoadedScen
     settings.width = scene.image.width;
     settings.height = scene.image.height;
     settings.region = region;
-    settings.sampleOffsets = sampleOffsets(scene.image.samplesPerPixel);
+    settings.samples = packSamples(scene.image, scene.camera.lensRadius > 0);
     settings.data = needsData(command);
     settings.cost = wants(command, "cost");
     settings.ledger =
@@ -107,6 +107,22 @@ void warnAboutPicture(const Picture& picture, const RenderCommand& command, cons
         err << start << *advice << '\n';
 }
 
+// Of the finished pixels.
+nlohmann::json samplesJson(const Picture& picture) {
+    uint64_t sum = 0, count = 0;
+    uint32_t least = 0, most = 0;
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        if (!picture.done[i]) continue;
+        const uint32_t taken = picture.samples.empty() ? picture.samplesPerPixel : picture.samples[i];
+        least = count == 0 ? taken : std::min(least, taken);
+        most = std::max(most, taken);
+        sum += taken;
+        ++count;
+    }
+    const double mean = count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0;
+    return {{"min", least}, {"mean", mean}, {"max", most}};
+}
+
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.times;
     nlohmann::json json;
@@ -120,6 +136,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
+    json["samplesTaken"] = samplesJson(outcome.picture);
     json["maxDepth"] = loaded.scene.maxDepth;
     json["triangles"] = loaded.packed.triangles.size();
     json["spheres"] = loaded.packed.spheres.size();

@@ -39,7 +39,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     verify::Options options;
     options.width = loaded.scene.image.width;
     options.height = loaded.scene.image.height;
-    options.sampleOffsets = sampleOffsets(loaded.scene.image.samplesPerPixel);
+    options.samples = samplesOf(loaded);
     options.cancelled = interrupted;
     checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
     render::Renderer renderer(device, loaded.packed);

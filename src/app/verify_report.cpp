@@ -100,7 +100,8 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   report.rmseSamePath, report.maxSamePath);
     out << line;
     for (const verify::DifferingPixel& pixel : report.worst) {
-        printPixel(pixel, options.sampleOffsets.size() > 1, origin, out);
+        printPixel(pixel, (options.samples ? options.samples->round : options.sampleOffsets.size()) > 1,
+                   origin, out);
     }
 }
 

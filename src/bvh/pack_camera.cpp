@@ -22,6 +22,17 @@ float boundedT(double t) {
     return static_cast<float>(std::min(t, static_cast<double>(shared::kInfinity)));
 }
 
+// The film lies at unit distance along the view direction, so that the ray of a film point d meets the plane
+// of focus at eye + F d, F the focus distance; from eye + l it goes there along d - l / F (R. L. Cook, T.
+// Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
+void packLens(const Camera& camera, const CameraFrame& frame, shared::Camera& out) {
+    const double focus =
+        camera.focusDistance > 0 ? camera.focusDistance : glm::length(camera.target - camera.eye);
+    out.lensX = glm::vec3(camera.lensRadius * frame.u);
+    out.lensY = glm::vec3(camera.lensRadius * frame.v);
+    out.inverseFocus = static_cast<float>(1 / focus);
+}
+
 }  // namespace
 
 // P. Shirley and S. Marschner, "Fundamentals of Computer Graphics", 3rd ed., 4.3: the point of pixel (i, j)
@@ -47,6 +58,7 @@ shared::Camera packCamera(const Camera& camera, int width, int height, const glm
         out.center = glm::vec3(middle + frame.view);
         out.stepX = stepX;
         out.stepY = stepY;
+        if (camera.lensRadius > 0) packLens(camera, frame, out);
     }
     out.halfWidth = 0.5f * static_cast<float>(width);
     out.halfHeight = 0.5f * static_cast<float>(height);

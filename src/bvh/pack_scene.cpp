@@ -479,6 +479,7 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
     if (packed.features.transmission || packed.features.mirrors)
         packed.environment.radianceBound = radianceBound(packed, packed.environment.maxDepth);
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
+    packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;
 }
 

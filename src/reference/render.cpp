@@ -5,9 +5,12 @@
 #include <mutex>
 
 #include "core/parallel.h"
+#include "reference/sampling.h"
 
 namespace glint::reference {
 namespace {
+
+using glm::dvec3;
 
 constexpr int kPixelsPerPoll =
     64;  // between two looks at `cancelled`: 64 pixels take well below a tenth of a second
@@ -29,29 +32,37 @@ void keepAovs(const PackedScene& scene, const PixelRecord& record, PixelResult& 
     pixel.material = static_cast<int32_t>(record.surface->material);
 }
 
-// weight: of one sample in the pixel's colour.
-void addLosses(const Losses& sample, double weight, Losses& pixel) {
+void addLosses(const Losses& sample, Losses& pixel) {
     for (const auto kind : {&Losses::cut, &Losses::depth, &Losses::room}) {
         (pixel.*kind).count += (sample.*kind).count;
-        (pixel.*kind).bound += weight * (sample.*kind).bound;
+        (pixel.*kind).bound += (sample.*kind).bound;
     }
     pixel.crowdedMedia += sample.crowdedMedia;
 }
 
 PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const shared::Camera& camera, int x,
-                        int y, const RenderOptions& options) {
+                        int y, const PackedSamples& samples, bool aovs) {
     PixelResult pixel;
-    const double samples = static_cast<double>(std::max<size_t>(options.sampleOffsets.size(), 1));
-    for (size_t i = 0; i < options.sampleOffsets.size(); ++i) {
-        const glm::dvec2 film = glm::dvec2(x, y) + options.sampleOffsets[i];
-        const PixelRecord record = tracer.trace(tracer.cameraRay(camera, film.x, film.y));
-        pixel.color += record.color;
-        pixel.alpha += record.alpha;
-        addLosses(record.lost, 1 / samples, pixel.lost);
-        if (i == 0 && options.aovs) keepAovs(scene, record, pixel);
+    std::vector<dvec3> colors;  // of an adaptive pixel
+    const uint32_t most = samples.count();
+    while (pixel.samples < most) {
+        const FilmSample s =
+            filmSample(samples, pixel.samples, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+        const PixelRecord record =
+            tracer.trace(tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens));
+        pixel.color += s.weight * record.color;
+        pixel.alpha += s.weight * record.alpha;
+        addLosses(record.lost, pixel.lost);
+        if (pixel.samples == 0 && aovs) keepAovs(scene, record, pixel);
+        ++pixel.samples;
+        if (!samples.threshold) continue;
+        colors.push_back(record.color);
+        if (pixel.samples % samples.round == 0 && !needsMore(colors, *samples.threshold)) break;
     }
-    pixel.color /= samples;
-    pixel.alpha /= samples;
+    const double taken = std::max(pixel.samples, 1u);
+    pixel.color /= taken;
+    pixel.alpha /= taken;
+    for (const auto kind : {&Losses::cut, &Losses::depth, &Losses::room}) (pixel.lost.*kind).bound /= taken;
     return pixel;
 }
 
@@ -70,6 +81,8 @@ RenderResult render(const PackedScene& scene, const shared::Camera& camera, int 
     result.rowsDone.resize(result.height, 0);
 
     const Tracer tracer(scene);
+    const PackedSamples samples =
+        options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
     std::atomic<bool> stop{false};
     std::mutex progressMutex;
     int rowsFinished = 0;
@@ -81,7 +94,7 @@ RenderResult render(const PackedScene& scene, const shared::Camera& camera, int 
                 if (x % kPixelsPerPoll == 0 && options.cancelled && !stop && options.cancelled()) stop = true;
                 if (stop) return;
                 pixels[x] = renderPixel(scene, tracer, camera, result.x0 + x,
-                                        result.y0 + static_cast<int>(row), options);
+                                        result.y0 + static_cast<int>(row), samples, options.aovs);
             }
             result.rowsDone[row] = 1;
             if (!options.progress) return;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "bvh/pack_samples.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -17,6 +18,7 @@ struct RenderOptions {
     // picture.
     int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
     std::vector<glm::dvec2> sampleOffsets{{0.5, 0.5}};  // within the pixel, each in [0, 1)^2
+    std::optional<PackedSamples> samples;               // instead of sampleOffsets
     bool aovs = true;                                   // false: PixelResult keeps color and alpha alone
     unsigned threads = 0;                               // 0: all
     std::function<void(double)> progress;  // called from any thread, one at a time, with the fraction done
@@ -26,8 +28,9 @@ struct RenderOptions {
 // Everything but color, alpha and the losses comes from the first sample. Without a hit: depth inf, indices
 // -1, the rest 0.
 struct PixelResult {
-    glm::dvec3 color{0};                                     // mean over the samples
-    double alpha = 0;                                        // fraction of the samples that hit anything
+    glm::dvec3 color{0};                                     // weighted mean over the samples
+    double alpha = 0;                                        // the same of 1 where a sample hit anything
+    uint32_t samples = 0;                                    // taken
     double depth = std::numeric_limits<double>::infinity();  // t along the unit camera ray
     glm::dvec3 position{0};                                  // world
     glm::dvec3 normal{0};                                    // outward shading normal, unit

@@ -523,7 +523,7 @@ Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
     return surface;
 }
 
-Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y) const {
+Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y, const glm::dvec2& lens) const {
     // From the middle of the film.
     const double right = x - camera.halfWidth, down = y - camera.halfHeight;
     const auto reach = [&](const glm::vec3& middle, const glm::vec3& stepX, const glm::vec3& stepY) {
@@ -537,6 +537,19 @@ Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y) const {
     ray.originScale = reach(camera.eye, camera.originStepX, camera.originStepY);
     ray.directionScale =
         std::max(1.0, reach(camera.center, camera.stepX, camera.stepY) / glm::length(direction));
+    if (camera.inverseFocus != 0) {
+        const dvec3 aside = lens.x * dvec3(camera.lensX) + lens.y * dvec3(camera.lensY);
+        const double focus = 1 / static_cast<double>(camera.inverseFocus);
+        const dvec3 pinhole = ray.origin;
+        ray.origin += aside;
+        ray.direction = glm::normalize(pinhole + focus * direction - ray.origin);
+        // Twice a pinhole's roundings (explain.cpp): those of the lens point and its way to the focus.
+        const double radius = glm::length(dvec3(camera.lensX));
+        ray.originScale = 2 * (ray.originScale + radius);
+        const double reached = glm::length(direction - aside / focus);
+        ray.directionScale =
+            2 * std::max(1.0, (reach(camera.center, camera.stepX, camera.stepY) + radius / focus) / reached);
+    }
     ray.tMin = camera.nearT;
     if (camera.farT < shared::kInfinity) ray.tMax = camera.farT;
     return ray;

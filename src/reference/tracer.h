@@ -123,8 +123,8 @@ class Tracer {
     Surface surface(const Ray& ray, const Hit& hit) const;
 
     // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at
-    // +0.5).
-    Ray cameraRay(const shared::Camera& camera, double x, double y) const;
+    // +0.5), and, of a camera with a lens, point `lens` of the unit disc.
+    Ray cameraRay(const shared::Camera& camera, double x, double y, const glm::dvec2& lens = {0, 0}) const;
 
     // Follows a camera ray through at most environment.maxDepth reflections and refractions in a row.
     // keepPath fills PixelRecord::path.

@@ -1,5 +1,7 @@
 #include "render/kernels.h"
 
+#include "adapt.spv.h"
+#include "adapt_texel.spv.h"
 #include "generate.spv.h"
 #include "generate_texel.spv.h"
 #include "intersect.spv.h"
@@ -14,9 +16,10 @@
 namespace glint::render {
 
 const KernelCode& embeddedKernels(gpu::Access access) {
-    static const KernelCode storage = {generate_spv, intersect_spv, intersect_any_spv, light_spv, shade_spv};
+    static const KernelCode storage = {generate_spv, intersect_spv, intersect_any_spv,
+                                       light_spv,    shade_spv,     adapt_spv};
     static const KernelCode texel = {generate_texel_spv, intersect_texel_spv, intersect_any_texel_spv,
-                                     light_texel_spv, shade_texel_spv};
+                                     light_texel_spv,    shade_texel_spv,     adapt_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 

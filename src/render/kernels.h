@@ -10,7 +10,7 @@ namespace glint::render {
 
 // One entry for each kernel; `any` is intersect.comp with any-hit rays.
 struct KernelCode {
-    std::span<const uint32_t> generate, intersect, intersectAny, light, shade;
+    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, adapt;
 };
 
 // The kernels that read arrays with `access`.

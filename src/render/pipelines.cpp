@@ -16,12 +16,15 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.light;
         case KernelId::Shade:
             return code.shade;
+        case KernelId::Adapt:
+            return code.adapt;
     }
     return {};
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade"};
+    static const char* const names[] = {"generate", "intersect", "intersect (any hit)",
+                                        "light",    "shade",     "adapt"};
     return names[static_cast<int>(id)];
 }
 

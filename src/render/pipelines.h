@@ -11,11 +11,12 @@
 
 namespace glint::render {
 
-enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade };
+enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade, Adapt };
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
+    bool scattered = false, adaptive = false;
     auto operator<=>(const TraceModes&) const = default;
 };
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/stopwatch.h"
+#include "render/film.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
 #include "render/scene_buffers.h"
@@ -35,10 +36,6 @@ uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_
         wanted /= 2;
     }
     return wanted;
-}
-
-size_t indexIn(const Region& region, const glm::ivec2& pixel) {
-    return static_cast<size_t>(pixel.y - region.y0) * region.width() + (pixel.x - region.x0);
 }
 
 Region wholeOrGiven(const RenderSettings& settings) {
@@ -86,6 +83,7 @@ uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPe
 }
 
 uint32_t commonRows(const TraceModes& modes) {
+    if (modes.adaptive) return shared::kPathRowsAdaptive;
     return modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
 }
 
@@ -140,8 +138,8 @@ struct Renderer::State {
     }
 
     uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
-    void reservePaths(uint32_t capacity, uint32_t rows);
-    // One more for instances, where the kernels know of them.
+    // `rebind`: another buffer has been replaced.
+    void reservePaths(uint32_t capacity, uint32_t rows, bool rebind = false);
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
@@ -150,26 +148,30 @@ struct Renderer::State {
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
-    bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
-                     double progressFrom, double progressTo);
+    void readLosses(const Slice& slice, const TraceModes& modes, Picture& picture) const;
+    bool renderSlice(const Slice& slice, const RenderSettings& settings, const PackedSamples& samples,
+                     const TraceModes& modes, double progressFrom, double progressTo);
+    // After a sample of an adaptive picture; false if no pixel goes on.
+    bool adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
+               const TraceModes& modes);
     bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
                       const TraceModes& modes);
-    void readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture);
-    void readLosses(const Slice& slice, double scale, uint32_t firstRow, TreeLosses& losses) const;
+    void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
     void readData(const Slice& slice, Picture& picture) const;
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
     void writeRays(std::span<const RayInput> rays, const TraceModes& modes) const;
     void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
 };
 
-void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows) {
+void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind) {
     if (paths.capacity() < capacity || paths.rows() < rows) {
         const uint32_t newCapacity = std::max(capacity, paths.capacity());
         const uint32_t newRows = std::max(rows, paths.rows());
         paths = PathState();
         paths = PathState(device, access, newCapacity, newRows);
-        pipelines.bind(counters, paths.buffer(), buffers);
+        rebind = true;
     }
+    if (rebind) pipelines.bind(counters, paths.buffer(), buffers);
 }
 
 void Renderer::State::setEnvironment(const shared::Environment& wanted) {
@@ -273,52 +275,56 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     }
 }
 
-bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
-                                  double progressFrom, double progressTo) {
+bool Renderer::State::adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
+                            const TraceModes& modes) {
+    const bool last = dispatch.sampleIndex + 1 == samples.count();
+    dispatch.decide = last || (dispatch.sampleIndex + 1) % samples.round == 0 ? 1 : 0;
+    dispatch.threshold = glm::vec3(*samples.threshold);
+    record(KernelId::Adapt, modes, dispatch, slice.groups());
+    submit();
+    return counter()[shared::kCounterFlagged] != 0;
+}
+
+bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& settings,
+                                  const PackedSamples& samples, const TraceModes& modes, double progressFrom,
+                                  double progressTo) {
     longestInSlice = 0;
     ++times.slices;
     shared::Dispatch dispatch = dispatchFor(slice);
-    const size_t samples = settings.sampleOffsets.size();
-    for (size_t i = 0; i < samples; ++i) {
-        dispatch.sampleIndex = static_cast<uint32_t>(i);
-        dispatch.sampleOffset = glm::vec3(settings.sampleOffsets[i], 0.0);
+    const uint32_t count = samples.count();
+    for (uint32_t i = 0; i < count; ++i) {
+        dispatch.sampleIndex = i;
+        if (!modes.scattered) dispatch.sampleOffset = glm::vec3(samples.offsets[i], 0.0);
         if (!renderSample(slice, dispatch, settings, modes)) return false;
-        if (settings.progress) {
-            settings.progress(progressFrom + (progressTo - progressFrom) * static_cast<double>(i + 1) /
-                                                 static_cast<double>(samples));
-        }
+        if (modes.adaptive && !adapt(slice, dispatch, samples, modes)) break;
+        if (settings.progress)
+            settings.progress(progressFrom + (progressTo - progressFrom) * (i + 1.0) / count);
     }
     return true;
 }
 
-void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settings, Picture& picture) {
+void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Picture& picture) {
     const Stopwatch watch;
-    const std::vector<RowEntry> radiance = paths.readRow(device, shared::kRowRadiance, slice.paths());
-    const float scale = 1.0f / static_cast<float>(settings.sampleOffsets.size());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
-        const size_t index = indexIn(slice.region, pixel);
-        float* color = &picture.color.pixels[index * 4];
-        for (int c = 0; c < 3; ++c) color[c] = radiance[path].f[c] * scale;
-        color[3] = static_cast<float>(radiance[path].u[3]) * scale;
-        picture.done[index] = 1;
-        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
-    }
+    readFilm(paths, device, slice, modes, picture);
     if (!picture.data.empty()) readData(slice, picture);
-    if (settings.ledger)
-        readLosses(slice, scale, picture.data.empty() ? shared::kPathRows : shared::kPathRowsWithAovs,
-                   picture.losses);
+    if (modes.ledger) readLosses(slice, modes, picture);
     times.readback += watch.seconds();
 }
 
-void Renderer::State::readLosses(const Slice& slice, double scale, uint32_t firstRow,
-                                 TreeLosses& losses) const {
+void Renderer::State::readLosses(const Slice& slice, const TraceModes& modes, Picture& picture) const {
+    const uint32_t firstRow = commonRows(modes) + (features.instances ? 1 : 0);
+    TreeLosses& losses = picture.losses;
     const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
     const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
     for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
         if (!slice.pixelOf(path, pixel)) continue;
+        const uint32_t taken =
+            modes.adaptive
+                ? picture.samples[static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() +
+                                  (pixel.x - slice.region.x0)]
+                : picture.samplesPerPixel;
+        const double scale = 1.0 / std::max(taken, 1u);
         LostBranches* const kinds[] = {&losses.cut, &losses.depth, &losses.room};
         for (int kind = 0; kind < 3; ++kind) {
             const double bound = sums[path].f[kind];
@@ -381,8 +387,7 @@ void Renderer::State::readData(const Slice& slice, Picture& picture) const {
     const AovRows rows(paths, device, slice.paths());
     for (uint32_t path = 0; path < slice.paths(); ++path) {
         glm::ivec2 pixel;
-        if (slice.pixelOf(path, pixel))
-            picture.data[indexIn(slice.region, pixel)] = rows.at(path, scene.origin);
+        if (slice.pixelOf(path, pixel)) picture.data[slice.indexOf(pixel)] = rows.at(path, scene.origin);
     }
 }
 
@@ -470,6 +475,13 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     modes.aovs = settings.data || settings.cost;
     modes.shadowless = !settings.shadows;
     modes.ledger = settings.ledger;
+    const PackedSamples samples =
+        settings.samples ? *settings.samples : PackedSamples::fixed(settings.sampleOffsets);
+    modes.ledger = settings.ledger;
+    modes.scattered = samples.scattered();
+    modes.adaptive = samples.threshold.has_value();
+    picture.samplesPerPixel = samples.count();
+    if (modes.adaptive) picture.samples.assign(pixels, 0);
     if (modes.aovs) picture.data.resize(pixels);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
@@ -482,28 +494,31 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     const uint32_t wanted =
         std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
     const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
-    s.reservePaths(maxTiles * shared::kWorkgroupSize, rows);
+    const bool grown = s.buffers.setSamples(s.device, samples.rows, s.access);
+    s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setEnvironment(environment);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
+    if (modes.adaptive) kernels.push_back(KernelId::Adapt);
     s.compile(modes, kernels);
 
-    s.times.pathRays += pixels * settings.sampleOffsets.size();
+    if (!modes.adaptive) s.times.pathRays += pixels * samples.count();
     for (uint32_t first = 0; first < tiles;) {
         const uint32_t sliceTiles = std::clamp(s.sliceTiles, interleave, maxTiles);
         const Slice slice = {picture.region, first, std::min(sliceTiles, tiles - first), interleave};
         const double from = static_cast<double>(first) / tiles;
         const double to = static_cast<double>(first + slice.tileCount) / tiles;
         const Stopwatch watch;
-        if (!s.renderSlice(slice, settings, modes, from, to)) {
+        if (!s.renderSlice(slice, settings, samples, modes, from, to)) {
             picture.complete = false;
             return picture;
         }
-        s.readSlice(slice, settings, picture);
+        s.readSlice(slice, modes, picture);
         first += slice.tileCount;
         s.sizeNextSlice(slice, slice.tileCount == sliceTiles, watch.seconds());
     }
+    for (const uint32_t taken : picture.samples) s.times.pathRays += taken;
     return picture;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bvh/pack_samples.h"
 #include "bvh/packed_scene.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
@@ -39,10 +40,11 @@ struct RenderSettings {
     int width = 0, height = 0;  // of the whole picture
     Region region;              // the part wanted; all zero: everything
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
-    bool data = false;                 // fill Picture::data
-    bool cost = false;                 // count boxes and primitives (PixelData::cost); implies data
-    bool shadows = true;               // false: lights shine through everything
-    bool ledger = false;               // fill Picture::losses, and obey Environment::minContribution
+    std::optional<PackedSamples> samples;  // instead of sampleOffsets; a lens needs it, or stays a pinhole
+    bool data = false;                     // fill Picture::data
+    bool cost = false;                     // count boxes and primitives (PixelData::cost); implies data
+    bool shadows = true;                   // false: lights shine through everything
+    bool ledger = false;                   // fill Picture::losses, and obey Environment::minContribution
     std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
     std::function<void(double)> progress;  // 0..1
     std::function<bool()> cancelled;       // asked between submissions

@@ -11,6 +11,7 @@ namespace {
 constexpr uint32_t kLightsBinding = 9;
 constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
+constexpr uint32_t kSamplesBinding = 22;
 
 // Calls visit(binding, name, bytes) for each array of the scene; the camera, which is not part of it, comes
 // later, by setCamera. A template, so that `requires` may ask.
@@ -64,6 +65,16 @@ void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Envir
 
 void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const {
     if (!lights.empty()) gpu::upload(device, buffers_[kLightsBinding], std::as_bytes(std::span(lights)));
+}
+
+bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows,
+                              gpu::Access access) {
+    if (rows.empty()) return false;
+    gpu::Buffer& buffer = buffers_[kSamplesBinding];
+    const bool grows = !buffer || buffer.size() < rows.size_bytes();
+    if (grows) buffer = gpu::Buffer(device, "samples", rows.size_bytes(), access, gpu::MemoryKind::Device);
+    gpu::upload(device, buffer, std::as_bytes(rows));
+    return grows;
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "bvh/packed_scene.h"
 #include "gpu/compute.h"
@@ -21,6 +22,8 @@ class SceneBuffers {
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
+    // True if the array had to grow: bind anew. No rows: nothing is done.
+    bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows, gpu::Access access);
     // What to bind at `binding` (2 and up); a stand-in for an absent array, which no shader of the scene's
     // pipelines reads.
     const gpu::Buffer& at(uint32_t binding) const;

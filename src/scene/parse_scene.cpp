@@ -1,5 +1,6 @@
 // The scene file, section by section. Keys and types are checked here, ranges by validateScene.
 #include <algorithm>
+#include <cmath>
 
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
@@ -7,6 +8,7 @@
 #include "scene/parse_objects.h"
 #include "scene/parse_textures.h"
 #include "scene/placement.h"
+#include "scene/sampling.h"
 #include "scene/scene_keys.h"
 
 namespace glint {
@@ -33,11 +35,41 @@ void readColor(const JsonCursor& object, std::string_view key, Color& target) {
     if (const auto found = object.find(key)) target = found->color();
 }
 
+template <typename Enum>
+Enum readName(const JsonCursor& value, std::optional<Enum> (*named)(std::string_view), const char* names) {
+    const auto found = named(value.string());
+    if (!found) value.failWanted(std::string("must be ") + names);
+    return *found;
+}
+
+void parseSampling(const JsonCursor& image, ImageSettings& settings) {
+    if (const auto sampler = image.find("sampler"))
+        settings.sampler = readName(*sampler, samplerNamed, "\"grid\", \"jittered\" or \"lowDiscrepancy\"");
+    if (const auto filter = image.find("filter")) {
+        settings.filter = readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
+        settings.filterRadius = defaultRadius(settings.filter);
+    }
+    readInto(image, "filterRadius", settings.filterRadius);
+    if (const auto seed = image.find("seed")) {
+        const double value = seed->number();
+        if (!(value >= 0 && value <= 4294967295.0 && value == std::floor(value)))
+            seed->failWanted("must be a whole number from 0 to 4294967295");
+        settings.seed = static_cast<uint32_t>(value);
+    }
+    if (const auto adaptive = image.find("adaptive")) {
+        adaptive->expectKeys(keys::kAdaptive);
+        settings.adaptive.emplace();
+        readInteger(*adaptive, "maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
+        readInto(*adaptive, "threshold", settings.adaptive->threshold);
+    }
+}
+
 void parseImage(const JsonCursor& image, ImageSettings& settings) {
     image.expectKeys(keys::kImage);
     readInteger(image, "width", 1, kMaxImageSize, settings.width);
     readInteger(image, "height", 1, kMaxImageSize, settings.height);
     readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
+    parseSampling(image, settings);
 }
 
 Projection readProjection(const JsonCursor& camera) {
@@ -59,6 +91,12 @@ void parseCamera(const JsonCursor& camera, Camera& result) {
         fovY->fail("an orthographic camera has no field of view; give \"height\" or \"window\"");
     if (const auto height = camera.find("height"); height && !orthographic)
         height->fail("only an orthographic camera has a height; give \"fovY\" or \"window\"");
+    for (const char* key : {"lensRadius", "focusDistance"})
+        if (const auto lens = camera.find(key); lens && orthographic)
+            lens->fail(
+                "an orthographic camera has no lens: its rays are parallel and have no centre where one "
+                "could "
+                "stand; use a perspective camera");
     camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
     readInto(camera, "eye", result.eye);
     readInto(camera, "target", result.target);
@@ -68,6 +106,8 @@ void parseCamera(const JsonCursor& camera, Camera& result) {
     readInto(camera, "height", result.height);
     readInto(camera, "near", result.nearT);
     readInto(camera, "far", result.farT);
+    readInto(camera, "lensRadius", result.lensRadius);
+    readInto(camera, "focusDistance", result.focusDistance);
     if (const auto window = camera.find("window")) {
         if (!window->value().array() || window->size() != 4)
             window->failWanted("must be four numbers [left, right, bottom, top]");

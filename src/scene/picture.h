@@ -65,6 +65,8 @@ struct Picture {
     std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
     std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
     bool complete = true;
+    std::vector<uint32_t> samples;  // per pixel, taken; empty if all pixels took samplesPerPixel
+    uint32_t samplesPerPixel = 1;
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
     TreeLosses losses;       // the device's only if asked for
 

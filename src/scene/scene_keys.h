@@ -17,9 +17,11 @@ constexpr std::array<std::string_view, sizeof...(Names)> names(Names... list) {
 inline constexpr auto kNothing = std::array<std::string_view, 0>{};
 inline constexpr auto kScene = names("$schema", "image", "camera", "background", "ambient", "maxDepth",
                                      "transmissiveShadows", "lights", "materials", "meshes", "objects");
-inline constexpr auto kImage = names("width", "height", "samplesPerPixel");
-inline constexpr auto kPerspective =
-    names("type", "eye", "target", "up", "planeNormal", "fovY", "window", "near", "far");
+inline constexpr auto kImage =
+    names("width", "height", "samplesPerPixel", "sampler", "filter", "filterRadius", "seed", "adaptive");
+inline constexpr auto kAdaptive = names("maxSamples", "threshold");
+inline constexpr auto kPerspective = names("type", "eye", "target", "up", "planeNormal", "fovY", "window",
+                                           "near", "far", "lensRadius", "focusDistance");
 inline constexpr auto kOrthographic =
     names("type", "eye", "target", "up", "planeNormal", "height", "window", "near", "far");
 inline constexpr auto kPoint = names("type", "position", "intensity", "falloff");
@@ -54,6 +56,7 @@ inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
 
 inline constexpr KeyTable kScene{"scene", detail::kScene, detail::kNothing};
 inline constexpr KeyTable kImage{"image", detail::kImage, detail::kNothing};
+inline constexpr KeyTable kAdaptive{"image/adaptive", detail::kAdaptive, detail::kNothing};
 inline constexpr KeyTable kPerspective{"camera/perspective", detail::kPerspective, detail::kNothing};
 inline constexpr KeyTable kOrthographic{"camera/orthographic", detail::kOrthographic, detail::kNothing};
 inline constexpr KeyTable kPoint{"lights/point", detail::kPoint, detail::kNothing};
@@ -80,10 +83,10 @@ inline constexpr KeyTable kGroup{"objects/group", detail::kGroup, detail::kNothi
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
 inline constexpr std::array kAllTables{
-    kScene,       kImage,      kPerspective,   kOrthographic,   kPoint,         kDirectional, kSpot,
-    kMaterial,    kMesh,       kSphere,        kPlane,          kDisc,          kTriangle,    kPolygon,
-    kMeshObject,  kGroup,      kTransformStep, kQuadric,        kEllipsoid,     kCylinder,    kCone,
-    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap};
+    kScene,       kImage,      kPerspective,   kOrthographic,   kPoint,          kDirectional, kSpot,
+    kMaterial,    kMesh,       kSphere,        kPlane,          kDisc,           kTriangle,    kPolygon,
+    kMeshObject,  kGroup,      kTransformStep, kQuadric,        kEllipsoid,      kCylinder,    kCone,
+    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap, kAdaptive};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

@@ -15,6 +15,7 @@
 #include "scene/load.h"
 #include "scene/placement.h"
 #include "scene/polygon_plane.h"
+#include "scene/sampling.h"
 #include "scene/text_file.h"
 #include "scene/transform.h"
 
@@ -242,6 +243,30 @@ void validateImage(const ImageSettings& image, const Place& place) {
     checkInteger(place, "width", image.width, 1, kMaxImageSize);
     checkInteger(place, "height", image.height, 1, kMaxImageSize);
     checkInteger(place, "samplesPerPixel", image.samplesPerPixel, 1, kMaxSamplesPerPixel);
+    if (!(image.filterRadius >= kMinFilterRadius && image.filterRadius <= kMaxFilterRadius))
+        place.fail("filterRadius", "must be from " + describe(kMinFilterRadius) + " to " +
+                                       describe(kMaxFilterRadius) + " pixels" + got(image.filterRadius));
+    if (image.adaptive) {
+        const Place adaptive{place.file, place.pointer + "/adaptive"};
+        checkInteger(adaptive, "maxSamples", image.adaptive->maxSamples, 1, kMaxSamplesPerPixel);
+        if (!(image.adaptive->threshold > 0 && image.adaptive->threshold <= 1))
+            adaptive.fail("threshold", "must be > 0 and at most 1" + got(image.adaptive->threshold));
+    }
+    if (const std::string wrong = samplingConflict(image); !wrong.empty()) place.fail({}, wrong);
+}
+
+// The lens and its distance from the focus are rounded to fp32, as is the inverse of that distance.
+void checkLens(const Camera& camera, const Place& place) {
+    const auto check = [&](const char* key, double value) {
+        if (!(value >= 0)) place.fail(key, "must be >= 0" + got(value));
+        if (value > 0 && (value < kMinLength || value >= kMaxCoordinate))
+            place.fail(
+                key, "must be from " + describe(kMinLength) + " to " + describe(kMaxCoordinate) + got(value));
+    };
+    check("lensRadius", camera.lensRadius);
+    check("focusDistance", camera.focusDistance);
+    if (camera.lensRadius > 0 && camera.projection == Projection::Orthographic)
+        place.fail("lensRadius", "an orthographic camera has no lens" + got(camera.lensRadius));
 }
 
 void validateCamera(const Camera& camera, const Place& place) {
@@ -250,6 +275,7 @@ void validateCamera(const Camera& camera, const Place& place) {
     checkDirection(place, "up", camera.up);
     checkView(camera, place);
     checkWindowSize(camera, place);
+    checkLens(camera, place);
     if (!(camera.nearT >= 0 && std::isfinite(camera.nearT)))
         place.fail("near", "must be >= 0 and finite" + got(camera.nearT));
     if (!(camera.farT > camera.nearT))

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/parallel.h"
+#include "reference/sampling.h"
 #include "verify/explain.h"
 
 namespace glint::verify {
@@ -24,12 +25,13 @@ constexpr float kDifferenceGain = 64;
 class Comparison {
   public:
     Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options,
-               const Picture& device, size_t sample)
+               const Picture& device, const PackedSamples& samples, uint32_t sample)
         : tracer_(scene),
           scene_(scene),
           camera_(camera),
           options_(options),
           device_(device),
+          samples_(samples),
           sample_(sample) {}
 
     RowSums row(int y) const {
@@ -40,12 +42,14 @@ class Comparison {
 
   private:
     void comparePixel(int x, int y, RowSums& sums) const {
-        const glm::dvec2 offset = options_.sampleOffsets[sample_];
-        const reference::Ray ray = tracer_.cameraRay(camera_, x + offset.x, y + offset.y);
+        const reference::FilmSample s =
+            reference::filmSample(samples_, sample_, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+        const reference::Ray ray = tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens);
         const reference::PixelRecord expected = tracer_.trace(ray);
         const PixelData& data = device_.at(x, y);
-        const glm::vec3 color(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
-                              device_.color.at(x, y, 2));
+        const glm::vec3 weighted(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
+                                 device_.color.at(x, y, 2));
+        const glm::vec3 color = weighted / static_cast<float>(s.weight);
         const glm::dvec3 d = glm::abs(glm::dvec3(color) - expected.color);
         const bool finite = std::isfinite(d.x + d.y + d.z);
         const double difference =
@@ -79,7 +83,8 @@ class Comparison {
     const shared::Camera& camera_;
     const Options& options_;
     const Picture& device_;
-    size_t sample_;
+    const PackedSamples& samples_;
+    uint32_t sample_;
 };
 
 void paint(Image& image, const DifferingPixel& pixel) {
@@ -138,19 +143,22 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     Report report;
     report.difference = Image(options.width, options.height, 3);
     uint64_t samePath = 0;
-    for (size_t sample = 0; sample < options.sampleOffsets.size(); ++sample) {
+    const PackedSamples samples =
+        options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
+    const uint32_t count = samples.round;
+    for (uint32_t sample = 0; sample < count; ++sample) {
         render::RenderSettings settings;
         settings.width = options.width;
         settings.height = options.height;
-        settings.sampleOffsets = {options.sampleOffsets[sample]};
+        settings.samples = samples.only(sample);
         settings.data = true;
         settings.ledger = scene.environment.minContribution > 0;
         settings.cancelled = options.cancelled;
         const Picture device = renderer.render(camera, settings);
-        const Comparison comparison(scene, camera, options, device, sample);
+        const Comparison comparison(scene, camera, options, device, samples, sample);
         std::vector<RowSums> rows(options.height);
         std::mutex mutex;
-        size_t finished = sample * options.height;
+        size_t finished = size_t{sample} * options.height;
         parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
             if (!device.complete || (options.cancelled && options.cancelled())) return;
             rows[y] = comparison.row(static_cast<int>(y));
@@ -158,7 +166,7 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
             ++finished;
             if (options.progress) {
                 options.progress(static_cast<double>(finished) /
-                                 static_cast<double>(options.height * options.sampleOffsets.size()));
+                                 (static_cast<double>(options.height) * count));
             }
         });
         if (!device.complete || (options.cancelled && options.cancelled())) {

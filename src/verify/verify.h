@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ const char* reasonName(Reason reason);
 struct Options {
     int width = 640, height = 480;
     std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};  // each is a picture of its own
+    std::optional<PackedSamples> samples;  // instead of sampleOffsets; adaptive: the first round
     double tolerance =
         1.0 / 512;  // greatest colour difference that needs no explanation: linear, unclamped, full scale 1
     double maxExplainedShare = 0.005;  // of all pixels

@@ -56,7 +56,7 @@ TEST(PackFeatures, AllAreOn) {
     const SceneFeatures f = allFeatures();
     EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
                 f.pointLights && f.directionalLights && f.specular && f.mirrors && f.spotLights &&
-                f.parallelCamera && f.discs && f.polygons && f.quadrics);
+                f.parallelCamera && f.discs && f.polygons && f.quadrics && f.thinLens);
 }
 
 TEST(PackFeatures, Primitives) {
@@ -132,6 +132,14 @@ TEST(PackFeatures, ParallelCamera) {
     scene.camera.projection = Projection::Orthographic;
     SceneFeatures expected;
     expected.parallelCamera = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+}
+
+TEST(PackFeatures, ThinLens) {
+    Scene scene;
+    scene.camera.lensRadius = 0.1;
+    SceneFeatures expected;
+    expected.thinLens = true;
     EXPECT_EQ(featuresOf(scene), expected);
 }
 

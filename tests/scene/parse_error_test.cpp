@@ -54,6 +54,28 @@ const Case kStructure[] = {
 };
 
 const Case kTypes[] = {
+    {"sampler", R"({"image": {"sampler": "random"}})",
+     R"(s.json: /image/sampler: must be "grid", "jittered" or "lowDiscrepancy" (got "random"))"},
+    {"filter", R"({"image": {"filter": "sinc"}})",
+     R"(s.json: /image/filter: must be "box", "tent", "gaussian" or "mitchell" (got "sinc"))"},
+    {"filterRadius", R"({"image": {"filterRadius": 9}})",
+     "s.json: /image/filterRadius: must be from 0.01 to 8 pixels (got 9)"},
+    {"seed", R"({"image": {"seed": 1.5}})",
+     "s.json: /image/seed: must be a whole number from 0 to 4294967295 (got 1.5)"},
+    {"mitchellSamples", R"({"image": {"filter": "mitchell"}})",
+     "s.json: /image: the mitchell filter needs samplesPerPixel of 4 or more, for its negative lobes (got "
+     "1)"},
+    {"adaptiveGrid", R"({"image": {"adaptive": {}}})",
+     R"(s.json: /image: adaptive sampling needs the sampler "jittered" or "lowDiscrepancy": on the grid further samples fall on the first ones)"},
+    {"adaptiveOne", R"({"image": {"sampler": "jittered", "adaptive": {}}})",
+     "s.json: /image: adaptive sampling needs samplesPerPixel of 2 or more, to compare them (got 1)"},
+    {"threshold", R"({"image": {"sampler": "jittered", "adaptive": {"threshold": 0}}})",
+     "s.json: /image/adaptive/threshold: must be > 0 and at most 1 (got 0)"},
+    {"lensOfParallelRays", R"({"camera": {"type": "orthographic", "lensRadius": 1}})",
+     "s.json: /camera/lensRadius: an orthographic camera has no lens: its rays are parallel and have no "
+     "centre where one could stand; use a perspective camera"},
+    {"negativeLens", R"({"camera": {"lensRadius": -1}})",
+     "s.json: /camera/lensRadius: must be >= 0 (got -1)"},
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
     {"unknownCamera", R"({"camera": {"type": "fisheye"}})",

@@ -19,6 +19,7 @@ using nlohmann::json;
 const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"scene", ""},
     {"image", "/$defs/image"},
+    {"image/adaptive", "/$defs/adaptive"},
     {"camera/perspective", "/$defs/perspectiveCamera"},
     {"camera/orthographic", "/$defs/orthographicCamera"},
     {"lights/point", "/$defs/pointLight"},

@@ -46,9 +46,8 @@ TEST(Validate, acceptsAValidScene) {
 
 TEST(Validate, acceptsTheEndsOfTheRanges) {
     EXPECT_EQ(errorAfter([](Scene& s) {
-                  s.image.width = 65536;
+                  s.image.width = s.image.samplesPerPixel = 65536;
                   s.image.height = 1;
-                  s.image.samplesPerPixel = 65536;
                   s.maxDepth = 1000;
                   s.materials[0].shininess = 0;
                   s.materials[0].mirror = Color(1);

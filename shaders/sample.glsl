@@ -1,0 +1,73 @@
+// Where a sample of a pixel lies on the film and on the lens (docs/sampling.md).
+#ifndef GLINT_SAMPLE_GLSL
+#define GLINT_SAMPLE_GLSL
+
+#include "storage.glsl"
+
+// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers of 32 random bits from four.
+uvec4 pcg4d(uvec4 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> 16u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B. Burley, "Practical
+// Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N. Vegdahl's constants.
+uvec4 owenScrambled(uvec4 x, uvec4 seed) {
+    x = bitfieldReverse(x);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return bitfieldReverse(x);
+}
+
+// film x, film y, lens x, lens y in units of 2^-32.
+uvec4 scatteredPlace(Sample s, uvec2 pixel) {
+    uvec4 place = uvec4(s.x, s.y, s.lensX, s.lensY);
+    uvec4 random = pcg4d(uvec4(pixel, s.key, s.seed));
+    if (s.scatter == kScatterJitter) {
+        uvec4 within, fraction;
+        umulExtended(random, uvec4(s.widthX, s.widthY, s.widthLensX, s.widthLensY), within, fraction);
+        place += within;
+        if (FEATURE_THIN_LENS) place.zw += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
+    }
+    if (s.scatter == kScatterOwen) place = owenScrambled(place, random);
+    return place;
+}
+
+// Pixels from the left (upper) edge, exact: all numbers here have fewer than 24 bits.
+float filmOffset(uint place, uint table) {
+    uint cell = place >> kFilterCellShift;
+    uvec4 row = LOAD4(samplesArray, table * kFilterRows + (cell >> 1));
+    ivec2 ends = ivec2((cell & 1u) == 0u ? row.xy : row.zw);
+    int fraction = int((place >> (kFilterCellShift - 12u)) & 4095u);
+    int distance = ends.x + (((ends.y - ends.x) * fraction) >> 12);
+    return 0.5 + float(distance) / float(1u << kFilterBits);
+}
+
+// The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3),
+// 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! =
+// 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
+vec2 onDisc(uvec2 place) {
+    vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) / float(1 << 23);
+    bool wide = abs(p.x) > abs(p.y);
+    float radius = wide ? p.x : p.y;
+    precise float angle = radius == 0.0 ? 0.0 : 0.78539816339 * ((wide ? p.y : p.x) / radius);
+    precise float q = angle * angle;
+    precise float sine = angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));
+    precise float cosine = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40320.0))));
+    precise vec2 point = radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
+    return point;
+}
+
+#endif

@@ -1,0 +1,119 @@
+#include "reference/sampling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace glint::reference {
+
+namespace {
+
+using Words = std::array<uint32_t, 4>;
+
+// M. Jarzynski, M. Olano, JCGT 9(3), 2020: a linear congruential step of each word (Numerical Recipes'
+// constants), two rounds in which each word takes in the product of two others, a shift between them.
+Words hash(Words w) {
+    for (uint32_t& word : w) word = word * 1664525u + 1013904223u;
+    const auto mix = [&w] {
+        constexpr int kFactors[4][2] = {{1, 3}, {2, 0}, {0, 1}, {1, 2}};
+        for (int i = 0; i < 4; ++i) w[i] += w[kFactors[i][0]] * w[kFactors[i][1]];
+    };
+    mix();
+    for (uint32_t& word : w) word ^= word >> 16;
+    mix();
+    return w;
+}
+
+uint32_t mirrored(uint32_t bits) {
+    uint32_t result = 0;
+    for (int i = 0; i < 32; ++i) result |= ((bits >> i) & 1u) << (31 - i);
+    return result;
+}
+
+// B. Burley, JCGT 9(4), 2020.
+uint32_t owen(uint32_t x, uint32_t seed) {
+    uint32_t bits = mirrored(x);
+    bits ^= bits * 0x3d20adeau;
+    bits = (bits + seed) * ((seed >> 16) | 1u);
+    bits ^= bits * 0x05526c56u;
+    bits ^= bits * 0x53a22864u;
+    return mirrored(bits);
+}
+
+Words place(const shared::Sample& s, uint32_t x, uint32_t y) {
+    Words at = {s.x, s.y, s.lensX, s.lensY};
+    if (s.scatter == shared::kScatterNone) return at;
+    const Words random = hash({x, y, s.key, s.seed});
+    if (s.scatter == shared::kScatterOwen) {
+        for (int i = 0; i < 4; ++i) at[i] = owen(at[i], random[i]);
+        return at;
+    }
+    const Words width = {s.widthX, s.widthY, s.widthLensX, s.widthLensY};
+    const Words shift = hash({x, y, shared::kLensKey, s.seed});
+    for (int i = 0; i < 4; ++i) {
+        at[i] += static_cast<uint32_t>(uint64_t{random[i]} * width[i] / (uint64_t{1} << 32));
+        if (i >= 2) at[i] += shift[i];
+    }
+    return at;
+}
+
+// 12 bits of the place lead from a cell's first distance to its last one; what is left of them is cut off.
+double offsetOf(const PackedSamples& samples, uint32_t table, uint32_t place) {
+    const auto* words = reinterpret_cast<const int32_t*>(samples.rows.data());
+    const int32_t* ends = words + table * 4 * shared::kFilterRows + 2 * (place / (1u << 22));
+    const int64_t part = place / 1024 % 4096;
+    const int64_t distance = ends[0] + (int64_t{ends[1]} - ends[0]) * part / 4096;
+    return 0.5 + std::ldexp(static_cast<double>(distance), -static_cast<int>(shared::kFilterBits));
+}
+
+double lensCoordinate(uint32_t place) {
+    return std::ldexp(static_cast<double>(place >> 8), -24);
+}
+
+}  // namespace
+
+FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y) {
+    if (!samples.scattered()) return {samples.offsets[index], glm::dvec2(0), 1};
+    const shared::Sample& s = samples.rows[shared::kFirstSample + index];
+    const Words at = place(s, x, y);
+    FilmSample result;
+    result.offset = {offsetOf(samples, s.tableX, at[0]), offsetOf(samples, s.tableY, at[1])};
+    result.lens = concentricDisc(lensCoordinate(at[2]), lensCoordinate(at[3]));
+    result.weight = s.weight.x;
+    return result;
+}
+
+// Squares about the centre become circles; the four triangles that the diagonals cut them into go each to a
+// quarter of the disc, with the angle from the triangle's middle in proportion to the way along the side.
+glm::dvec2 concentricDisc(double a, double b) {
+    const double x = 2 * a - 1, y = 2 * b - 1;
+    const double radius = std::max(std::abs(x), std::abs(y));
+    if (radius == 0) return glm::dvec2(0);
+    constexpr double kEighth = std::numbers::pi / 4;
+    double angle;
+    if (x > std::abs(y))
+        angle = kEighth * (y / x);
+    else if (-x > std::abs(y))
+        angle = kEighth * (4 + y / x);
+    else if (y > 0)
+        angle = kEighth * (2 - x / y);
+    else
+        angle = kEighth * (6 - x / y);
+    return radius * glm::dvec2(std::cos(angle), std::sin(angle));
+}
+
+bool needsMore(const std::vector<glm::dvec3>& colors, double threshold) {
+    const auto n = static_cast<double>(colors.size());
+    if (colors.size() < 2) return false;
+    glm::dvec3 mean(0), squares(0);
+    for (const glm::dvec3& c : colors) mean += c / n;
+    for (const glm::dvec3& c : colors) squares += (c - mean) * (c - mean);
+    for (int c = 0; c < 3; ++c) {
+        const double standardError = std::sqrt(squares[c] / (n * (n - 1)));
+        if (standardError > threshold * std::max(mean[c], 0.125)) return true;
+    }
+    return false;
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,68 @@
+#include "scene/sampling.h"
+
+#include "scene/limits.h"
+
+namespace glint {
+
+namespace {
+
+constexpr const char* kSamplers[] = {"grid", "jittered", "lowDiscrepancy"};
+constexpr const char* kFilters[] = {"box", "tent", "gaussian", "mitchell"};
+
+template <typename Enum, size_t N>
+std::optional<Enum> find(const char* const (&names)[N], std::string_view name) {
+    for (size_t i = 0; i < N; ++i)
+        if (name == names[i]) return static_cast<Enum>(i);
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Sampler> samplerNamed(std::string_view name) {
+    return find<Sampler>(kSamplers, name);
+}
+
+std::optional<Filter> filterNamed(std::string_view name) {
+    return find<Filter>(kFilters, name);
+}
+
+const char* nameOf(Sampler sampler) {
+    return kSamplers[static_cast<int>(sampler)];
+}
+
+const char* nameOf(Filter filter) {
+    return kFilters[static_cast<int>(filter)];
+}
+
+double defaultRadius(Filter filter) {
+    switch (filter) {
+        case Filter::Box:
+            return 0.5;
+        case Filter::Tent:
+            return 1;
+        case Filter::Gaussian:
+            return 1.5;
+        case Filter::Mitchell:
+            return 2;
+    }
+    return 0.5;
+}
+
+std::string samplingConflict(const ImageSettings& image) {
+    const std::string samples = std::to_string(image.samplesPerPixel);
+    if (image.filter == Filter::Mitchell && image.samplesPerPixel < kMinMitchellSamples)
+        return "the mitchell filter needs samplesPerPixel of " + std::to_string(kMinMitchellSamples) +
+               " or more, for its negative lobes (got " + samples + ")";
+    if (!image.adaptive) return "";
+    if (image.sampler == Sampler::Grid)
+        return "adaptive sampling needs the sampler \"jittered\" or \"lowDiscrepancy\": on the grid further "
+               "samples fall on the first ones";
+    if (image.samplesPerPixel < 2)
+        return "adaptive sampling needs samplesPerPixel of 2 or more, to compare them (got " + samples + ")";
+    if (image.adaptive->maxSamples < image.samplesPerPixel)
+        return "adaptive sampling needs maxSamples of at least samplesPerPixel, which is " + samples +
+               " (got " + std::to_string(image.adaptive->maxSamples) + ")";
+    return "";
+}
+
+}  // namespace glint

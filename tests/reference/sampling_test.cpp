@@ -1,0 +1,238 @@
+// Sample points, filters, the disc map and the lens: against their papers' formulas and what they must
+// satisfy.
+#include "reference/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "bvh/filter_table.h"
+#include "bvh/packed_scene.h"
+#include "bvh/sample_points.h"
+#include "reference/tracer.h"
+
+namespace glint::reference {
+namespace {
+
+ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp) {
+    ImageSettings image;
+    image.sampler = sampler;
+    image.filter = filter;
+    image.filterRadius = radius;
+    image.samplesPerPixel = spp;
+    image.seed = 7;
+    return image;
+}
+
+// pcg4d as printed by Jarzynski and Olano (JCGT 9(3), 2020), statement by statement.
+std::array<uint32_t, 4> paperPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
+    x = x * 1664525u + 1013904223u;
+    y = y * 1664525u + 1013904223u;
+    z = z * 1664525u + 1013904223u;
+    w = w * 1664525u + 1013904223u;
+    x += y * w;
+    y += z * x;
+    z += x * y;
+    w += y * z;
+    x ^= x >> 16;
+    y ^= y >> 16;
+    z ^= z >> 16;
+    w ^= w >> 16;
+    x += y * w;
+    y += z * x;
+    z += x * y;
+    w += y * z;
+    return {x, y, z, w};
+}
+
+// One cell as wide as the pixel: the place is the hash, cut to the 22 bits that the filter's table uses.
+TEST(Sampling, JitterIsThePapersHash) {
+    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 1), false);
+    for (uint32_t y = 0; y < 40; ++y)
+        for (uint32_t x = 0; x < 40; ++x) {
+            const auto random = paperPcg4d(x, y, 0, 7);
+            // The cell is 2^32 - 1 wide, so the place is within one unit below the hash.
+            const FilmSample s = filmSample(samples, 0, x, y);
+            EXPECT_NEAR(s.offset.x, random[0] * 0x1p-32, 0x1p-18 + 0x1p-22);
+            EXPECT_NEAR(s.offset.y, random[1] * 0x1p-32, 0x1p-18 + 0x1p-22);
+        }
+}
+
+// S. Joe, F. Y. Kuo's web page, first points of their four-dimensional example.
+TEST(Sampling, SobolsFirstPoints) {
+    constexpr uint32_t half = 0x80000000u, quarter = 0x40000000u, three = 0xc0000000u;
+    EXPECT_EQ(sobolPoint(0), (FixedPoint{0, 0, 0, 0}));
+    EXPECT_EQ(sobolPoint(1), (FixedPoint{half, half, half, half}));
+    EXPECT_EQ(sobolPoint(3), (FixedPoint{three, quarter, quarter, quarter}));
+    EXPECT_EQ(sobolPoint(2), (FixedPoint{quarter, three, three, three}));
+}
+
+// Scrambled or not, 2^m points have one in each elementary interval of the film: 2^a columns and 2^(m-a)
+// rows.
+TEST(Sampling, LowDiscrepancyStratifies) {
+    constexpr int m = 6;
+    const PackedSamples samples =
+        packSamples(settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 1 << m), false);
+    for (uint32_t pixel = 0; pixel < 50; ++pixel)
+        for (int a = 0; a <= m; ++a) {
+            std::set<std::pair<int, int>> cells;
+            for (uint32_t i = 0; i < 1u << m; ++i) {
+                const glm::dvec2 p = filmSample(samples, i, pixel, 3 * pixel).offset;
+                cells.insert(
+                    {static_cast<int>(std::ldexp(p.x, a)), static_cast<int>(std::ldexp(p.y, m - a))});
+            }
+            EXPECT_EQ(cells.size(), 1u << m) << pixel << ' ' << a;
+        }
+}
+
+TEST(Sampling, JitterStratifies) {
+    const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 25), false);
+    for (uint32_t pixel = 0; pixel < 200; ++pixel) {
+        std::set<std::pair<int, int>> cells;
+        for (uint32_t i = 0; i < 25; ++i) {
+            const glm::dvec2 p = filmSample(samples, i, pixel, 9).offset;
+            cells.insert({static_cast<int>(p.x * 5 + 1e-5), static_cast<int>(p.y * 5 + 1e-5)});
+        }
+        EXPECT_EQ(cells.size(), 25u) << pixel;
+    }
+}
+
+// Cells of any number of samples have equal areas, to the rounding of 2^-32 on each side.
+TEST(Sampling, CellsFillTheSquare) {
+    for (const uint32_t count : {1u, 2u, 3u, 7u, 12u, 13u, 101u}) {
+        const auto cells = stratifiedCells(count, 1);
+        ASSERT_EQ(cells.size(), count);
+        for (const FixedCell& c : cells)
+            EXPECT_NEAR(std::ldexp(double(c.width[0]) * double(c.width[1]), -64), 1.0 / count, 0x1p-30);
+    }
+}
+
+TEST(Sampling, SeedsAndPixelsDiffer) {
+    ImageSettings image = settingsOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 4);
+    const PackedSamples a = packSamples(image, false);
+    image.seed = 8;
+    const PackedSamples b = packSamples(image, false);
+    int same = 0;
+    for (uint32_t x = 0; x < 100; ++x) {
+        same += filmSample(a, 1, x, 0).offset == filmSample(b, 1, x, 0).offset;
+        same += filmSample(a, 1, x, 0).offset == filmSample(a, 1, x + 1, 0).offset;
+    }
+    EXPECT_EQ(same, 0);
+}
+
+// The mean of x^2 over the samples, weighted, is the filter's second moment: box r^2/3, tent r^2/6;
+// Mitchell's is (B-dependent) r^2/4 * 2 * integral of x^2 k(x), here by Simpson's rule. 64 x 64 grid points:
+// a midpoint rule, good to 1e-3 r^2.
+TEST(Sampling, FiltersHaveTheirMoments) {
+    for (const Filter filter : {Filter::Box, Filter::Tent, Filter::Gaussian, Filter::Mitchell}) {
+        const double r = 1.7;
+        double mass = 0, second = 0;
+        constexpr int n = 6000;
+        for (int i = 0; i <= n; ++i) {
+            const double x = r * (2.0 * i / n - 1), w = (i == 0 || i == n ? 1 : i % 2 ? 4 : 2);
+            mass += w * filterValue(filter, x, r);
+            second += w * x * x * filterValue(filter, x, r);
+        }
+        const PackedSamples samples = packSamples(settingsOf(Sampler::Grid, filter, r, 4096), true);
+        double weights = 0, moment = 0, mean = 0;
+        for (uint32_t i = 0; i < samples.count(); ++i) {
+            const FilmSample s = filmSample(samples, i, 0, 0);
+            weights += s.weight;
+            mean += s.weight * (s.offset.x - 0.5);
+            moment += s.weight * (s.offset.x - 0.5) * (s.offset.x - 0.5);
+        }
+        EXPECT_NEAR(weights / 4096, 1, 1e-5);
+        EXPECT_NEAR(mean / 4096, 0, 2e-3 * r);
+        EXPECT_NEAR(moment / 4096, second / mass, 2e-3 * r * r) << static_cast<int>(filter);
+    }
+}
+
+TEST(Sampling, MitchellWeighsWholeRounds) {
+    for (const int spp : {4, 5, 16, 100}) {
+        ImageSettings image = settingsOf(Sampler::Jittered, Filter::Mitchell, 2, spp);
+        image.adaptive = AdaptiveSampling{3 * spp + 1, 0.1};
+        const PackedSamples samples = packSamples(image, false);
+        ASSERT_EQ(samples.count(), 3u * spp);
+        for (int round = 0; round < 3; ++round) {
+            double sum = 0, least = 0;
+            for (int i = 0; i < spp; ++i) {
+                const double w = filmSample(samples, round * spp + i, 3, 4).weight;
+                sum += w;
+                least = std::min(least, w);
+            }
+            EXPECT_NEAR(sum, spp, 1e-5 * spp);
+            EXPECT_LT(least, 0);
+        }
+    }
+}
+
+// Equal areas: rings and sectors of the disc get their share of a fine grid; the grid's edge effects are
+// below 1 / side.
+TEST(Sampling, DiscIsUniform) {
+    constexpr int side = 512;
+    std::array<int, 8> sectors{};
+    std::array<int, 4> rings{};
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const glm::dvec2 p = concentricDisc((x + 0.5) / side, (y + 0.5) / side);
+            ASSERT_LE(glm::length(p), 1.0);
+            ++rings[static_cast<size_t>(4 * glm::dot(p, p))];
+            ++sectors[static_cast<size_t>((std::atan2(p.y, p.x) / std::numbers::pi + 1) * 4) % 8];
+        }
+    for (const int n : rings) EXPECT_NEAR(n * 4.0 / (side * side), 1, 4.0 * 4 / side);
+    for (const int n : sectors) EXPECT_NEAR(n * 8.0 / (side * side), 1, 8.0 / side);
+}
+
+// All rays of a film point meet in the plane of focus, oblique camera or not, within the fp32 of the packed
+// camera: 2^-24 of its numbers, twice for the sum, over the focus distance.
+TEST(Sampling, RaysMeetInTheFocus) {
+    for (const bool oblique : {false, true}) {
+        Camera camera;
+        camera.eye = {1, 2, 5};
+        camera.target = {0, 0.5, -1};
+        camera.lensRadius = 0.3;
+        camera.focusDistance = 4;
+        if (oblique) camera.planeNormal = {0, 0.3, 1};
+        const shared::Camera packed = packCamera(camera, 64, 48, glm::dvec3(0));
+        const PackedScene empty;
+        const Tracer tracer(empty);
+        const glm::dvec3 view = glm::normalize(camera.target - camera.eye);
+        const glm::dvec3 normal = oblique ? glm::normalize(*camera.planeNormal) : -view;
+        const glm::dvec3 onPlane = camera.eye + 4.0 * view;
+        const auto meets = [&](const Ray& ray) {
+            return ray.origin +
+                   ray.direction * (glm::dot(onPlane - ray.origin, normal) / glm::dot(ray.direction, normal));
+        };
+        for (const double x : {0.0, 20.5, 63.9}) {
+            const Ray middle = tracer.cameraRay(packed, x, 7);
+            const glm::dvec3 focus = meets(middle);
+            for (int i = 0; i < 12; ++i) {
+                const glm::dvec2 lens(std::cos(i), std::sin(i));
+                const Ray ray = tracer.cameraRay(packed, x, 7, lens);
+                EXPECT_NEAR(glm::length(ray.origin - middle.origin), 0.3, 1e-6);
+                EXPECT_NEAR(glm::dot(ray.origin - middle.origin, normal), 0, 1e-6);
+                EXPECT_LT(glm::length(meets(ray) - focus), 4 * 4 * 0x1p-22);
+            }
+        }
+    }
+}
+
+TEST(Sampling, NeedsMore) {
+    const std::vector<glm::dvec3> even(4, glm::dvec3(0.5));
+    EXPECT_FALSE(needsMore(even, 1e-6));
+    // 0 and 1: mean 0.5, spread sqrt(1/2), standard error 0.5 = the mean.
+    const std::vector<glm::dvec3> edge = {glm::dvec3(0), glm::dvec3(1)};
+    EXPECT_TRUE(needsMore(edge, 0.999));
+    EXPECT_FALSE(needsMore(edge, 1.001));
+    // In the dark, of 0.125: 0 and 0.02 have a standard error of 0.01 = 0.08 x 0.125.
+    const std::vector<glm::dvec3> dark = {glm::dvec3(0), glm::dvec3(0, 0.02, 0)};
+    EXPECT_TRUE(needsMore(dark, 0.079));
+    EXPECT_FALSE(needsMore(dark, 0.081));
+}
+
+}  // namespace
+}  // namespace glint::reference

@@ -1,0 +1,154 @@
+// Samplers, filters, adaptive sampling and the lens on the device.
+#include <cmath>
+
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+class Sampling : public RenderTest {};
+
+RenderSettings settingsOf(const Case& c, const ImageSettings& image) {
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    settings.samples = packSamples(image, c.scene.camera.lensRadius > 0);
+    return settings;
+}
+
+ImageSettings imageOf(Sampler sampler, Filter filter, double radius, int spp) {
+    ImageSettings image;
+    image.sampler = sampler;
+    image.filter = filter;
+    image.filterRadius = radius;
+    image.samplesPerPixel = spp;
+    image.seed = 3;
+    return image;
+}
+
+TEST_F(Sampling, VerifyExplainsEverySamplerAndFilter) {
+    for (const char* name : {"sampling", "lens"}) {
+        const Case c = fileCase(name, 48, 36);
+        for (const Sampler sampler : {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy})
+            for (const Filter filter : {Filter::Box, Filter::Tent, Filter::Gaussian, Filter::Mitchell}) {
+                Renderer renderer(device(), c.packed);
+                verify::Options options;
+                options.width = c.width;
+                options.height = c.height;
+                options.samples = packSamples(imageOf(sampler, filter, 1.25, 4), std::string(name) == "lens");
+                const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+                EXPECT_EQ(report.unexplained, 0u) << name;
+                EXPECT_EQ(report.pixels, 4u * 48 * 36);
+            }
+    }
+}
+
+// The plain grid, through the table of samples and the box filter, is the grid of push constants.
+TEST_F(Sampling, GridThroughTheTableIsTheGrid) {
+    const Case c = fileCase("sampling", 64, 48);
+    Renderer renderer(device(), c.packed);
+    RenderSettings plain = settingsOf(c, imageOf(Sampler::Grid, Filter::Box, 0.5, 4));
+    ASSERT_FALSE(plain.samples->scattered());
+    RenderSettings table = plain;
+    table.samples = packSamples(imageOf(Sampler::Grid, Filter::Box, 0.5, 4), true);
+    ASSERT_TRUE(table.samples->scattered());
+    const Picture a = renderer.render(c.camera, plain), b = renderer.render(c.camera, table);
+    EXPECT_TRUE(sameBits(a, b));
+}
+
+TEST_F(Sampling, SlicesCropsAndOrderChangeNothing) {
+    const Case c = fileCase("lens", 64, 48);
+    for (const bool adaptive : {false, true}) {
+        ImageSettings image = imageOf(Sampler::LowDiscrepancy, Filter::Tent, 1, 4);
+        if (adaptive) image.adaptive = AdaptiveSampling{16, 0.1};
+        const RenderSettings settings = settingsOf(c, image);
+        Renderer whole(device(), c.packed);
+        Options small;
+        small.maxSlicePixels = 1024;
+        Renderer sliced(device(), c.packed, small);
+        const Picture a = whole.render(c.camera, settings);
+        EXPECT_TRUE(sameBits(a, sliced.render(c.camera, settings)));
+        RenderSettings crop = settings;
+        crop.region = {13, 9, 40, 33};
+        const Picture part = whole.render(c.camera, crop);
+        for (int y = 9; y < 33; ++y)
+            for (int x = 13; x < 40; ++x)
+                for (int channel = 0; channel < 4; ++channel)
+                    ASSERT_EQ(part.color.at(x - 13, y - 9, channel), a.color.at(x, y, channel));
+        image.seed = 4;
+        EXPECT_FALSE(sameBits(a, whole.render(c.camera, settingsOf(c, image))));
+    }
+}
+
+// A threshold that no pixel with any contrast meets: pixels take all samples, or saw one colour only. Sums
+// are added up sample by sample, hence the tolerance: 16 roundings of 2^-24 of the brightest samples, 18.
+TEST_F(Sampling, AdaptiveIsUniformWhereAllIsFlagged) {
+    const Case c = fileCase("lens", 64, 48);
+    Renderer renderer(device(), c.packed);
+    ImageSettings image = imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 4);
+    image.adaptive = AdaptiveSampling{16, 1e-9};
+    const Picture adaptive = renderer.render(c.camera, settingsOf(c, image));
+    image.adaptive.reset();
+    image.samplesPerPixel = 16;
+    const Picture uniform = renderer.render(c.camera, settingsOf(c, image));
+    size_t flagged = 0;
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x) {
+            const uint32_t taken = adaptive.samples[y * 64 + x];
+            ASSERT_TRUE(taken % 4 == 0 && taken >= 4 && taken <= 16);
+            if (taken < 16) continue;
+            ++flagged;
+            for (int channel = 0; channel < 4; ++channel)
+                EXPECT_NEAR(adaptive.color.at(x, y, channel), uniform.color.at(x, y, channel),
+                            16 * 18 * 0x1p-24);
+        }
+    EXPECT_GT(flagged, 0u);
+    EXPECT_LT(flagged, adaptive.samples.size());  // the floor has one colour
+}
+
+// Bars 0.26 pixels wide every 0.52 pixels: a pixel's mean is grey, and that of four pixels, 7.7 periods, is
+// 0.5 to within 0.35 * 0.26 / 4 = 0.023. Samples half a pixel apart see nearly one phase and draw false bars
+// 13 pixels wide at full contrast, of which blocks of four columns keep most; 64 random ones have a standard
+// error of at most 0.5 / 8. The root mean square over 16 blocks tells them apart.
+TEST_F(Sampling, NoFalseBars) {
+    std::string text = R"({"camera": {"type": "orthographic", "eye": [0, 0, 5], "height": 4}, "ambient": 1,
+        "materials": {"white": {"diffuse": 0, "ambient": 1}}, "objects": [)";
+    for (int i = 0; i < 128; ++i) {
+        const double x = -33 + 0.52 * i;
+        const std::string left = std::to_string(x), right = std::to_string(x + 0.26);
+        text += std::string(i > 0 ? "," : "") + R"({"type": "polygon", "material": "white", "vertices": [[)" +
+                left + ",-9,0],[" + right + ",-9,0],[" + right + ",9,0],[" + left + ",9,0]]}";
+    }
+    const Case c = textCase(text + "]}", 64, 4);
+    Renderer renderer(device(), c.packed);
+    const auto error = [&](Sampler sampler) {
+        const Picture p = renderer.render(c.camera, settingsOf(c, imageOf(sampler, Filter::Box, 0.5, 4)));
+        double sum = 0;
+        for (int block = 0; block < 16; ++block) {
+            double mean = 0;
+            for (int i = 0; i < 16; ++i) mean += p.color.at(4 * block + i % 4, i / 4, 0) / 16;
+            sum += (mean - 0.5) * (mean - 0.5) / 16;
+        }
+        return std::sqrt(sum);
+    };
+    EXPECT_GT(error(Sampler::Grid), 0.25);
+    EXPECT_LT(error(Sampler::Jittered), 2 * (0.5 / 8 + 0.023));
+    EXPECT_LT(error(Sampler::LowDiscrepancy), 2 * (0.5 / 8 + 0.023));
+}
+
+// 512 samples of a small picture: no submission holds more than one sample's bounce.
+TEST_F(Sampling, ManySamplesAreManySubmissions) {
+    const Case c = fileCase("lens", 16, 16);
+    Renderer renderer(device(), c.packed);
+    renderer.render(c.camera, settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512)));
+    EXPECT_GE(renderer.times().submissions, 512u);
+    RenderSettings stopped = settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512));
+    const uint64_t before = renderer.times().submissions;
+    stopped.cancelled = [] { return true; };
+    EXPECT_FALSE(renderer.render(c.camera, stopped).complete);
+    EXPECT_LE(renderer.times().submissions, before + 2);
+}
+
+}  // namespace
+}  // namespace glint::render::test
