@@ -13,9 +13,16 @@ struct ImportedMesh {
     Mesh mesh;                        // mesh.materials index `materials` below (empty if the file names none)
     std::vector<Material> materials;  // from the file, in order of first definition
     std::vector<std::string> warnings;
+    std::vector<Texture> textures = {};  // that the materials index
 };
 
-// Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
+// Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes
+// of .gltf and .glb, by extension.
+//
+// glTF: all meshes of the default scene as one, where their nodes place them; cameras and lights are left
+// out.
+//
+// STL: equal vertices become one; stored normals are not used.
 //
 // OBJ: v, vn, f with positive and negative indices; o, g and all else are ignored. MTL: Ka Kd Ks Ns illum
 // (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or black: the diffuse

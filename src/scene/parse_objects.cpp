@@ -169,7 +169,15 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     for (std::string& warning : imported.warnings) scene_.warnings.push_back(std::move(warning));
     LoadedMesh mesh;
     mesh.material = static_cast<uint32_t>(scene_.materials.size());
-    for (Material& material : imported.materials) scene_.materials.push_back(std::move(material));
+    const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
+    for (Texture& texture : imported.textures) scene_.textures.push_back(std::move(texture));
+    for (Material& material : imported.materials) {
+        for (uint32_t* texture :
+             {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
+              &material.mirrorTexture, &material.transmissionTexture})
+            if (*texture != Material::kNoTexture) *texture += firstTexture;
+        scene_.materials.push_back(std::move(material));
+    }
     for (uint32_t& material : imported.mesh.materials) material += mesh.material;
     mesh.own = std::make_shared<const Mesh>(std::move(imported.mesh));
     return loaded_.emplace(name, std::move(mesh)).first->second;

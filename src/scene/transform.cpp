@@ -175,8 +175,8 @@ Mesh transformed(const Mesh& mesh, const Affine& transform) {
     const NormalTransform transformNormal(transform.linear);
     for (glm::dvec3& normal : result.normals) normal = transformNormal(normal);
     if (mirrors(transform.linear)) {
-        for (glm::uvec3& corners : result.corners) std::swap(corners.y, corners.z);
-        for (glm::uvec3& corners : result.normalCorners) std::swap(corners.y, corners.z);
+        for (auto* list : {&result.corners, &result.normalCorners, &result.uvCorners, &result.colorCorners})
+            for (glm::uvec3& corners : *list) std::swap(corners.y, corners.z);
     }
     return result;
 }
