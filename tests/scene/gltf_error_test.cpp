@@ -206,7 +206,7 @@ TEST(GltfErrors, truncationsAndBitFlips) {
     std::mt19937 random(1);
     for (int i = 0; i < 3000; i++) {
         std::string damaged = i % 2 == 0 ? glb : text;
-        for (uint32_t flips = 1 + random() % 3; flips > 0; flips--)
+        for (auto flips = 1 + random() % 3; flips > 0; flips--)
             damaged[random() % damaged.size()] ^= static_cast<char>(1u << random() % 8);
         error(damaged, i % 2 == 0 ? "a.glb" : "a.gltf");  // errorOf: an Error of one line, or nothing
     }
