@@ -38,7 +38,7 @@ struct ImageSettings {
     Filter filter = Filter::Box;
     double filterRadius = 0.5;  // pixels; 0.5 is the pixel itself
     uint32_t seed = 0;
-    std::optional<AdaptiveSampling> adaptive;
+    std::optional<AdaptiveSampling> adaptive = {};
 };
 
 // The part of the image plane that the picture shows (Shirley & Marschner, Fundamentals of Computer Graphics,
