@@ -141,6 +141,11 @@ GLINT_READ_ARRAY(14, polygonVerticesArray)
 GLINT_LOADER(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(15, quadricsArray)
+#define GLINT_ARRAY_NAME quadricsArray
+GLINT_LOADER(Quadric, GLINT_QUADRIC_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };
@@ -156,5 +161,7 @@ uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 GLINT_FEATURES(GLINT_FEATURE_CONSTANT)
 #define GLINT_MODE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool MODE_##NAME = false;
 GLINT_MODES(GLINT_MODE_CONSTANT)
+#define GLINT_CHOICE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const uint NAME = 0u;
+GLINT_CHOICES(GLINT_CHOICE_CONSTANT)
 
 #endif

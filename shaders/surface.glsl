@@ -3,6 +3,7 @@
 #define GLINT_SURFACE_GLSL
 
 #include "intersect.glsl"
+#include "quadric.glsl"
 
 struct Surface {
     vec3 position;
@@ -107,6 +108,18 @@ void polygonSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = polygon.material;
 }
 
+void quadricSurface(Ray ray, Hit hit, inout Surface surface) {
+    Quadric quadric = loadQuadric(hit.primitive & kLeafFirstMask);
+    QuadricPoint found = quadricPoint(ray, hit, quadric);
+    surface.position = found.position;
+    surface.error = found.error;
+    surface.normal = found.normal;
+    surface.shadingNormal = found.normal;
+    surface.object = quadric.object;
+    surface.primitive = quadric.primitive;
+    surface.material = quadric.material;
+}
+
 // hit.primitive must not be kNone.
 Surface surfaceAt(Ray ray, Hit hit) {
     Surface surface;
@@ -123,6 +136,7 @@ Surface surfaceAt(Ray ray, Hit hit) {
     if (FEATURE_PLANES && kind == kKindPlane) planeSurface(ray, hit, surface);
     if (FEATURE_DISCS && kind == kKindDisc) discSurface(ray, hit, surface);
     if (FEATURE_POLYGONS && kind == kKindPolygon) polygonSurface(ray, hit, surface);
+    if (FEATURE_QUADRICS && kind == kKindQuadric) quadricSurface(ray, hit, surface);
     return surface;
 }
 

@@ -8,6 +8,8 @@
 #define GLINT_TRAVERSAL_GLSL
 
 #include "intersect.glsl"
+#include "quadric.glsl"
+#include "textbook.glsl"
 
 struct Traversal {
     Ray ray;
@@ -39,7 +41,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            if (intersectTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+            if (meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                 primitive != traversal.ray.source) {
                 accept(traversal.ray, traversal.hit, t, u, v, primitive, triangle.id);
             }
@@ -54,7 +56,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
-            if (intersectSphere(traversal.ray, sphere, primitive, t)) {
+            if (meetSphere(traversal.ray, sphere, primitive, t)) {
                 accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive, sphere.id);
             }
             ++index;
@@ -88,6 +90,21 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
+            if (MODE_COST) ++traversal.cost;
+        }
+    }
+    if (FEATURE_QUADRICS) {
+        uint index = kind == kKindQuadric ? first : end;
+        while (index < end) {
+            Quadric quadric = loadQuadric(index);
+            uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
+            float t;
+            uint part;
+            if (intersectQuadric(traversal.ray, quadric, primitive, t, part)) {
+                accept(traversal.ray, traversal.hit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            }
+            ++index;
+            ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
         }
     }
@@ -176,7 +193,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot) {
     traversal.frame = makeFrame(traversal.ray.direction);
     if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS) && sound && !settled(traversal);
     return traverse(traversal, inTree ? environment.root : kNone);
 }
 

@@ -19,7 +19,8 @@
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)
+    X(12, POLYGONS, polygons)                   \
+    X(13, QUADRICS, quadrics)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by
@@ -30,6 +31,12 @@
     X(65, COST, cost)     \
     X(66, RESUME, resume) \
     X(67, SHADOWLESS, shadowless)
+
+// X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
+// kSphere... below.
+#define GLINT_CHOICES(X)          \
+    X(70, INTERSECTOR, triangles) \
+    X(71, SPHERE_FORM, spheres)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)               \
@@ -45,7 +52,8 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(15, quadrics, Quadric)
 
 #define GLINT_BINDING_COUNT 24
 
@@ -84,6 +92,14 @@ GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
 GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+
+GLINT_CONST_UINT(kTriangleWatertight, 0u);
+GLINT_CONST_UINT(kTriangleBarycentric, 1u);
+GLINT_CONST_UINT(kTriangleProjection, 2u);
+GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
+GLINT_CONST_UINT(kSphereRobust, 0u);
+GLINT_CONST_UINT(kSphereAlgebraic, 1u);
+GLINT_CONST_UINT(kSphereGeometric, 2u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading

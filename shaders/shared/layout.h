@@ -66,6 +66,23 @@
 
 #define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
 
+// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
+// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
+// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
+// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
+// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
+// little curvature, `point` lies on it, and constant vanishes.
+#define GLINT_QUADRIC_ROWS(V3F, V3U, U4) \
+    V3U(point, id)                       \
+    V3F(toLocal0, constant)              \
+    V3U(toLocal1, object)                \
+    V3U(toLocal2, primitive)             \
+    V3U(squares, material)               \
+    V3U(products, caps)                  \
+    V3F(linear, reserved0)               \
+    V3F(lo, reserved1)                   \
+    V3F(hi, reserved2)
+
 #define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
     V3F(ambient, shininess)               \
     V3F(diffuse, reserved0)               \
@@ -108,6 +125,7 @@
     X(Disc, GLINT_DISC_ROWS)                        \
     X(Polygon, GLINT_POLYGON_ROWS)                  \
     X(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)     \
+    X(Quadric, GLINT_QUADRIC_ROWS)                  \
     X(Material, GLINT_MATERIAL_ROWS)                \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
@@ -168,7 +186,18 @@ GLINT_CONST_UINT(kKindSphere, 1u);
 GLINT_CONST_UINT(kKindPlane, 2u);
 GLINT_CONST_UINT(kKindDisc, 3u);
 GLINT_CONST_UINT(kKindPolygon, 4u);
-GLINT_CONST_UINT(kKindCount, 5u);
+GLINT_CONST_UINT(kKindQuadric, 5u);
+GLINT_CONST_UINT(kKindCount, 6u);
+
+// Of a quadric, the part that is hit stands in the primitive too, above the 25 bits that a leaf leaves to an
+// index: a ray that starts there must not meet that part again, but may meet the others.
+GLINT_CONST_UINT(kQuadricPartShift, 26u);
+GLINT_CONST_UINT(kQuadricPartMask, 3u);
+GLINT_CONST_UINT(kPartSide, 0u);
+GLINT_CONST_UINT(kPartLowerCap, 1u);
+GLINT_CONST_UINT(kPartUpperCap, 2u);
+GLINT_CONST_UINT(kCapLower, 1u);
+GLINT_CONST_UINT(kCapUpper, 2u);
 
 GLINT_CONST_UINT(kLightPoint, 0u);
 GLINT_CONST_UINT(kLightPointInverseSquare, 1u);

@@ -54,6 +54,16 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
 }
 
+void addMethods(CLI::App& command, SceneOptions& options) {
+    addText(command, "--intersector", "NAME",
+            "of triangles: watertight (default); of textbooks, with their faults: barycentric, projection, "
+            "planar3d",
+            [&](const Text& t) { options.methods.triangles = parseIntersector(t); });
+    addText(command, "--sphere", "NAME",
+            "of spheres: robust (default); of textbooks, with their faults: algebraic, geometric",
+            [&](const Text& t) { options.methods.spheres = parseSphereMethod(t); });
+}
+
 void addDevice(CLI::App& command, DeviceChoice& device) {
     addText(command, "--device", "NAME|INDEX",
             "index or part of the name, see glint devices (default: the best)",
@@ -84,6 +94,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
                 c.output = t;
             });
     addSceneOverrides(command, c.scene);
+    addMethods(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
     addText(command, "--aov", "LIST",
@@ -148,6 +159,7 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
                 c.folder = t;
             });
     addSceneOverrides(command, c.common);
+    addMethods(command, c.common);
     addDevice(command, c.device);
     addProgress(command, c.progress);
 }
@@ -165,6 +177,7 @@ void addTrace(CLI::App& app, TraceCommand& c) {
     addFlag(command, "--any", c.any, "only whether anything is hit");
     addText(command, "--size", "WxH", "size of the picture that --pixel counts in, instead of the scene's",
             [&](const Text& t) { c.scene.size = parseSize(t); });
+    addMethods(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
 }
@@ -216,6 +229,7 @@ void addCommands(CLI::App& app, Commands& c) {
     CLI::App& info = *app.add_subcommand("info", "what a scene holds, and what its pipeline leaves out");
     addScene(info, c.info);
     addSceneOverrides(info, c.info);
+    addMethods(info, c.info);
     app.add_subcommand("devices", "the Vulkan devices, chosen or refused and why");
     for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
         command->group("Commands");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "scene/methods.h"
 #include "scene/picture.h"
 
 namespace glint::app {
@@ -29,6 +30,7 @@ struct SceneOptions {
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
+    Methods methods;
 };
 
 struct DeviceChoice {

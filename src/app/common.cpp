@@ -25,6 +25,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     loaded.loadSeconds = watch.seconds();
     watch.restart();
     loaded.packed = packScene(loaded.scene);
+    loaded.packed.methods = options.methods;
     loaded.packSeconds = watch.seconds();
     if (!quiet) {
         for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << w << '\n';

@@ -28,7 +28,7 @@ std::string arraySize(const PackedScene& packed) {
                            bytesOf(packed.triangleSurfaces) + bytesOf(packed.vertexNormals) +
                            bytesOf(packed.spheres) + bytesOf(packed.planes) + bytesOf(packed.materials) +
                            bytesOf(packed.lights) + bytesOf(packed.discs) + bytesOf(packed.polygons) +
-                           bytesOf(packed.polygonVertices);
+                           bytesOf(packed.polygonVertices) + bytesOf(packed.quadrics);
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
@@ -77,7 +77,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << "  objects       " << scene.objects.size() << " (" << counted(packed.triangles.size(), "triangle")
         << ", " << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane")
         << ", " << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon")
-        << ")\n"
+        << ", " << counted(packed.quadrics.size(), "quadric") << ")\n"
         << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';
     printGeometry(packed, out);
@@ -87,6 +87,8 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
+    out << "  tests         triangles " << nameOf(packed.methods.triangles) << ", spheres "
+        << nameOf(packed.methods.spheres) << '\n';
     return static_cast<int>(ExitCode::Done);
 }
 

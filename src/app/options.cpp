@@ -133,6 +133,21 @@ Backend parseBackend(const std::string& text) {
     refuse("--backend", "gpu or cpu", text);
 }
 
+TriangleMethod parseIntersector(const std::string& text) {
+    const auto& names = kTriangleMethodNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end())
+        refuse("--intersector", "watertight, barycentric, projection or planar3d", text);
+    return static_cast<TriangleMethod>(found - names.begin());
+}
+
+SphereMethod parseSphereMethod(const std::string& text) {
+    const auto& names = kSphereMethodNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) refuse("--sphere", "robust, algebraic or geometric", text);
+    return static_cast<SphereMethod>(found - names.begin());
+}
+
 ProgressMode parseProgress(const std::string& text) {
     try {
         return parseProgressMode(text);

@@ -119,6 +119,9 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["planes"] = loaded.packed.planes.size();
     json["discs"] = loaded.packed.discs.size();
     json["polygons"] = loaded.packed.polygons.size();
+    json["quadrics"] = loaded.packed.quadrics.size();
+    json["intersector"] = nameOf(loaded.packed.methods.triangles);
+    json["sphere"] = nameOf(loaded.packed.methods.spheres);
     json["notFinite"] = outcome.picture.notFinite;
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},

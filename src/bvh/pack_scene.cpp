@@ -8,6 +8,7 @@
 #include "bvh/flatten.h"
 #include "bvh/packed_scene.h"
 #include "bvh/primitives.h"
+#include "bvh/quadrics.h"
 #include "bvh/region.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
@@ -130,6 +131,7 @@ class LeafOrderWriter {
     void writeSphere(Primitives::Source source, uint32_t slot);
     void writeDisc(Primitives::Source source, uint32_t slot);
     void writePolygon(Primitives::Source source, uint32_t slot, uint32_t firstVertex);
+    void writeQuadric(Primitives::Source source, uint32_t slot);
 
     const Scene& scene_;
     const PrimitiveNumbers& numbers_;
@@ -158,6 +160,7 @@ void LeafOrderWriter::write(unsigned threads) {
     packed_.spheres.resize(total.kinds[shared::kKindSphere]);
     packed_.discs.resize(total.kinds[shared::kKindDisc]);
     packed_.polygons.resize(total.kinds[shared::kKindPolygon]);
+    packed_.quadrics.resize(total.kinds[shared::kKindQuadric]);
     packed_.polygonVertices.resize(total.polygonVertices);
     packed_.vertexNormals.resize(total.normals);
     parallelFor(
@@ -185,6 +188,7 @@ void LeafOrderWriter::writeChunk(size_t chunk, Counts next) {
         const uint32_t slot = next.kinds[kind]++;
         if (kind == shared::kKindSphere) return writeSphere(source, slot);
         if (kind == shared::kKindDisc) return writeDisc(source, slot);
+        if (kind == shared::kKindQuadric) return writeQuadric(source, slot);
         if (const auto* polygon = std::get_if<PolygonShape>(&scene_.objects[source.object].shape)) {
             writePolygon(source, slot, next.polygonVertices);
             next.polygonVertices += packedVertices(*polygon);
@@ -257,6 +261,16 @@ void LeafOrderWriter::writePolygon(Primitives::Source source, uint32_t slot, uin
     use(polygon.material);
 }
 
+void LeafOrderWriter::writeQuadric(Primitives::Source source, uint32_t slot) {
+    const Object& object = scene_.objects[source.object];
+    shared::Quadric& quadric = packed_.quadrics[slot];
+    quadric = roundQuadric(object, frame_);
+    quadric.id = numbers_.firstId(source.object);
+    quadric.object = source.object;
+    quadric.material = object.material;
+    use(quadric.material);
+}
+
 // A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
 void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
     uint32_t trips = 0;
@@ -305,6 +319,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.planes = !packed.planes.empty();
     f.discs = !packed.discs.empty();
     f.polygons = !packed.polygons.empty();
+    f.quadrics = !packed.quadrics.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/methods.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
 
@@ -24,6 +25,7 @@ struct SceneFeatures {
     bool mirrors = false;   // some material reflects, and maxDepth > 0
     bool discs = false;
     bool polygons = false;
+    bool quadrics = false;
     bool spotLights = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool operator==(const SceneFeatures&) const = default;
@@ -54,11 +56,13 @@ struct PackedScene {
     std::vector<shared::Disc> discs;
     std::vector<shared::Polygon> polygons;
     std::vector<shared::PolygonVertex> polygonVertices;
+    std::vector<shared::Quadric> quadrics;
     uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
     std::vector<shared::Light> lights;
     shared::Environment environment;
     SceneFeatures features;
+    Methods methods;  // the intersection tests of both tracers; packScene leaves the default
     PackStatistics statistics;
     std::vector<std::string> warnings;
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing

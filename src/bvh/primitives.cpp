@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "bvh/area_vector.h"
+#include "bvh/quadrics.h"
 #include "bvh/unit_vector.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -26,8 +27,8 @@ struct ChunkCount {
     std::vector<Dropped> dropped;
 };
 
-constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres", "planes", "discs",
-                                                        "polygons"};
+constexpr const char* kKindNames[shared::kKindCount] = {"triangles", "spheres",  "planes",
+                                                        "discs",     "polygons", "quadrics"};
 
 // No area means collinear after rounding, exactly: a needle of any thinness that fp32 can tell from a line
 // has a plane and a normal and is kept; a degenerate triangle has none, and watertight intersection tests
@@ -107,6 +108,7 @@ Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
         const PolygonPlane plane = polygonPlane(widened(vertices)).value();
         return polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal));
     }
+    if (isQuadric(object.shape)) return quadricBox(object, frame, roundQuadric(object, frame));
     Box box;
     const Corners corners = roundTriangle(TriangleSource(object).vertices(face), frame.origin).value();
     for (const glm::vec3& p : corners) box.include(p);
@@ -284,6 +286,12 @@ uint8_t kindOf(const Shape& shape) {
         uint32_t operator()(const DiscShape&) const { return shared::kKindDisc; }
         uint32_t operator()(const TriangleShape&) const { return shared::kKindTriangle; }
         uint32_t operator()(const PolygonShape&) const { return shared::kKindPolygon; }
+        uint32_t operator()(const QuadricShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const EllipsoidShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const CylinderShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const ConeShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const HyperboloidShape&) const { return shared::kKindQuadric; }
+        uint32_t operator()(const ParaboloidShape&) const { return shared::kKindQuadric; }
         uint32_t operator()(const MeshShape&) const { return shared::kKindTriangle; }
     };
     return static_cast<uint8_t>(std::visit(Kind{}, shape));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/quadrics.h"
 #include "bvh/unit_vector.h"
 #include "core/parallel.h"
 
@@ -32,6 +33,11 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, size_t
         }
         if (const auto* polygon = std::get_if<PolygonShape>(&o.shape))
             for (const glm::dvec3& vertex : polygon->vertices) region.include(vertex);
+        if (isQuadric(o.shape)) {
+            const Extent extent = quadricExtent(o);
+            region.include(extent.lo);
+            region.include(extent.hi);
+        }
         const TriangleSource source(o);
         if (!source.any()) return;
         for (uint32_t face = begin; face < end; ++face)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference/intersect.h"
+#include "reference/quadric.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -36,7 +37,8 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
         }
         case shared::kKindSphere: {
             const shared::Sphere& s = scene.spheres[indexOf(primitive)];
-            return greatestCoordinate(s.point) + (isAnchored(s) ? 0 : s.radius);
+            return greatestCoordinate(s.point) +
+                   (isAnchored(s) && scene.methods.spheres == SphereMethod::Robust ? 0 : s.radius);
         }
         case shared::kKindDisc: {
             const shared::Disc& disc = scene.discs[indexOf(primitive)];
@@ -47,6 +49,10 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
             for (const shared::PolygonVertex& v : outlineOf(scene, scene.polygons[indexOf(primitive)]))
                 greatest = std::max(greatest, greatestCoordinate(v.position));
             return greatest;
+        }
+        case shared::kKindQuadric: {
+            const shared::Quadric& q = scene.quadrics[primitive & shared::kLeafFirstMask];
+            return greatestCoordinate(q.point) + quadricReach(q);
         }
         default:
             return greatestCoordinate(scene.planes[indexOf(primitive)].point);
@@ -145,6 +151,16 @@ void fillFlat(const Flat& flat, const glm::vec3& anchor, const dvec3& point, Sur
     surface.shadingNormal = surface.geometricNormal;
     const double distance = glm::dot(surface.geometricNormal, point - dvec3(anchor));
     surface.position = point - distance * surface.geometricNormal;
+}
+
+void fillQuadric(const shared::Quadric& quadric, const Ray& ray, const Hit& hit, Surface& surface) {
+    surface.object = quadric.object;
+    surface.primitive = quadric.primitive;
+    surface.material = quadric.material;
+    const uint32_t part = hit.primitive >> shared::kQuadricPartShift & shared::kQuadricPartMask;
+    const QuadricSite site = quadricSite(quadric, part, ray.origin + hit.t * ray.direction, ray.direction);
+    surface.position = site.position;
+    surface.geometricNormal = surface.shadingNormal = site.normal;
 }
 
 // One camera ray followed to its end.
@@ -337,6 +353,9 @@ Surface Tracer::surface(const Ray& ray, const Hit& hit) const {
             fillFlat(polygon, polygon.point, point, surface);
             break;
         }
+        case shared::kKindQuadric:
+            fillQuadric(scene_.quadrics[hit.primitive & shared::kLeafFirstMask], ray, hit, surface);
+            break;
         default: {
             const shared::Plane& plane = scene_.planes[indexOf(hit.primitive)];
             fillFlat(plane, plane.point, point, surface);

@@ -2,6 +2,8 @@
 #include <limits>
 
 #include "reference/intersect.h"
+#include "reference/quadric.h"
+#include "reference/textbook.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -52,17 +54,23 @@ bool isSource(uint32_t kind, uint32_t index, uint32_t source) {
 }
 
 bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
-                        uint32_t source, double tMax, Root& root, uint32_t& id) {
+                        uint32_t source, double tMax, Root& root, uint32_t& id, uint32_t& part) {
     switch (kind) {
         case shared::kKindTriangle: {
             const shared::Triangle& triangle = scene.triangles[index];
             id = triangle.id;
-            return !isSource(kind, index, source) && intersectTriangle(triangle, ray, tMax, root);
+            if (isSource(kind, index, source)) return false;
+            if (scene.methods.triangles != TriangleMethod::Watertight)
+                return textbookTriangle(scene.methods.triangles, triangle, ray, tMax, root);
+            return intersectTriangle(triangle, ray, tMax, root);
         }
         case shared::kKindSphere: {
             const shared::Sphere& sphere = scene.spheres[index];
             id = sphere.id;
-            return intersectSphere(sphere, ray, isSource(kind, index, source), tMax, root);
+            const bool own = isSource(kind, index, source);
+            if (scene.methods.spheres != SphereMethod::Robust)
+                return textbookSphere(scene.methods.spheres, sphere, ray, own, tMax, root);
+            return intersectSphere(sphere, ray, own, tMax, root);
         }
         case shared::kKindDisc: {
             const shared::Disc& disc = scene.discs[index];
@@ -74,6 +82,12 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
             id = polygon.id;
             return !isSource(kind, index, source) &&
                    intersectPolygon(polygon, outlineOf(scene, polygon), ray, tMax, root);
+        }
+        case shared::kKindQuadric: {
+            const shared::Quadric& quadric = scene.quadrics[index];
+            id = quadric.id;
+            return intersectQuadric(quadric, ray, kind << shared::kPrimitiveKindShift | index, source, tMax,
+                                    root, part);
         }
         default: {
             const shared::Plane& plane = scene.planes[index];
@@ -89,12 +103,14 @@ bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t k
                     uint32_t count, uint32_t source, Search& search) {
     for (uint32_t i = first; i < first + count; ++i) {
         Root root;
-        uint32_t id = 0;
+        uint32_t id = 0, part = 0;
         ++search.cost;
-        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id)) continue;
+        if (!intersectPrimitive(scene, ray, kind, i, source, search.best.t, root, id, part)) continue;
         if constexpr (!kAny) {
             if (search.found && root.t == search.best.t && id > search.best.id) continue;
-            search.best = {root.t, root.u, root.v, kind << shared::kPrimitiveKindShift | i, id};
+            const uint32_t primitive =
+                kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | i;
+            search.best = {root.t, root.u, root.v, primitive, id};
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -188,8 +204,8 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, uint32_t source) co
     if (!prepared.valid) return std::nullopt;
     search.best.t = ray.tMax;
     const size_t counts[shared::kKindCount] = {scene_.triangles.size(), scene_.spheres.size(),
-                                               scene_.planes.size(), scene_.discs.size(),
-                                               scene_.polygons.size()};
+                                               scene_.planes.size(),    scene_.discs.size(),
+                                               scene_.polygons.size(),  scene_.quadrics.size()};
     for (uint32_t kind = 0; kind < shared::kKindCount; ++kind) {
         testPrimitives<false>(scene_, prepared, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
     }

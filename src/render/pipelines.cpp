@@ -28,13 +28,17 @@ const char* nameOf(KernelId id) {
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
 constexpr uint32_t kConstantIds = 80;
 
-std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes) {
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes,
+                                  const Methods& methods) {
     std::vector<uint32_t> constants(kConstantIds, 0u);
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = modes.field ? 1u : 0u;
     GLINT_MODES(GLINT_CONSTANT)
+#undef GLINT_CONSTANT
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(methods.field);
+    GLINT_CHOICES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
     return constants;
 }
@@ -46,16 +50,22 @@ constexpr bool idsAreUnique() {
     used[ID] = true;
     GLINT_FEATURES(GLINT_CHECK)
     GLINT_MODES(GLINT_CHECK)
+    GLINT_CHOICES(GLINT_CHECK)
 #undef GLINT_CHECK
     return true;
 }
 static_assert(idsAreUnique());
+static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMethod::Barycentric) &&
+              shared::kTriangleProjection == static_cast<uint32_t>(TriangleMethod::Projection) &&
+              shared::kTrianglePlanar3d == static_cast<uint32_t>(TriangleMethod::Planar3d) &&
+              shared::kSphereAlgebraic == static_cast<uint32_t>(SphereMethod::Algebraic) &&
+              shared::kSphereGeometric == static_cast<uint32_t>(SphereMethod::Geometric));
 
 }  // namespace
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-                     const SceneFeatures& features)
-    : device_(device), code_(code), access_(access), features_(features) {}
+                     const SceneFeatures& features, const Methods& methods)
+    : device_(device), code_(code), access_(access), features_(features), methods_(methods) {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
@@ -74,7 +84,7 @@ const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
     options.spirv = codeOf(code_, id);
     options.bindings.assign(GLINT_BINDING_COUNT, access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    options.constants = constantsOf(features_, modes);
+    options.constants = constantsOf(features_, modes, methods_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     gpu::Kernel kernel(device_, options);

@@ -22,7 +22,7 @@ struct TraceModes {
 class Pipelines {
   public:
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-              const SceneFeatures& features);
+              const SceneFeatures& features, const Methods& methods);
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
@@ -33,6 +33,7 @@ class Pipelines {
     const KernelCode& code_;
     gpu::Access access_;
     SceneFeatures features_;
+    Methods methods_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
 };

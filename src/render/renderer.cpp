@@ -57,15 +57,15 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
 // lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2
 // kMaxLeafSize + 2 + polygonTripsPerLeaf is what one pass of the outer loop can add after the last check.
-// Besides, lavapipe enters each of the (at most 6) inner loops once in every trip of the outer one even with
-// no lane live, and the outer loop's trips are those of its longest lane: 6 (B + slack) more. The planes'
-// loop comes on top. So (S + 6)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
+// Besides, lavapipe enters each of the (at most 7) inner loops once in every trip of the outer one even with
+// no lane live, and the outer loop's trips are those of its longest lane: 7 (B + slack) more. The planes'
+// loop comes on top. So (S + 7)(B + slack) + kMaxPlanes <= 65535, and one more in S leaves room for the
 // compiler's own.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint32_t slack = 2 * shared::kMaxLeafSize + 2 + polygonTripsPerLeaf;
-    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 7) - slack;
+    return (kLlvmpipeTrips - shared::kMaxPlanes) / (lanes + 8) - slack;
 }
 
 struct Renderer::State {
@@ -95,7 +95,7 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
-                    opts.leaveOut ? packed.features : allFeatures()),
+                    opts.leaveOut ? packed.features : allFeatures(), packed.methods),
           submission(dev) {
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access);

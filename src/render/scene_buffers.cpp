@@ -40,7 +40,8 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
                 bytesOf(camera),
                 bytesOf(scene.discs),
                 bytesOf(scene.polygons),
-                bytesOf(scene.polygonVertices)};
+                bytesOf(scene.polygonVertices),
+                bytesOf(scene.quadrics)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT

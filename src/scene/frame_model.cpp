@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "scene/camera_frame.h"
@@ -47,10 +48,7 @@ class PartVisitor {
     void operator()(const PolygonShape& s) const {
         for (const glm::dvec3& vertex : s.vertices) point(vertex);
     }
-    void operator()(const QuadricShape& s) const {
-        for (int i = 0; i < 8; i++)
-            point({i & 1 ? s.hi.x : s.lo.x, i & 2 ? s.hi.y : s.lo.y, i & 4 ? s.hi.z : s.lo.z});
-    }
+    void operator()(const QuadricShape& s) const { corners(s.lo, s.hi); }
     void operator()(const EllipsoidShape& s) const {
         ball(s.center, {{s.radii.x, 0, 0}, {0, s.radii.y, 0}, {0, 0, s.radii.z}});
     }
@@ -65,6 +63,10 @@ class PartVisitor {
     void operator()(const MeshShape& s) const {
         const auto& p = s.mesh->positions;
         for (const glm::uvec3& c : s.mesh->corners) triangle(p[c.x], p[c.y], p[c.z]);
+    }
+
+    void corners(const glm::dvec3& lo, const glm::dvec3& hi) const {
+        for (int i = 0; i < 8; i++) point({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
     }
 
   private:
@@ -90,14 +92,31 @@ class PartVisitor {
         disc(q, q - p, qRadius);
     }
 
-    const Affine& transform_;
+    Affine transform_;
     const Visit& visit_;
 };
 
+// Of meshes that stand in several places the corners of their boxes, so that the time does not grow with the
+// number of places.
 template <typename Visit>
 void forEachPart(const Scene& scene, const Visit& visit) {
+    std::map<const Mesh*, std::pair<size_t, Box>> shared;
     for (const Object& object : scene.objects)
-        std::visit(PartVisitor<Visit>(object.transform.value_or(Affine{}), visit), object.shape);
+        if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
+    for (const Object& object : scene.objects) {
+        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), visit);
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (!shape || shared[shape->mesh.get()].first == 1) {
+            std::visit(visitor, object.shape);
+            continue;
+        }
+        Box& box = shared[shape->mesh.get()].second;
+        if (box.empty()) {
+            const auto add = [&box](const glm::dvec3& center, const glm::dmat3&) { box.add(center); };
+            PartVisitor<decltype(add)>({}, add)(*shape);
+        }
+        if (!box.empty()) visitor.corners(box.low, box.high);
+    }
 }
 
 // How far a part reaches in a direction.

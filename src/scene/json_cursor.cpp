@@ -89,6 +89,12 @@ JsonCursor JsonCursor::require(std::string_view key) const {
     return *found;
 }
 
+bool JsonCursor::boolean() const {
+    const bool* value = std::get_if<bool>(&value_->data);
+    if (!value) failWanted("must be true or false");
+    return *value;
+}
+
 double JsonCursor::number() const {
     if (!value_->number()) failWanted("must be a number");
     return *value_->number();

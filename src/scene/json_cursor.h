@@ -39,6 +39,7 @@ class JsonCursor {
     std::optional<JsonCursor> find(std::string_view key) const;
     JsonCursor require(std::string_view key) const;
 
+    bool boolean() const;
     double number() const;
     int integer(int least, int greatest) const;
     const std::string& string() const;

@@ -154,12 +154,8 @@ class NffReader {
         return fill_;
     }
 
-    template <typename ShapeT>
-    void addObject(ShapeT shape, size_t line) {
-        if constexpr (std::is_constructible_v<Shape, ShapeT>)
-            scene_.objects.push_back({"line " + std::to_string(line), std::move(shape), fill()});
-        else
-            scanner_.fail("cones and cylinders are not supported by this version");
+    void addObject(Shape shape, size_t line) {
+        scene_.objects.push_back({"line " + std::to_string(line), std::move(shape), fill()});
     }
 
     // Of negative radii only the inside is to be seen.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/near_names.h"
+#include "scene/parse_quadrics.h"
 #include "scene/parse_transform.h"
 #include "scene/validate.h"
 
@@ -16,6 +17,7 @@ const KeyTable& keysOf(std::string_view type) {
     if (type == "disc") return keys::kDisc;
     if (type == "triangle") return keys::kTriangle;
     if (type == "polygon") return keys::kPolygon;
+    if (const KeyTable* table = quadricKeys(type)) return *table;
     return keys::kMeshObject;
 }
 
@@ -23,10 +25,7 @@ std::string hintIn(const std::string& hint) {
     return hint.empty() ? "" : " (" + hint + ")";
 }
 
-Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCursor& where) {
-    if (!similarityFactor(transform.linear))
-        where.fail(
-            "a sphere can only be scaled alike in all directions; ellipsoids come with a later version");
+Shape applied(const SphereShape& sphere, const Affine& transform, const JsonCursor&) {
     return transformed(sphere, transform);
 }
 Shape applied(const PlaneShape& plane, const Affine& transform, const JsonCursor&) {
@@ -43,8 +42,25 @@ Shape applied(const TriangleShape& triangle, const Affine& transform, const Json
 Shape applied(const PolygonShape& polygon, const Affine& transform, const JsonCursor&) {
     return transformed(polygon, transform);
 }
+// Quadrics keep their transform, see takesTransform.
+template <class Quadric>
+Shape applied(const Quadric& quadric, const Affine&, const JsonCursor&) {
+    return quadric;
+}
 Shape applied(const MeshShape& mesh, const Affine& transform, const JsonCursor&) {
     return MeshShape{std::make_shared<const Mesh>(transformed(*mesh.mesh, transform))};
+}
+
+// Quadrics are packed with a linear map of their own, so any transform goes into that. A sphere that does not
+// stay one becomes an ellipsoid.
+bool takesTransform(Shape& shape, const Affine& transform) {
+    if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
+        if (similarityFactor(transform.linear)) return false;
+        shape = EllipsoidShape{sphere->center, glm::dvec3(sphere->radius)};
+    }
+    return std::holds_alternative<QuadricShape>(shape) || std::holds_alternative<EllipsoidShape>(shape) ||
+           std::holds_alternative<CylinderShape>(shape) || std::holds_alternative<ConeShape>(shape) ||
+           std::holds_alternative<HyperboloidShape>(shape) || std::holds_alternative<ParaboloidShape>(shape);
 }
 
 }  // namespace
@@ -88,7 +104,9 @@ void ObjectParser::parse(const JsonCursor& object) {
     }
     if (const auto transform = object.find("transform")) {
         const Affine affine = parseTransform(*transform);
-        if (affine != Affine{})
+        if (affine != Affine{} && takesTransform(result.shape, affine))
+            result.transform = affine;
+        else if (affine != Affine{})
             result.shape =
                 std::visit([&](const auto& s) { return applied(s, affine, *transform); }, result.shape);
     }
@@ -115,6 +133,7 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         disc.radius = object.require("radius").number();
         return disc;
     }
+    if (auto quadric = parseQuadric(object, type)) return std::move(*quadric);
     const JsonCursor vertices = object.require("vertices");
     if (type == "polygon") {
         if (!vertices.value().array() || vertices.size() < 3)

@@ -224,7 +224,9 @@ struct ParaboloidShape {
 struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
-using Shape = std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, MeshShape>;
+using Shape =
+    std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, QuadricShape,
+                 EllipsoidShape, CylinderShape, ConeShape, HyperboloidShape, ParaboloidShape, MeshShape>;
 
 // x -> linear x + offset
 struct Affine {

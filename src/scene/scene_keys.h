@@ -34,6 +34,15 @@ inline constexpr auto kPlane = names("type", "point", "normal", "material", "tra
 inline constexpr auto kDisc = names("type", "center", "normal", "radius", "material", "transform");
 inline constexpr auto kTriangle = names("type", "vertices", "material", "transform");
 inline constexpr auto kPolygon = names("type", "vertices", "material", "transform");
+inline constexpr auto kQuadric = names("type", "coefficients", "bounds", "material", "transform");
+inline constexpr auto kEllipsoid = names("type", "center", "radii", "material", "transform");
+inline constexpr auto kCylinder = names("type", "base", "top", "radius", "capped", "material", "transform");
+inline constexpr auto kCone =
+    names("type", "base", "apex", "radius", "topRadius", "capped", "material", "transform");
+inline constexpr auto kHyperboloid =
+    names("type", "base", "top", "radius", "waist", "capped", "material", "transform");
+inline constexpr auto kParaboloid =
+    names("type", "vertex", "top", "radius", "capped", "material", "transform");
 inline constexpr auto kMeshObject = names("type", "mesh", "material", "transform");
 inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
 }  // namespace detail
@@ -52,12 +61,20 @@ inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothi
 inline constexpr KeyTable kDisc{"objects/disc", detail::kDisc, detail::kNothing};
 inline constexpr KeyTable kTriangle{"objects/triangle", detail::kTriangle, detail::kNothing};
 inline constexpr KeyTable kPolygon{"objects/polygon", detail::kPolygon, detail::kNothing};
+inline constexpr KeyTable kQuadric{"objects/quadric", detail::kQuadric, detail::kNothing};
+inline constexpr KeyTable kEllipsoid{"objects/ellipsoid", detail::kEllipsoid, detail::kNothing};
+inline constexpr KeyTable kCylinder{"objects/cylinder", detail::kCylinder, detail::kNothing};
+inline constexpr KeyTable kCone{"objects/cone", detail::kCone, detail::kNothing};
+inline constexpr KeyTable kHyperboloid{"objects/hyperboloid", detail::kHyperboloid, detail::kNothing};
+inline constexpr KeyTable kParaboloid{"objects/paraboloid", detail::kParaboloid, detail::kNothing};
 inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
-inline constexpr std::array kAllTables{
-    kScene, kImage,  kPerspective, kOrthographic, kPoint,    kDirectional, kSpot,       kMaterial,
-    kMesh,  kSphere, kPlane,       kDisc,         kTriangle, kPolygon,     kMeshObject, kTransformStep};
+inline constexpr std::array kAllTables{kScene,         kImage,     kPerspective, kOrthographic, kPoint,
+                                       kDirectional,   kSpot,      kMaterial,    kMesh,         kSphere,
+                                       kPlane,         kDisc,      kTriangle,    kPolygon,      kMeshObject,
+                                       kTransformStep, kQuadric,   kEllipsoid,   kCylinder,     kCone,
+                                       kHyperboloid,   kParaboloid};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {
@@ -69,13 +86,13 @@ struct TypeTable {
 namespace detail {
 inline constexpr auto kCameraTypes = names("perspective", "orthographic");
 inline constexpr auto kLightTypes = names("point", "directional", "spot");
-inline constexpr auto kObjectTypes = names("sphere", "plane", "disc", "triangle", "polygon", "mesh");
-inline constexpr auto kObjectTypesLater =
-    names("quadric", "cylinder", "cone", "ellipsoid", "hyperboloid", "paraboloid");
+inline constexpr auto kObjectTypes =
+    names("sphere", "plane", "disc", "triangle", "polygon", "quadric", "ellipsoid", "cylinder", "cone",
+          "hyperboloid", "paraboloid", "mesh");
 }  // namespace detail
 
 inline constexpr TypeTable kCameraTypes{"camera", detail::kCameraTypes, detail::kNothing};
 inline constexpr TypeTable kLightTypes{"light", detail::kLightTypes, detail::kNothing};
-inline constexpr TypeTable kObjectTypes{"object", detail::kObjectTypes, detail::kObjectTypesLater};
+inline constexpr TypeTable kObjectTypes{"object", detail::kObjectTypes, detail::kNothing};
 
 }  // namespace glint::keys

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "scene/checks.h"
 #include "scene/json_cursor.h"
 #include "scene/limits.h"
 #include "scene/load.h"
@@ -19,37 +20,8 @@ namespace glint {
 
 namespace {
 
-std::string text(const glm::dvec3& v) {
-    const std::string x = describe(v.x), y = describe(v.y), z = describe(v.z);
-    return '[' + x + ", " + y + ", " + z + ']';
-}
-
-std::string got(const std::string& what) {
-    return " (got " + what + ")";
-}
-std::string got(double number) {
-    return got(describe(number));
-}
-std::string got(const glm::dvec3& v) {
-    return got(text(v));
-}
-
 std::string gotColor(const Color& c) {
     return c.x == c.y && c.y == c.z ? got(c.x) : got(c);
-}
-
-bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double greatest(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-void checkPoint(const Place& place, std::string_view key, const glm::dvec3& point) {
-    if (!finite(point)) place.fail(key, "must be finite" + got(point));
-    if (greatest(point) >= kMaxCoordinate)
-        place.fail(key, "coordinates must be below " + describe(kMaxCoordinate) + got(point));
 }
 
 void checkDirection(const Place& place, std::string_view key, const glm::dvec3& direction) {
@@ -213,6 +185,10 @@ struct ShapeCheck {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
     void operator()(const PolygonShape& polygon) const { checkPolygon(place, polygon.vertices); }
+    template <class Quadric>
+    void operator()(const Quadric& quadric) const {
+        checkQuadric(quadric, place);
+    }
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);

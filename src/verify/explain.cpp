@@ -59,7 +59,10 @@ bool isTie(const DifferingPixel& pixel) {
 //   the distance t of the hit that is 10 M / t;
 // - a secondary origin: gamma_7 of the coordinates, twice for the offset: 14 C / t, C the greatest
 // coordinate. M and C are bounded by the scene's box and the points of the path; t is the shortest distance
-// along the path.
+// along the path;
+// - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
+// w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most twice
+// the greater of the extent and r.
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
                      const PixelData& device) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
@@ -71,7 +74,13 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }
     if (!std::isfinite(shortest) || shortest <= 0) return 8;
-    return 8 + (10 * 2 + 14) * extent / shortest;
+    double bound = 8 + (10 * 2 + 14) * extent / shortest;
+    if (scene.methods.spheres == SphereMethod::Robust) return bound;
+    for (const shared::Sphere& sphere : scene.spheres) {
+        const double radius = sphere.radius, far = 2 * std::max(extent, radius);
+        bound = std::max(bound, 2 * far * far / (radius * shortest));
+    }
+    return bound;
 }
 
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,

@@ -43,6 +43,16 @@ void visitPoints(const PackedScene& p, uint32_t object, const Point& point) {
     for (const shared::Disc& d : p.discs) {
         if (d.object == object) point(d.center, static_cast<double>(d.radius));
     }
+    for (const shared::Quadric& q : p.quadrics) {
+        if (q.object != object) continue;
+        const glm::dmat3 rows(glm::dvec3(q.toLocal0), glm::dvec3(q.toLocal1), glm::dvec3(q.toLocal2));
+        const glm::dmat3 back = glm::inverse(glm::transpose(rows));
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 y((corner & 1 ? q.hi : q.lo).x, (corner & 2 ? q.hi : q.lo).y,
+                               (corner & 4 ? q.hi : q.lo).z);
+            point(glm::dvec3(q.point) + back * y, 0.0);
+        }
+    }
     for (const shared::Polygon& polygon : p.polygons) {
         if (polygon.object != object) continue;
         for (uint32_t i = 0; i <= polygon.trips * shared::kPolygonEdgesPerTrip; ++i) {

@@ -11,15 +11,15 @@ TEST_F(Info, EmptyScene) {
     const Ran ran = runGlint({"info", "a.json"});
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
-    EXPECT_TRUE(
-        ran.out.starts_with("a.json\n"
-                            "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
-                            "  camera        perspective\n"
-                            "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons)\n"
-                            "  materials     0\n"
-                            "  lights        0\n"
-                            "  bounds        no geometry\n"
-                            "  BVH           none\n"))
+    EXPECT_TRUE(ran.out.starts_with(
+        "a.json\n"
+        "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
+        "  camera        perspective\n"
+        "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"
+        "  materials     0\n"
+        "  lights        0\n"
+        "  bounds        no geometry\n"
+        "  BVH           none\n"))
         << ran.out;
     EXPECT_NE(ran.out.find("  features used nothing\n"), std::string::npos) << ran.out;
 }
@@ -27,8 +27,9 @@ TEST_F(Info, EmptyScene) {
 TEST_F(Info, PlaneOnly) {
     writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
     const std::string out = runGlint({"info", "a.json"}).out;
-    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons)\n"),
-              std::string::npos)
+    EXPECT_NE(
+        out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics)\n"),
+        std::string::npos)
         << out;
     EXPECT_NE(out.find("  bounds        infinite (planes only)\n  BVH           none\n"), std::string::npos)
         << out;
@@ -42,8 +43,9 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel, at most 1 reflection\n"),
               std::string::npos)
         << out;
-    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons)\n"),
-              std::string::npos)
+    EXPECT_NE(
+        out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"),
+        std::string::npos)
         << out;
     EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
               std::string::npos)

@@ -56,7 +56,7 @@ TEST(PackFeatures, AllAreOn) {
     const SceneFeatures f = allFeatures();
     EXPECT_TRUE(f.triangles && f.spheres && f.anchoredSpheres && f.planes && f.vertexNormals &&
                 f.pointLights && f.directionalLights && f.specular && f.mirrors && f.spotLights &&
-                f.parallelCamera && f.discs && f.polygons);
+                f.parallelCamera && f.discs && f.polygons && f.quadrics);
 }
 
 TEST(PackFeatures, Primitives) {
@@ -87,6 +87,10 @@ TEST(PackFeatures, Primitives) {
 
     addObject(scene, DiscShape{});
     expected.discs = true;
+    EXPECT_EQ(featuresOf(scene), expected);
+
+    addObject(scene, EllipsoidShape{});
+    expected.quadrics = true;
     EXPECT_EQ(featuresOf(scene), expected);
 
     addObject(scene, SphereShape{{0, -1000, 0}, 1000});  // eye at (0, 0, 5): 0.0125 above it

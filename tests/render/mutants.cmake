@@ -23,6 +23,7 @@ mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEn
 mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
 mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
 mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
+mutant(quadric_disc quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
 mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
 mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
        "x * camera.originStepX - y * camera.originStepY" generate)

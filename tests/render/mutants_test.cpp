@@ -87,9 +87,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Defect{"sphere_normal", "spheres"}, Defect{"far_offset", "spheres"},
                     Defect{"short_shadows", kLampScene}, Defect{"long_shadows", kLampScene},
                     Defect{"disc_rim", "discs"}, Defect{"polygon_side", "polygons"},
-                    Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
-                    Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"},
-                    Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"}),
+                    Defect{"quadric_disc", "quadrics"}, Defect{"flipped_film", "orthographic"},
+                    Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"},
+                    Defect{"diffuse_gain", "spheres"}, Defect{"mirror_sign", kMirrorScene},
+                    Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace

@@ -72,6 +72,24 @@ Bounds triangleBounds(const PackedScene& scene, uint32_t index, const reference:
     return bounds;
 }
 
+// The normal turns with the gradient 2 T^t (Q y + g), by 2 |T^t Q T| over its length for each unit of way.
+Bounds quadricBounds(const PackedScene& scene, const reference::Hit& hit, const reference::Ray& ray,
+                     const reference::Surface& surface, double cosine) {
+    const shared::Quadric& q = scene.quadrics[hit.primitive & shared::kLeafFirstMask];
+    const glm::dmat3 toLocal =
+        glm::transpose(glm::dmat3(dvec3(q.toLocal0), dvec3(q.toLocal1), dvec3(q.toLocal2)));
+    const dvec3 y = toLocal * (surface.position - dvec3(q.point));
+    const glm::dmat3 squares(q.squares.x, q.products.z, q.products.y, q.products.z, q.squares.y, q.products.x,
+                             q.products.y, q.products.x, q.squares.z);
+    const glm::dmat3 turning = glm::transpose(toLocal) * squares * toLocal;
+    const double most = glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2]);
+    const double slope = glm::length(glm::transpose(toLocal) * (squares * y + dvec3(q.linear)));
+    const double reach = glm::length(dvec3(q.point) - ray.origin) + hit.t;
+    const double t = 64 * kUnit * reach / cosine;
+    const bool side = (hit.primitive >> shared::kQuadricPartShift & shared::kQuadricPartMask) == 0;
+    return {t, side ? most / slope * t + 16 * kUnit : 8 * kUnit, 0};
+}
+
 Bounds boundsOf(const PackedScene& scene, const reference::Hit& hit, const reference::Ray& ray,
                 const reference::Surface& surface) {
     const uint32_t kind = hit.primitive >> shared::kPrimitiveKindShift;
@@ -93,6 +111,7 @@ Bounds boundsOf(const PackedScene& scene, const reference::Hit& hit, const refer
         const double reach = glm::length(dvec3(scene.discs[index].center) - ray.origin) + hit.t;
         return {64 * kUnit * reach / cosine, 4 * kUnit, 0};
     }
+    if (kind == shared::kKindQuadric) return quadricBounds(scene, hit, ray, surface, cosine);
     const shared::Sphere& sphere = scene.spheres[index];
     const bool anchored = sphere.anchorNormal != glm::vec3(0);
     const double reach =

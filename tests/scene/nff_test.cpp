@@ -123,6 +123,31 @@ TEST(Nff, spheresAndPolygons) {
     EXPECT_EQ(scene.objects[2].name, "line 6");
 }
 
+TEST(Nff, conesAndCylinders) {
+    const Scene scene = load(
+        "c 0 0 0 2\n0 0 3 1\nc 0 0 0 2 0 0 3 2\nc 0 0 0 1 0 0 3 2\nc 0 0 0 -2 0 0 3 -2\n"
+        "c\n0 0 0 2 # tapers to a point\n0 0 3 0\n");
+    ASSERT_EQ(scene.objects.size(), 5u);
+    const auto& cone = std::get<ConeShape>(scene.objects[0].shape);
+    EXPECT_EQ(cone.base, dvec3(0));
+    EXPECT_EQ(cone.apex, dvec3(0, 0, 3));
+    EXPECT_EQ(cone.radius, 2);
+    EXPECT_EQ(cone.topRadius, 1);
+    EXPECT_FALSE(cone.capped);  // "the surface exists without endcaps"
+    const auto& cylinder = std::get<CylinderShape>(scene.objects[1].shape);
+    EXPECT_EQ(cylinder.top, dvec3(0, 0, 3));
+    EXPECT_EQ(cylinder.radius, 2);
+    EXPECT_FALSE(cylinder.capped);
+    const auto& turned = std::get<ConeShape>(scene.objects[2].shape);  // the wider end is the base
+    EXPECT_EQ(turned.base, dvec3(0, 0, 3));
+    EXPECT_EQ(turned.radius, 2);
+    EXPECT_EQ(turned.topRadius, 1);
+    EXPECT_EQ(std::get<CylinderShape>(scene.objects[3].shape).radius, 2);
+    EXPECT_EQ(std::get<ConeShape>(scene.objects[4].shape).topRadius, 0);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("1 surfaces with a negative radius"), std::string::npos);
+}
+
 TEST(Nff, patchesThatFollowEachOtherAreOneMesh) {
     const std::string patch = "pp 3\n0 0 0 0 0 1\n1 0 0 1 0 1\n0 1 0 0 1 1\n";
     const Scene scene =
@@ -211,6 +236,18 @@ TEST(NffAssets, tetra) {
     EXPECT_EQ(countOf<TriangleShape>(scene), 4u * 1024);
     EXPECT_EQ(scene.objects.size(), 4096u);
     EXPECT_EQ(scene.lights.size(), 1u);
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(NffAssets, rings) {
+    const auto path = assetsFolder() / "spd/rings.nff";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
+    const Scene scene = loadScene(path);
+    EXPECT_EQ(countOf<SphereShape>(scene), 140u * 6 * 5);
+    EXPECT_EQ(countOf<CylinderShape>(scene), 140u * 6 * 5);
+    EXPECT_EQ(countOf<PolygonShape>(scene), 1u);
+    EXPECT_EQ(scene.objects.size(), 8401u);  // SPD, Readme: "total prim."
+    EXPECT_EQ(scene.lights.size(), 3u);
     EXPECT_TRUE(scene.warnings.empty());
 }
 

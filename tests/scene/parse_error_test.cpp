@@ -54,10 +54,6 @@ const Case kStructure[] = {
 const Case kTypes[] = {
     {"unknownObjectType", R"({"objects": [{"type": "spere"}]})",
      R"(s.json: /objects/0/type: unknown object type "spere" (did you mean "sphere"?))"},
-    {"laterObjectType", R"({"objects": [{"type": "cone"}]})",
-     R"(s.json: /objects/0/type: "cone" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
-    {"laterEllipsoid", R"({"objects": [{"type": "ellipsoid", "center": [0,0,0], "radii": [1,2,3]}]})",
-     R"(s.json: /objects/0/type: "ellipsoid" is not supported by this version (supported: sphere, plane, disc, triangle, polygon, mesh))"},
     {"unknownCamera", R"({"camera": {"type": "fisheye"}})",
      R"(s.json: /camera/type: unknown camera type "fisheye" (supported: perspective, orthographic))"},
     {"obliqueCamera", R"({"camera": {"type": "oblique"}})",
@@ -239,9 +235,6 @@ const Case kTransforms[] = {
      "s.json: /objects/0/transform: is nearly singular (condition number 1.41421e+13, the limit is 1e+12)"},
     {"notFinite", TRANSFORM(R"([{"scale": 1e200}, {"scale": 1e200}])"),
      "s.json: /objects/0/transform: is not finite"},
-    {"ellipsoid", TRANSFORM(R"([{"scale": [1, 2, 1]}])"),
-     "s.json: /objects/0/transform: a sphere can only be scaled alike in all directions; ellipsoids come "
-     "with a later version"},
     {"ellipse", DISC(R"("normal": [0, 1, 0], "radius": 1, "transform": [{"scale": [1, 1, 2]}])"),
      "s.json: /objects/0/transform: a disc must stay round; in its plane it can only be scaled alike in all "
      "directions"},

@@ -31,6 +31,12 @@ const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"objects/disc", "/$defs/disc"},
     {"objects/triangle", "/$defs/triangle"},
     {"objects/polygon", "/$defs/polygon"},
+    {"objects/quadric", "/$defs/quadric"},
+    {"objects/ellipsoid", "/$defs/ellipsoid"},
+    {"objects/cylinder", "/$defs/cylinder"},
+    {"objects/cone", "/$defs/cone"},
+    {"objects/hyperboloid", "/$defs/hyperboloid"},
+    {"objects/paraboloid", "/$defs/paraboloid"},
     {"objects/mesh", "/$defs/meshObject"},
     {"transformStep", "/$defs/transformStep"}};
 

@@ -1,0 +1,222 @@
+// Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in src/reference/quadric.cpp.
+#ifndef GLINT_QUADRIC_GLSL
+#define GLINT_QUADRIC_GLSL
+
+#include "ray.glsl"
+#include "storage.glsl"
+
+// Farther along a ray than any box: no crossing.
+const float kNowhere = 1e37;
+
+vec3 toLocal(Quadric q, vec3 v) {
+    precise vec3 local = vec3(dot(q.toLocal0, v), dot(q.toLocal1, v), dot(q.toLocal2, v));
+    return local;
+}
+
+// Q y
+vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
+    precise vec3 image = squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
+                                            products.y * y.x + products.x * y.y);
+    return image;
+}
+
+// Where a line crosses a box, and by which of the two planes that may be capped.
+struct Passage {
+    float enter, leave;
+    bool byCap, toCap;         // it enters, or leaves, through a plane y.z that is capped
+    uint firstCap, secondCap;  // the part of the plane y.z that comes first, and last
+};
+
+// ownCap: the part that the ray starts on, whose plane is met at exactly 0.
+Passage passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
+    // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would overflow. Boxes are closed.
+    bvec3 parallel = lessThan(abs(d), vec3(7.9e-31));
+    precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
+    precise vec3 tLo = (q.lo - o) * inverse;
+    precise vec3 tHi = (q.hi - o) * inverse;
+    if (ownCap == kPartLowerCap) tLo.z = 0.0;
+    if (ownCap == kPartUpperCap) tHi.z = 0.0;
+    bvec3 backwards = lessThan(d, vec3(0.0));
+    vec3 near = mix(tLo, tHi, backwards);
+    vec3 far = mix(tHi, tLo, backwards);
+    bvec3 outside = greaterThan(max(q.lo - o, o - q.hi), vec3(0.0));
+    near = mix(near, mix(vec3(-kNowhere), vec3(kNowhere), outside), parallel);
+    far = mix(far, mix(vec3(kNowhere), vec3(-kNowhere), outside), parallel);
+    Passage p;
+    float nearSides = larger(near.x, near.y);
+    float farSides = far.x < far.y ? far.x : far.y;
+    bool capFirst = near.z >= nearSides;
+    bool capLast = far.z <= farSides;
+    p.enter = capFirst ? near.z : nearSides;
+    p.leave = capLast ? far.z : farSides;
+    bool upwards = !backwards.z;
+    p.firstCap = upwards ? kPartLowerCap : kPartUpperCap;
+    p.secondCap = upwards ? kPartUpperCap : kPartLowerCap;
+    p.byCap = capFirst && !parallel.z && (q.caps & (upwards ? kCapLower : kCapUpper)) != 0u;
+    p.toCap = capLast && !parallel.z && (q.caps & (upwards ? kCapUpper : kCapLower)) != 0u;
+    return p;
+}
+
+// Along the line the inside is the interval [lower, upper], or all but what lies between them.
+struct Crossings {
+    float lower, upper;
+    bool between;
+};
+
+// Of A t^2 + 2 B t + C <= 0, with t measured from `start`. The roots by the form that cancels nothing (Press et al., Numerical Recipes,
+// sec. 5.6). `slack`: what B^2 - A C may be off by; a line that is tangent within it touches.
+Crossings crossingsOf(float A, float B, float C, float slack, float start) {
+    precise float disc = B * B - A * C;
+    bool real = disc >= -slack;
+    precise float root = sqrt(larger(disc, 0.0));
+    precise float q = -(B + (B < 0.0 ? -root : root));
+    precise float r0 = start + (q == 0.0 ? 0.0 : C / q);
+    precise float r1 = start + q / (A == 0.0 ? 1.0 : A);
+    Crossings c;
+    c.between = A > 0.0;
+    c.lower = r0 < r1 ? r0 : r1;
+    c.upper = r0 < r1 ? r1 : r0;
+    if (A == 0.0) {
+        // One crossing, out of the inside or into it; without it, all or nothing.
+        c.between = B == 0.0 && C >= 0.0;
+        c.lower = B > 0.0 ? r0 : (B < 0.0 || c.between ? -kNowhere : kNowhere);
+        c.upper = B < 0.0 ? r0 : kNowhere;
+        if (c.between) c.lower = 2.0 * kNowhere;
+    } else if (!real) {
+        c.lower = kNowhere;
+        c.upper = c.between ? -kNowhere : kNowhere;
+    }
+    return c;
+}
+
+struct Candidate {
+    float t;
+    uint part;
+    bool found;
+};
+
+void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part) {
+    precise float scaled = t * unit;
+    if (valid && !best.found && scaled > 0.0 && scaled > ray.tMin && scaled <= ray.tMax) best = Candidate(scaled, part, true);
+}
+
+// The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every surface is one end of what remains: so
+// at a rim, where side and cap meet, the one begins where the other ends, whatever rounding does.
+Candidate firstSurface(Ray ray, float unit, Passage p, Crossings c) {
+    Candidate best = Candidate(0.0, kPartSide, false);
+    // Of the first stretch inside, and of the second.
+    float a = c.between ? larger(c.lower, p.enter) : p.enter;
+    float end = c.between ? c.upper : c.lower;
+    float b = end <= p.leave ? end : p.leave;
+    bool sideFirst = c.between && c.lower >= p.enter;
+    bool sideLast = end <= p.leave;
+    bool any = a <= b;
+    offer(best, ray, unit, a, any && (sideFirst || p.byCap), sideFirst ? kPartSide : p.firstCap);
+    offer(best, ray, unit, b, any && (sideLast || p.toCap), sideLast ? kPartSide : p.secondCap);
+    bool sideAgain = c.upper >= p.enter;
+    float e = sideAgain ? c.upper : p.enter;
+    bool second = !c.between && e <= p.leave;
+    offer(best, ray, unit, e, second && (sideAgain || p.byCap), sideAgain ? kPartSide : p.firstCap);
+    offer(best, ray, unit, p.leave, second && p.toCap, p.secondCap);
+    return best;
+}
+
+// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the line is nearest to the surface's centre
+// (-B / A), or at the box's nearer end: B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does
+// not for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7).
+bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint part) {
+    precise vec3 offset = ray.origin - q.point;
+    vec3 o = toLocal(q, offset);
+    vec3 along = toLocal(q, ray.direction);
+    float size = larger(larger(abs(along.x), abs(along.y)), abs(along.z));
+    // 2^-exponent, exactly: d gets components up to 2.
+    float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(size) & 0x7f800000u));
+    precise vec3 d = along * unit;
+
+    bool own = (ray.source & ~(kQuadricPartMask << kQuadricPartShift)) == primitive;
+    uint ownPart = (ray.source >> kQuadricPartShift) & kQuadricPartMask;
+    Passage p = passThrough(q, o, d, own ? ownPart : kPartSide);
+
+    vec3 image = bilinear(q.squares, q.products, d);
+    precise float A = dot(d, image);
+    precise float along2 = dot(q.linear, d);
+    float begin = larger(p.enter, 0.0);
+    precise vec3 y = o + begin * d;
+    precise float B = dot(y, image) + along2;
+    precise float middle = A == 0.0 ? 0.0 : -B / A;
+    float reach = larger(p.leave - begin, 0.0);
+    middle = middle < reach ? larger(middle, 0.0) : reach;
+    bool fromSide = own && ownPart == kPartSide;
+    precise float start = fromSide ? 0.0 : begin + middle;
+    y = o + start * d;
+    B = dot(y, image) + along2;
+    precise vec3 form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
+    precise float C = dot(y, form) + q.constant;
+    // Sums of magnitudes: B errs by gamma_8 of its own, C by gamma_9.
+    precise float magnitudeB = dot(abs(y), abs(image)) + dot(abs(q.linear), abs(d));
+    precise float magnitudeC = dot(abs(y), abs(form)) + abs(q.constant);
+    precise float errorB = gammaBound(8.0) * magnitudeB;
+    precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
+    if (fromSide) {
+        // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides its sign.
+        C = 0.0;
+        if (abs(B) <= errorB) B = 0.0;
+    }
+    Crossings c = crossingsOf(A, B, C, slack, start);
+    Candidate best = firstSurface(ray, unit, p, c);
+    t = best.t;
+    part = best.part;
+    return best.found && p.enter <= p.leave;
+}
+
+struct QuadricPoint {
+    vec3 position;
+    vec3 error;
+    vec3 normal;
+};
+
+// One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of the left side of the equation, gamma_12
+// of the magnitudes it sums, and of y, gamma_5 of those, over the gradient's length; then gamma_7 of what is added to the point.
+// The gradient vanishes at a cone's apex and on a double plane: there the surface faces the ray, and an error e of the left side moves it
+// by no more than sqrt(e) in local units.
+QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
+    uint part = (hit.primitive >> kQuadricPartShift) & kQuadricPartMask;
+    precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
+    vec3 y = toLocal(q, offset);
+    vec3 image = bilinear(q.squares, q.products, y);
+    precise vec3 slope = 2.0 * (image + q.linear);
+    precise float value = dot(y, image + 2.0 * q.linear) + q.constant;
+    float magnitude = dot(abs(y), abs(image)) + 2.0 * dot(abs(y), abs(q.linear)) + abs(q.constant);
+    if (part != kPartSide) {
+        bool upper = part == kPartUpperCap;
+        slope = vec3(0.0, 0.0, upper ? 1.0 : -1.0);
+        value = upper ? y.z - q.hi.z : q.lo.z - y.z;
+        magnitude = abs(y.z);
+    }
+    precise vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
+    float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
+    QuadricPoint found;
+    found.normal = -ray.direction / length(ray.direction);
+    float left = 0.0;
+    if (steepest > 1e-30) {
+        precise vec3 scaled = gradient / steepest;
+        float size = length(scaled);
+        precise vec3 unit = scaled / size;
+        float unitLength = length(slope) / (steepest * size);
+        float limit = sqrt(gammaBound(12.0) * magnitude) * unitLength;
+        precise float newton = value / steepest / size;
+        precise float step = part == kPartSide ? clamp(newton, -limit, limit) : newton;
+        precise vec3 moved = offset - step * unit;
+        offset = moved;
+        found.normal = unit;
+        vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
+        left = (gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset))) / (steepest * size);
+        if (part == kPartSide) left = min(left, limit);
+    }
+    precise vec3 position = q.point + offset;
+    found.position = position;
+    found.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(found.normal);
+    return found;
+}
+
+#endif

@@ -1,0 +1,134 @@
+// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included (docs/command-line.md tells where
+// they fail); the choice is a specialization constant, so that the code of the others is not in the pipeline. Those of the
+// reference are in src/reference/textbook.cpp.
+#ifndef GLINT_TEXTBOOK_GLSL
+#define GLINT_TEXTBOOK_GLSL
+
+#include "intersect.glsl"
+
+bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }
+
+// Cramer's rule with a way out after each unknown (Shirley & Marschner, Fundamentals of Computer Graphics, sec. 4.4.2; the same numbers as
+// Moller and Trumbore's, 1997). Each triangle weighs an edge by products of its own, so neighbours may both let a ray through.
+bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+    t = u = v = 0.0;
+    precise vec3 p = triangle.v0 - triangle.v1;
+    precise vec3 q = triangle.v0 - triangle.v2;
+    precise vec3 w = triangle.v0 - ray.origin;
+    vec3 d = ray.direction;
+    precise float eiHf = q.y * d.z - d.y * q.z;
+    precise float gfDi = d.x * q.z - q.x * d.z;
+    precise float dhEg = q.x * d.y - q.y * d.x;
+    precise float m = p.x * eiHf + p.y * gfDi + p.z * dhEg;
+    if (m == 0.0) return false;
+    precise float akJb = p.x * w.y - w.x * p.y;
+    precise float jcAl = w.x * p.z - p.x * w.z;
+    precise float blKc = p.y * w.z - w.y * p.z;
+    precise float tHit = -(q.z * akJb + q.y * jcAl + q.x * blKc) / m;
+    t = tHit;
+    if (!inInterval(ray, tHit)) return false;
+    precise float gamma = (d.z * akJb + d.y * jcAl + d.x * blKc) / m;
+    v = gamma;
+    if (gamma < 0.0 || gamma > 1.0) return false;
+    precise float beta = (w.x * eiHf + w.y * gfDi + w.z * dhEg) / m;
+    u = beta;
+    return beta >= 0.0 && beta <= 1.0 - gamma;
+}
+
+// The plane's point, then inside or not in the coordinate plane that the normal leans to most (Badouel, "An Efficient Ray-Polygon
+// Intersection", Graphics Gems, 1990).
+bool triangleByProjection(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 e1 = triangle.v1 - triangle.v0;
+    precise vec3 e2 = triangle.v2 - triangle.v0;
+    precise vec3 n = cross(e1, e2);
+    precise float speed = dot(n, ray.direction);
+    precise vec3 w = triangle.v0 - ray.origin;
+    precise float tHit = dot(n, w) / speed;
+    precise vec3 point = tHit * ray.direction - w;
+    vec3 size = abs(n);
+    uint axis = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
+    vec2 a = turnToZ(e1, axis).xy;
+    vec2 b = turnToZ(e2, axis).xy;
+    vec2 p = turnToZ(point, axis).xy;
+    precise float area = a.x * b.y - a.y * b.x;
+    precise float beta = (p.x * b.y - p.y * b.x) / area;
+    precise float gamma = (a.x * p.y - a.y * p.x) / area;
+    precise float sum = beta + gamma;
+    t = tHit;
+    u = beta;
+    v = gamma;
+    return speed != 0.0 && inInterval(ray, tHit) && beta >= 0.0 && gamma >= 0.0 && sum <= 1.0;
+}
+
+// The plane's point, then on which side of each edge it lies, all in space (Shirley & Marschner, sec. 2.9).
+bool triangleInSpace(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 e0 = triangle.v2 - triangle.v1;
+    precise vec3 e1 = triangle.v0 - triangle.v2;
+    precise vec3 e2 = triangle.v1 - triangle.v0;
+    precise vec3 n = cross(e2, -e1);
+    precise float speed = dot(n, ray.direction);
+    precise float tHit = dot(n, triangle.v0 - ray.origin) / speed;
+    precise vec3 point = ray.origin + tHit * ray.direction;
+    precise float w0 = dot(n, cross(e0, point - triangle.v1));
+    precise float w1 = dot(n, cross(e1, point - triangle.v2));
+    precise float w2 = dot(n, cross(e2, point - triangle.v0));
+    precise float sum = w0 + w1 + w2;
+    t = tHit;
+    u = w1 / sum;
+    v = w2 / sum;
+    return speed != 0.0 && inInterval(ray, tHit) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
+}
+
+bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
+    if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
+    if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
+    return intersectTriangle(ray, frame, triangle, t, u, v);
+}
+
+vec3 sphereCenter(Sphere sphere) {
+    if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
+    precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;
+    return center;
+}
+
+bool nearer(Ray ray, float t0, float t1, out float t) {
+    t = inInterval(ray, t0) ? t0 : t1;
+    return inInterval(ray, t);
+}
+
+// (-B +- sqrt(B^2 - 4 A C)) / 2 A. own: the ray starts on this sphere.
+bool sphereByEquation(Ray ray, Sphere sphere, bool own, out float t) {
+    precise vec3 o = ray.origin - sphereCenter(sphere);
+    precise float a = dot(ray.direction, ray.direction);
+    precise float b = 2.0 * dot(o, ray.direction);
+    precise float c = dot(o, o) - sphere.radius * sphere.radius;
+    if (own) c = 0.0;
+    precise float disc = b * b - 4.0 * a * c;
+    precise float root = own ? abs(b) : sqrt(larger(disc, 0.0));
+    precise float t0 = (-b - root) / (2.0 * a);
+    precise float t1 = (-b + root) / (2.0 * a);
+    return nearer(ray, t0, t1, t) && (own || disc >= 0.0);
+}
+
+// The closest approach to the centre by Pythagoras, then half the chord (Haines in Glassner, An Introduction to Ray Tracing, 1989, ch. 2).
+bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
+    precise vec3 w = sphereCenter(sphere) - ray.origin;
+    precise float a = dot(ray.direction, ray.direction);
+    precise float closest = dot(w, ray.direction) / a;
+    precise float square = dot(w, w) - closest * closest * a;
+    precise float half2 = (sphere.radius * sphere.radius - square) / a;
+    precise float chord = own ? abs(closest) : sqrt(larger(half2, 0.0));
+    precise float t0 = closest - chord;
+    precise float t1 = closest + chord;
+    return nearer(ray, t0, t1, t) && (own || half2 >= 0.0);
+}
+
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+    bool own = primitive == ray.source;
+    if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
+    if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
+    return intersectSphere(ray, sphere, primitive, t);
+}
+
+#endif

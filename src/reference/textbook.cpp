@@ -1,0 +1,115 @@
+#include "reference/textbook.h"
+
+namespace glint::reference {
+namespace {
+
+using glm::dmat3;
+using glm::dvec2;
+using glm::dvec3;
+
+dvec3 vectorOf(const double (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+
+bool inInterval(const PreparedRay& ray, double t, double tMax) {
+    return t > ray.tMin && t <= tMax && t <= std::numeric_limits<double>::max();
+}
+
+// The unknowns beta, gamma, t of v0 + beta (v1 - v0) + gamma (v2 - v0) = o + t d by Cramer's rule (P.
+// Shirley, S. Marschner, Fundamentals of Computer Graphics, sec. 4.4.2), each a quotient of 3 x 3
+// determinants.
+bool byDeterminants(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+    const dvec3 e1 = v[1] - v[0], e2 = v[2] - v[0], d = vectorOf(ray.direction);
+    const dvec3 right = vectorOf(ray.origin) - v[0];
+    const double all = glm::determinant(dmat3(e1, e2, -d));
+    if (all == 0) return false;
+    root.u = glm::determinant(dmat3(right, e2, -d)) / all;
+    root.v = glm::determinant(dmat3(e1, right, -d)) / all;
+    root.t = glm::determinant(dmat3(e1, e2, right)) / all;
+    return root.u >= 0 && root.v >= 0 && root.u + root.v <= 1;
+}
+
+bool planeHit(const dvec3 (&v)[3], const PreparedRay& ray, dvec3& normal, dvec3& point, double& t) {
+    normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+    const dvec3 o = vectorOf(ray.origin), d = vectorOf(ray.direction);
+    const double speed = glm::dot(normal, d);
+    if (speed == 0) return false;
+    t = glm::dot(normal, v[0] - o) / speed;
+    point = o + t * d;
+    return true;
+}
+
+// D. Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems, 1990: two coordinates, and areas in
+// them.
+bool byProjection(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+    dvec3 n, p;
+    if (!planeHit(v, ray, n, p, root.t)) return false;
+    const dvec3 size = glm::abs(n);
+    const int drop = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const int i = drop == 0 ? 1 : 0, j = drop == 2 ? 1 : 2;
+    const auto flat = [&](const dvec3& x) { return dvec2(x[i], x[j]); };
+    const auto area = [&](const dvec3& a, const dvec3& b, const dvec3& c) {
+        const dvec2 ab = flat(b) - flat(a), ac = flat(c) - flat(a);
+        return ab.x * ac.y - ab.y * ac.x;
+    };
+    const double whole = area(v[0], v[1], v[2]);
+    root.u = area(v[0], p, v[2]) / whole;
+    root.v = area(v[0], v[1], p) / whole;
+    return root.u >= 0 && root.v >= 0 && area(p, v[1], v[2]) / whole >= 0;
+}
+
+// The point is inside if no edge's inward normal n x e points away from it.
+bool inSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+    dvec3 n, p;
+    if (!planeHit(v, ray, n, p, root.t)) return false;
+    double height[3];  // over the edge opposite to each vertex, times lengths that are the same for all
+    for (int i = 0; i < 3; ++i) {
+        const dvec3 &from = v[(i + 1) % 3], &to = v[(i + 2) % 3];
+        height[i] = glm::dot(glm::cross(n, to - from), p - from);
+        if (height[i] < 0) return false;
+    }
+    const double square = glm::dot(n, n);
+    root.u = height[1] / square;
+    root.v = height[2] / square;
+    return true;
+}
+
+}  // namespace
+
+bool textbookTriangle(TriangleMethod method, const shared::Triangle& triangle, const PreparedRay& ray,
+                      double tMax, Root& root) {
+    const dvec3 v[3] = {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)};
+    const bool inside = method == TriangleMethod::Barycentric  ? byDeterminants(v, ray, root)
+                        : method == TriangleMethod::Projection ? byProjection(v, ray, root)
+                                                               : inSpace(v, ray, root);
+    return inside && inInterval(ray, root.t, tMax);
+}
+
+bool textbookSphere(SphereMethod method, const shared::Sphere& sphere, const PreparedRay& ray,
+                    bool fromSurface, double tMax, Root& root) {
+    root.u = root.v = 0;
+    const dvec3 d = vectorOf(ray.direction), o = vectorOf(ray.origin);
+    const double r = sphere.radius;
+    const dvec3 center = dvec3(sphere.point) - r * dvec3(sphere.anchorNormal);
+    const double a = glm::dot(d, d), middle = glm::dot(center - o, d) / a;
+    double half;  // of the chord
+    if (fromSurface) {
+        half = std::abs(middle);
+    } else if (method == SphereMethod::Geometric) {
+        const dvec3 foot = o + middle * d;
+        const double square = r * r - glm::dot(foot - center, foot - center);
+        if (square < 0) return false;
+        half = std::sqrt(square / a);
+    } else {
+        const double b = -2 * a * middle, c = glm::dot(o - center, o - center) - r * r;
+        const double disc = b * b - 4 * a * c;
+        if (disc < 0) return false;
+        half = std::sqrt(disc) / (2 * a);
+    }
+    root.t = middle - half;
+    if (inInterval(ray, root.t, tMax)) return true;
+    root.t = middle + half;
+    return inInterval(ray, root.t, tMax);
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,32 @@
+// How rays are tried against triangles and spheres: the textbooks' ways, and the ones that hold
+// (docs/command-line.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace glint {
+
+// The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.
+enum class TriangleMethod : uint32_t { Watertight, Barycentric, Projection, Planar3d };
+enum class SphereMethod : uint32_t { Robust, Algebraic, Geometric };
+
+inline constexpr std::array<std::string_view, 4> kTriangleMethodNames{"watertight", "barycentric",
+                                                                      "projection", "planar3d"};
+inline constexpr std::array<std::string_view, 3> kSphereMethodNames{"robust", "algebraic", "geometric"};
+
+struct Methods {
+    TriangleMethod triangles = TriangleMethod::Watertight;
+    SphereMethod spheres = SphereMethod::Robust;
+    bool operator==(const Methods&) const = default;
+};
+
+inline std::string_view nameOf(TriangleMethod method) {
+    return kTriangleMethodNames[static_cast<size_t>(method)];
+}
+inline std::string_view nameOf(SphereMethod method) {
+    return kSphereMethodNames[static_cast<size_t>(method)];
+}
+
+}  // namespace glint

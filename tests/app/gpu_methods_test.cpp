@@ -1,0 +1,95 @@
+// The two exercises of Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4, by every intersection
+// test, on both backends, through the command line.
+#include <cmath>
+#include <sstream>
+
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+std::vector<std::vector<double>> rows(const std::string& csv) {
+    std::vector<std::vector<double>> table;
+    std::istringstream lines(csv);
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+        std::vector<double>& row = table.emplace_back();
+        std::istringstream fields(line);
+        for (std::string field; std::getline(fields, field, ',');)
+            row.push_back(field.empty() ? std::nan("") : std::stod(field));
+    }
+    return table;
+}
+
+class Methods : public FolderTest {
+  protected:
+    static std::vector<std::vector<double>> trace(std::vector<std::string> options) {
+        options.insert(options.begin(), {"trace", "a.json", "--rays", "r.csv"});
+        const Ran ran = runGlint(options);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        return rows(ran.out);
+    }
+};
+
+// (1, 1, 1) + t (-1, -1, -1) meets the unit sphere where |1 - t| sqrt(3) = 1; 4 units of rounding.
+TEST_F(Methods, ExerciseOneTheSphere) {
+    writeText("a.json", R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
+    writeText("r.csv", "1,1,1,-1,-1,-1\n1,1,1,-1,-1,-1,1\n1,1,1,1,1,1\n");
+    for (const char* backend : {"gpu", "cpu"}) {
+        for (const char* sphere : {"robust", "algebraic", "geometric"}) {
+            const auto hits = trace({"--backend", backend, "--sphere", sphere});
+            ASSERT_EQ(hits.size(), 3u);
+            const double unit = backend[0] == 'g' ? 0x1p-24 : 0x1p-53;
+            EXPECT_NEAR(hits[0][1], 0.42264973081037424, 4 * unit) << backend << ' ' << sphere;
+            EXPECT_NEAR(hits[1][1], 1.5773502691896257, 8 * unit) << backend << ' ' << sphere;
+            EXPECT_EQ(hits[2][0], 0) << backend << ' ' << sphere;
+            for (const int axis : {0, 1, 2}) EXPECT_NEAR(hits[0][6 + axis], 0.57735026918962576, 4 * unit);
+        }
+    }
+}
+
+// The same ray meets the triangle of the unit points where 3 (1 - t) = 1, in its middle.
+TEST_F(Methods, ExerciseTwoTheTriangle) {
+    writeText("a.json",
+              R"({"objects": [{"type": "triangle", "vertices": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]})");
+    writeText("r.csv", "1,1,1,-1,-1,-1\n1,1,1,-1,-1,-1,0.7\n");
+    for (const char* backend : {"gpu", "cpu"}) {
+        for (const char* test : {"watertight", "barycentric", "projection", "planar3d"}) {
+            const auto hits = trace({"--backend", backend, "--intersector", test});
+            ASSERT_EQ(hits.size(), 2u);
+            const double unit = backend[0] == 'g' ? 0x1p-24 : 0x1p-53;
+            EXPECT_NEAR(hits[0][1], 2.0 / 3, 4 * unit) << backend << ' ' << test;
+            EXPECT_NEAR(hits[0][2], 1.0 / 3, 4 * unit) << backend << ' ' << test;
+            EXPECT_NEAR(hits[0][3], 1.0 / 3, 4 * unit) << backend << ' ' << test;
+            EXPECT_EQ(hits[1][0], 0);
+        }
+    }
+}
+
+TEST_F(Methods, VerifyHoldsEachAgainstItsOwnReference) {
+    writeSmallScene("a.json");
+    for (const std::vector<std::string>& choice : {std::vector<std::string>{"barycentric", "algebraic"},
+                                                   {"projection", "geometric"},
+                                                   {"planar3d", "robust"}}) {
+        const Ran ran = runGlint({"verify", "a.json", "--intersector", choice[0], "--sphere", choice[1]});
+        EXPECT_EQ(ran.code, 0) << choice[0] << ran.out << ran.err;
+        EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
+    }
+}
+
+TEST_F(Methods, StatisticsSayWhichWasUsed) {
+    writeSmallScene("a.json");
+    const Ran ran = runGlint(
+        {"render", "a.json", "--intersector", "projection", "--sphere", "geometric", "--stats", "json"});
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("\"intersector\": \"projection\""), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\"sphere\": \"geometric\""), std::string::npos) << ran.out;
+    EXPECT_EQ(
+        runGlint({"render", "a.json", "--intersector", "best"}).err,
+        "glint: --intersector: expected watertight, barycentric, projection or planar3d, got \"best\"\n");
+    EXPECT_EQ(runGlint({"info", "a.json", "--sphere", "round"}).code, 2);
+}
+
+}  // namespace
+}  // namespace glint::app::test

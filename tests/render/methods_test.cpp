@@ -1,0 +1,131 @@
+// The textbooks' intersection tests: the same hits where nothing is hard, and their faults where it is.
+#include <cmath>
+
+#include "reference/tracer.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+constexpr TriangleMethod kTriangleMethods[] = {TriangleMethod::Watertight, TriangleMethod::Barycentric,
+                                               TriangleMethod::Projection, TriangleMethod::Planar3d};
+constexpr SphereMethod kSphereMethods[] = {SphereMethod::Robust, SphereMethod::Algebraic,
+                                           SphereMethod::Geometric};
+
+class MethodsTest : public RenderTest {};
+
+// Far from edges all agree, with each other and with the reference: 64 roundings over the cosine.
+TEST_F(MethodsTest, sameHitsOnPlainTriangles) {
+    Random random(4);
+    Scene scene = emptyScene();
+    for (int i = 0; i < 20; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
+    PackedScene packed = packScene(scene);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
+    for (const TriangleMethod method : kTriangleMethods) {
+        packed.methods.triangles = method;
+        Renderer renderer(device(), packed);
+        const auto hits = renderer.trace(rays, false);
+        const reference::Tracer tracer(packed);
+        size_t hit = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            const auto expected = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
+            ASSERT_EQ(hits[i].hit, expected.has_value()) << nameOf(method) << text(rays[i]);
+            if (!expected) continue;
+            ++hit;
+            EXPECT_NEAR(hits[i].t, expected->t, 1e-4) << nameOf(method);
+            EXPECT_NEAR(hits[i].data.u, expected->u, 1e-3) << nameOf(method);
+            EXPECT_NEAR(hits[i].data.v, expected->v, 1e-3) << nameOf(method);
+        }
+        EXPECT_GT(hit, 500u);
+    }
+}
+
+// pbrt's bumpy sphere (Triangle.Watertight): rays from inside a closed mesh at points of its edges.
+TEST_F(MethodsTest, onlyTheWatertightTestIsWatertight) {
+    const auto mesh = reference::test::makeBumpyMesh(1);
+    Scene scene = emptyScene();
+    addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
+    PackedScene packed = packScene(scene);
+    Random random(9);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 20000; ++i) {
+        const glm::uvec3 c = mesh.triangles[random.below(static_cast<uint32_t>(mesh.triangles.size()))];
+        const dvec3 a(mesh.vertices[c.x]), b(mesh.vertices[c.y]);
+        rays.push_back(rayTowards(random.box(0.3), glm::mix(a, b, random.uniform(0, 1))));
+    }
+    for (const TriangleMethod method : kTriangleMethods) {
+        packed.methods.triangles = method;
+        Renderer renderer(device(), packed);
+        const size_t leaks = misses(renderer.trace(rays, false));
+        if (method == TriangleMethod::Watertight)
+            EXPECT_EQ(leaks, 0u);
+        else
+            EXPECT_GT(leaks, 20u) << nameOf(method);
+    }
+}
+
+// A unit sphere seen from afar; hit or miss is known from the impact parameter.
+TEST_F(MethodsTest, onlyTheRobustSphereIsRoundFromAfar) {
+    constexpr double kDistance = 4100;
+    Scene scene = emptyScene();
+    addSphere(scene, dvec3(0), 1);
+    scene.camera.eye = {0, 0, kDistance};
+    PackedScene packed = packScene(scene);
+    Random random(12);
+    std::vector<RayInput> rays;
+    std::vector<bool> inside;
+    while (rays.size() < 4000) {
+        const double b = 1.4 * std::sqrt(random.uniform(0, 1)), angle = random.uniform(0, 6.3);
+        const RayInput ray =
+            rayTowards({0, 0, kDistance}, {b * std::cos(angle), b * std::sin(angle), 0}, true);
+        const dvec3 o(ray.origin), d(ray.direction);
+        const double impact = glm::length(glm::cross(o, d)) / glm::length(d);
+        if (std::abs(impact - 1) < 1e-2) continue;
+        rays.push_back(ray);
+        inside.push_back(impact < 1);
+    }
+    for (const SphereMethod method : kSphereMethods) {
+        packed.methods.spheres = method;
+        Renderer renderer(device(), packed);
+        const auto hits = renderer.trace(rays, false);
+        size_t wrong = 0;
+        for (size_t i = 0; i < rays.size(); ++i) wrong += hits[i].hit != inside[i];
+        // At this distance half a unit of D^2 is the sphere's own square radius.
+        if (method == SphereMethod::Robust)
+            EXPECT_EQ(wrong, 0u);
+        else
+            EXPECT_GT(wrong, rays.size() / 20) << nameOf(method);
+        const reference::Tracer tracer(packed);
+        for (size_t i = 0; i < rays.size(); ++i)
+            ASSERT_EQ(tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)}).has_value(),
+                      inside[i])
+                << "double has digits enough";
+    }
+}
+
+// Near a sphere of radius 1e6 only the anchored form knows the height.
+TEST_F(MethodsTest, onlyTheRobustSphereHoldsUnderTheEye) {
+    Scene scene = emptyScene();
+    addSphere(scene, {0, -1e6, 0}, 1e6);
+    scene.camera.eye = {0, 1, 0};
+    scene.camera.target = {1, 0, 0};
+    PackedScene packed = packScene(scene);
+    const RayInput ray = rayTowards(dvec3(0.3, 1, 0.2) - packed.origin, dvec3(0.5, 0, 0.1) - packed.origin);
+    const auto errorOf = [&](SphereMethod method) {
+        packed.methods.spheres = method;
+        Renderer renderer(device(), packed);
+        const RayHit hit = renderer.trace({ray}, false)[0];
+        const auto expected = reference::Tracer(packed).closest({dvec3(ray.origin), dvec3(ray.direction)});
+        return hit.hit && expected ? std::abs(hit.t - expected->t) : 1.0;
+    };
+    EXPECT_LT(errorOf(SphereMethod::Robust), 1e-6);
+    EXPECT_GT(errorOf(SphereMethod::Algebraic), 1e-4);
+    EXPECT_GT(errorOf(SphereMethod::Geometric), 1e-4);
+}
+
+}  // namespace
+}  // namespace glint::render::test
