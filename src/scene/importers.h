@@ -12,8 +12,8 @@ namespace glint {
 struct ImportedMesh {
     Mesh mesh;                        // mesh.materials index `materials` below (empty if the file names none)
     std::vector<Material> materials;  // from the file, in order of first definition
+    std::vector<Texture> textures;    // that the materials index
     std::vector<std::string> warnings;
-    std::vector<Texture> textures = {};  // that the materials index
 };
 
 // Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes

@@ -14,6 +14,7 @@ Scene loadModel(const std::filesystem::path& path) {
     ImportedMesh imported = importMesh(path);
     Scene scene;
     scene.materials = std::move(imported.materials);
+    scene.textures = std::move(imported.textures);
     scene.warnings = std::move(imported.warnings);
     if (scene.materials.empty()) scene.materials.emplace_back().name = "default";
     scene.objects.push_back(

@@ -121,7 +121,7 @@ ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> 
     if (identity) mesh_.faces.clear();
     mesh_.positions = std::move(positions);
     mesh_.normals = std::move(normals);
-    return {std::move(mesh_), std::move(materials), std::move(warnings)};
+    return {std::move(mesh_), std::move(materials), {}, std::move(warnings)};
 }
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "scene/limits.h"
+#include "scene/load.h"
 #include "scene/mesh_builder.h"
 #include "scene/polygon_plane.h"
 #include "scene/readers.h"
@@ -269,7 +270,10 @@ class NffReader {
     // sqrt(# lights) / (# lights * 2)": SPD.
     void finishLights() {
         const auto count = static_cast<double>(scene_.lights.size());
-        if (count == 0) return;
+        if (count == 0) {
+            scene_.ambient = kModelAmbient;
+            return;
+        }
         const double relative = std::sqrt(count) / (2 * count);
         for (size_t i = 0; i < scene_.lights.size(); i++)
             if (!coloredLights_[i]) std::get<PointLight>(scene_.lights[i]).intensity = Color(relative);

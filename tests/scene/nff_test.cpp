@@ -65,6 +65,7 @@ TEST(Nff, whatIsMissingIsMade) {
     const Scene scene = load("s 3 4 5 1\n");
     EXPECT_EQ(scene.camera.target, dvec3(3, 4, 5));
     EXPECT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.ambient, Color(0.2));
     EXPECT_EQ(scene.background, Color(0));  // "If no background color is set, assume RGB = {0,0,0}."
     ASSERT_EQ(scene.materials.size(), 1u);
     EXPECT_EQ(scene.materials[0].diffuse, Color(0.8));
