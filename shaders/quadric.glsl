@@ -121,9 +121,10 @@ Candidate firstSurface(Ray ray, float unit, Passage p, Crossings c) {
     return best;
 }
 
-// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the line is nearest to the surface's centre
-// (-B / A), or at the box's nearer end: B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does
-// not for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7).
+// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the ray comes into the box. If A C takes
+// more than half of B^2 there, it is set up again half way between the roots (-B / A): B^2 - A C then loses no digits to the ray's way
+// there, as Hearn and Baker's discriminant does not for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has
+// them all, and the middle, which may be a million times farther than the nearer root, would only cost that root's.
 bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint part) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
@@ -143,15 +144,17 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
     float begin = larger(p.enter, 0.0);
     precise vec3 y = o + begin * d;
     precise float B = dot(y, image) + along2;
-    precise float middle = A == 0.0 ? 0.0 : -B / A;
+    precise vec3 form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
+    precise float C = dot(y, form) + q.constant;
+    precise float middle = A * C <= 0.5 * B * B ? 0.0 : -B / A;
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
     bool fromSide = own && ownPart == kPartSide;
     precise float start = fromSide ? 0.0 : begin + middle;
     y = o + start * d;
     B = dot(y, image) + along2;
-    precise vec3 form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
-    precise float C = dot(y, form) + q.constant;
+    form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
+    C = dot(y, form) + q.constant;
     // Sums of magnitudes: B errs by gamma_8 of its own, C by gamma_9.
     precise float magnitudeB = dot(abs(y), abs(image)) + dot(abs(q.linear), abs(d));
     precise float magnitudeC = dot(abs(y), abs(form)) + abs(q.constant);
