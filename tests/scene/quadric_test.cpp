@@ -8,18 +8,18 @@ namespace {
 
 using glm::dvec3;
 
-Scene parse(const std::string& objects) {
+Scene parseObjects(const std::string& objects) {
     return parseScene("{\"objects\": [" + objects + "]}", "s.json", ".");
 }
 
 std::string errorIn(const std::string& object) {
-    return errorOf([&] { parse(object); });
+    return errorOf([&] { parseObjects(object); });
 }
 
 }  // namespace
 
 TEST(ParseQuadric, everyForm) {
-    const Scene scene = parse(R"(
+    const Scene scene = parseObjects(R"(
         {"type": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], "bounds": [[-1, -2, -3], [1, 2, 3]]},
         {"type": "ellipsoid", "center": [1, 2, 3], "radii": [4, 5, 6]},
         {"type": "cylinder", "base": [0, 0, 1], "top": [0, 0, 2], "radius": 3},
@@ -43,7 +43,7 @@ TEST(ParseQuadric, everyForm) {
 }
 
 TEST(ParseQuadric, transforms) {
-    const Scene scene = parse(R"(
+    const Scene scene = parseObjects(R"(
         {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": [1, 2, 1]}]},
         {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": 3}]},
         {"type": "cylinder", "base": [0, 0, 1], "top": [0, 0, 2], "radius": 3, "transform": [{"translate": [5, 0, 0]}]})");
