@@ -15,6 +15,7 @@
 #include "scene/readers.h"
 #include "scene/text_file.h"
 #include "scene/text_scanner.h"
+#include "scene/validate.h"
 
 namespace glint {
 
@@ -156,7 +157,10 @@ class NffReader {
     }
 
     void addObject(Shape shape, size_t line) {
-        scene_.objects.push_back({"line " + std::to_string(line), std::move(shape), fill()});
+        const std::string name = "line " + std::to_string(line);
+        // At once, so that the message shows the number in the file; meshes are looked at once, at the end.
+        if (!std::holds_alternative<MeshShape>(shape)) validateShape(shape, {file_, name}, 0);
+        scene_.objects.push_back({name, std::move(shape), fill()});
     }
 
     // Of negative radii only the inside is to be seen.

@@ -1,6 +1,7 @@
 // Two of the Standard Procedural Databases, against what their author counted (E. Haines, Readme 3.14): of
 // 513 x 513 eye rays 49,788 hit something in tetra, 173,125 in mount; the others fill the picture.
 #include <numeric>
+#include <optional>
 
 #include "core/image_io.h"
 #include "support.h"
