@@ -123,7 +123,9 @@ struct ExactForm {
         // cone whose apex is far away is almost a cylinder, and has no tip.
         const double apex = shape.topRadius == 0 ? axis.half : shape.radius == 0 ? -axis.half : -r / slope;
         if (std::abs(apex) <= 4 * axis.half) {
-            form.center += glm::inverse(form.toLocal) * dvec3(0, 0, apex);
+            form.center = shape.topRadius == 0 ? shape.apex
+                          : shape.radius == 0  ? shape.base
+                                               : form.center + glm::inverse(form.toLocal) * dvec3(0, 0, apex);
             form.lo.z -= apex;
             form.hi.z -= apex;
         } else {

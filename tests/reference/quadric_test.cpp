@@ -82,14 +82,15 @@ TEST(ReferenceQuadric, ConesOfTheRayTracerChallenge) {
     expectHits(hitsOf(cone, {0, 0, -1}, glm::normalize(dvec3(0, 1, 1))), {std::sqrt(0.5)}, 1e-9);
 }
 
-// Exact roots, by hand: (t - 2)^2 - (1 + 2^-23)^2 t^2 = 1 has 2 + sqrt(...) = 0.749999966.
+// (t - 2)^2 - z^2 t^2 = 1, solved in decimal arithmetic of 40 digits for the directions (1, 0, z) as rounded
+// to fp32.
 TEST(ReferenceQuadric, HyperboloidAlongItsAsymptote) {
     const Shape shape = general({1, 1, -1, 0, 0, 0, 0, 0, 0, -1}, 0x1p25);
     expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1}), {0.75}, 0);
-    expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1 + 0x1p-23}), {0.749999966}, 1e-9);
-    expectHits(hitsOf(shape, {-2, 0, 0}, {-1, 0, -1 - 0x1p-23}), {16777215.75}, 1e-9);
-    expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1.001}), {0.749718807}, 1e-8);
-    expectHits(hitsOf(shape, {-2, 0, 0}, {-1, 0, -1.001}), {1999.65676}, 1e-8);
+    expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1 + 0x1p-23}), {0.7499999664723883}, 1e-12);
+    expectHits(hitsOf(shape, {-2, 0, 0}, {-1, 0, -1 - 0x1p-23}), {16777215.750000026}, 1e-12);
+    expectHits(hitsOf(shape, {-2, 0, 0}, {1, 0, 1.001f}), {0.7497188071893966}, 1e-12);
+    expectHits(hitsOf(shape, {-2, 0, 0}, {-1, 0, -1.001f}), {1999.6567628648377}, 1e-12);
 }
 
 TEST(ReferenceQuadric, ParabolicCylinder) {
