@@ -40,9 +40,9 @@ void addFlag(CLI::App& command, const char* names, bool& flag, const Text& descr
 }
 
 void addScene(CLI::App& command, SceneOptions& options) {
-    addText(command, "SCENE", "", "a glint scene (.json) or a model alone (.obj .ply)", [&](const Text& t) {
-        options.scene = t;
-    })->required();
+    addText(command, "SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
+            [&](const Text& t) { options.scene = t; })
+        ->required();
 }
 
 void addSceneOverrides(CLI::App& command, SceneOptions& options) {

@@ -228,13 +228,13 @@ std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const 
     return files;
 }
 
-bool startsWith(const Bytes& file, std::string_view magic) {
+bool startsWith(ByteView file, std::string_view magic) {
     return file.size() >= magic.size() &&
            std::equal(magic.begin(), magic.end(), file.begin(),
                       [](char c, uint8_t byte) { return static_cast<uint8_t>(c) == byte; });
 }
 
-Image decode(const Bytes& file) {
+Image decode(ByteView file) {
     if (file.empty()) throw CodecError("the file is empty");
     if (startsWith(file, "\x89PNG\r\n\x1a\n")) return decodePng(file);
     if (startsWith(file, "\xff\xd8\xff")) return decodeJpeg(file);
@@ -270,6 +270,10 @@ std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>
         paths.push_back(file.path);
     }
     return paths;
+}
+
+Image decodeImage(std::span<const uint8_t> bytes, const std::string& name) {
+    return withPath(name, [&] { return decode(bytes); });
 }
 
 Image readImage(const fs::path& path) {

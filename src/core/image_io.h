@@ -2,7 +2,10 @@
 // decoded on the way in (IEC 61966-2-1), EXR, PFM and HDR hold linear values.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "core/image.h"
@@ -30,5 +33,8 @@ std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path
 // Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
 // the reason if it is missing, truncated or of an unknown kind.
 Image readImage(const std::filesystem::path& path);
+
+// Decodes the bytes of such a file; `name` stands for it in messages.
+Image decodeImage(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace glint

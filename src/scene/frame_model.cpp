@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 
+#include "scene/camera_frame.h"
 #include "scene/load.h"
 
 namespace glint {
@@ -31,63 +32,96 @@ bool finite(const glm::dvec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Of a vector, at least: the Frobenius norm.
-double greatestStretch(const glm::dmat3& m) {
-    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-}
-
-// Calls visit(point, radius) for the finite geometry of a shape that will be drawn: triangles with a bad
-// vertex are left out, planes have no size.
+// Calls visit(center, axes) for parts that together hold the finite geometry that will be drawn. A part is
+// the image of the unit ball, center + axes b: it reaches |axes^T n| from its centre in the unit direction n.
+// A point has axes of zero, a disc a third axis of zero. Triangles with a bad vertex are left out; planes
+// have no size.
 template <typename Visit>
-void forEachPointOf(const Shape& anyShape, const Visit& visit) {
-    const auto triangle = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+class PartVisitor {
+  public:
+    PartVisitor(const Affine& transform, const Visit& visit) : transform_(transform), visit_(visit) {}
+
+    void operator()(const SphereShape& s) const { ball(s.center, glm::dmat3(s.radius)); }
+    void operator()(const PlaneShape&) const {}
+    void operator()(const DiscShape& s) const { disc(s.center, s.normal, s.radius); }
+    void operator()(const TriangleShape& s) const { triangle(s.vertices[0], s.vertices[1], s.vertices[2]); }
+    void operator()(const PolygonShape& s) const {
+        for (const glm::dvec3& vertex : s.vertices) point(vertex);
+    }
+    void operator()(const QuadricShape& s) const { corners(s.lo, s.hi); }
+    void operator()(const EllipsoidShape& s) const {
+        ball(s.center, {{s.radii.x, 0, 0}, {0, s.radii.y, 0}, {0, 0, s.radii.z}});
+    }
+    // Surfaces of revolution whose profile is straight or bends towards the axis end in their widest circles.
+    void operator()(const CylinderShape& s) const { ends(s.base, s.radius, s.top, s.radius); }
+    void operator()(const ConeShape& s) const { ends(s.base, s.radius, s.apex, s.topRadius); }
+    void operator()(const HyperboloidShape& s) const { ends(s.base, s.radius, s.top, s.radius); }
+    void operator()(const ParaboloidShape& s) const {
+        // It bulges out of the hull of vertex and rim, but not out of a cylinder about it.
+        ends(s.vertex, s.radius, s.top, s.radius);
+    }
+    void operator()(const MeshShape& s) const {
+        const auto& p = s.mesh->positions;
+        for (const glm::uvec3& c : s.mesh->corners) triangle(p[c.x], p[c.y], p[c.z]);
+    }
+
+    void corners(const glm::dvec3& lo, const glm::dvec3& hi) const {
+        for (int i = 0; i < 8; i++) point({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
+    }
+
+  private:
+    glm::dvec3 world(const glm::dvec3& p) const { return transform_.linear * p + transform_.offset; }
+    void point(const glm::dvec3& p) const { visit_(world(p), glm::dmat3(0)); }
+    void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
         if (!finite(a) || !finite(b) || !finite(c)) return;
-        visit(a, 0.0);
-        visit(b, 0.0);
-        visit(c, 0.0);
-    };
-    if (const auto* sphere = std::get_if<SphereShape>(&anyShape)) {
-        visit(sphere->center, sphere->radius);
-    } else if (const auto* disc = std::get_if<DiscShape>(&anyShape)) {
-        visit(disc->center, disc->radius);  // the sphere around it
-    } else if (const auto* flat = std::get_if<TriangleShape>(&anyShape)) {
-        triangle(flat->vertices[0], flat->vertices[1], flat->vertices[2]);
-    } else if (const auto* polygon = std::get_if<PolygonShape>(&anyShape)) {
-        for (const glm::dvec3& vertex : polygon->vertices) visit(vertex, 0.0);
-    } else if (const auto* shape = std::get_if<MeshShape>(&anyShape)) {
-        const auto& positions = shape->mesh->positions;
-        for (const glm::uvec3& c : shape->mesh->corners)
-            triangle(positions[c.x], positions[c.y], positions[c.z]);
+        point(a);
+        point(b);
+        point(c);
+    }
+    void ball(const glm::dvec3& center, const glm::dmat3& axes) const {
+        visit_(world(center), transform_.linear * axes);
+    }
+    void disc(const glm::dvec3& center, const glm::dvec3& normal, double radius) const {
+        const glm::dvec3 n = glm::normalize(normal);
+        const glm::dvec3 a =
+            glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+        ball(center, {radius * a, radius * glm::cross(n, a), glm::dvec3(0)});
+    }
+    void ends(const glm::dvec3& p, double pRadius, const glm::dvec3& q, double qRadius) const {
+        disc(p, q - p, pRadius);
+        disc(q, q - p, qRadius);
+    }
+
+    Affine transform_;
+    const Visit& visit_;
+};
+
+// Of meshes that stand in several places the corners of their boxes, so that the time does not grow with the
+// number of places.
+template <typename Visit>
+void forEachPart(const Scene& scene, const Visit& visit) {
+    std::map<const Mesh*, std::pair<size_t, Box>> shared;
+    for (const Object& object : scene.objects)
+        if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
+    for (const Object& object : scene.objects) {
+        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), visit);
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (!shape || shared[shape->mesh.get()].first == 1) {
+            std::visit(visitor, object.shape);
+            continue;
+        }
+        Box& box = shared[shape->mesh.get()].second;
+        if (box.empty()) {
+            const auto add = [&box](const glm::dvec3& center, const glm::dmat3&) { box.add(center); };
+            PartVisitor<decltype(add)>({}, add)(*shape);
+        }
+        if (!box.empty()) visitor.corners(box.low, box.high);
     }
 }
 
-// The same of a scene, in the world. Of meshes that are stored once the corners of their boxes.
-template <typename Visit>
-void forEachPoint(const Scene& scene, const Visit& visit) {
-    std::map<const Mesh*, Box> boxes;
-    for (const Object& object : scene.objects) {
-        if (!object.transform) {
-            forEachPointOf(object.shape, visit);
-            continue;
-        }
-        const Affine& world = *object.transform;
-        const auto placed = [&](const glm::dvec3& point, double radius) {
-            visit(world.linear * point + world.offset, radius * greatestStretch(world.linear));
-        };
-        const auto* shape = std::get_if<MeshShape>(&object.shape);
-        if (shape == nullptr) {
-            forEachPointOf(object.shape, placed);
-            continue;
-        }
-        const auto [known, fresh] = boxes.try_emplace(shape->mesh.get());
-        Box& box = known->second;
-        if (fresh) forEachPointOf(object.shape, [&](const glm::dvec3& point, double) { box.add(point); });
-        if (box.empty()) continue;
-        for (int i = 0; i < 8; ++i)
-            placed({i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                    i & 4 ? box.high.z : box.low.z},
-                   0);
-    }
+// How far a part reaches in a direction.
+double reach(const glm::dmat3& axes, const glm::dvec3& direction) {
+    return glm::length(direction * axes);  // axes^T direction
 }
 
 struct Frame {
@@ -100,20 +134,21 @@ Frame viewFrame() {
     return {right, glm::cross(back, right), back};
 }
 
-// The distance from `middle` along frame.back at which everything is inside the picture. A point at (x, y, z)
-// in the frame is inside if |y| <= (D - z) tan, so D = z + |y| / tan; a sphere of radius r needs r / sin
-// more, from the cone's tangent.
+// The distance from `middle` along frame.back at which everything is inside the picture. The sides of the
+// picture are planes through the eye with the outward normals n = cos a (+-right or +-up) + sin a back, a
+// half the picture's angle; p is inside if n.(p - eye) <= 0, that is with eye = middle + D back if D >= n.(p
+// - middle) / sin a.
 double viewingDistance(const Scene& scene, const Frame& frame, const glm::dvec3& middle) {
     const double tanY = std::tan(kFovY * std::numbers::pi / 360) / kMargin;
     const double tanX = tanY * scene.image.width / scene.image.height;
-    const double sinX = tanX / std::sqrt(1 + tanX * tanX), sinY = tanY / std::sqrt(1 + tanY * tanY);
     double distance = 0;
-    forEachPoint(scene, [&](const glm::dvec3& point, double radius) {
-        const glm::dvec3 d = point - middle;
-        const double z = glm::dot(d, frame.back);
-        distance = std::max({distance, z + std::abs(glm::dot(d, frame.right)) / tanX + radius / sinX,
-                             z + std::abs(glm::dot(d, frame.up)) / tanY + radius / sinY});
-    });
+    for (const auto& [side, tangent] : {std::pair(frame.right, tanX), std::pair(-frame.right, tanX),
+                                        std::pair(frame.up, tanY), std::pair(-frame.up, tanY)}) {
+        const glm::dvec3 normal = side / tangent + frame.back;  // n / sin a
+        forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3& axes) {
+            distance = std::max(distance, glm::dot(normal, center - middle) + reach(axes, normal));
+        });
+    }
     return distance;
 }
 
@@ -121,33 +156,36 @@ double viewingDistance(const Scene& scene, const Frame& frame, const glm::dvec3&
 
 void frameModel(Scene& scene) {
     scene.maxDepth = 5;
-    scene.background = Color(0.42, 0.50, 0.60);
-    scene.ambient = Color(0.2);
+    scene.background = kModelBackground;
+    scene.ambient = kModelAmbient;
+    frameCamera(scene);
+    if (scene.lights.empty()) lightModel(scene);
+}
 
+void lightModel(Scene& scene) {
+    const CameraFrame frame = cameraFrame(scene.camera);
+    // The key light of portraits: from the viewer's upper left. It falls on the front and the top of a box
+    // and leaves its right side to the ambient light, so that the three differ.
+    const glm::dvec3 towardsLight = -0.45 * frame.u + 0.75 * frame.v + 0.8 * frame.w;
+    scene.lights.push_back(DirectionalLight{-glm::normalize(towardsLight), Color(0.9)});
+}
+
+void frameCamera(Scene& scene) {
+    scene.camera = Camera{};
     const Frame frame = viewFrame();
-    if (scene.lights.empty()) {
-        // The key light of portraits: from the viewer's upper left. It falls on the front and the top of a
-        // box and leaves its right side to the ambient light, so that the three differ.
-        const glm::dvec3 towardsLight = -0.45 * frame.right + 0.75 * frame.up + 0.8 * frame.back;
-        scene.lights.push_back(DirectionalLight{-glm::normalize(towardsLight), Color(0.9)});
-    }
-
     Box box;
-    forEachPoint(scene, [&](const glm::dvec3& point, double radius) {
-        box.add(point - glm::dvec3(radius));
-        box.add(point + glm::dvec3(radius));
+    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3& axes) {
+        const glm::dvec3 extent(reach(axes, {1, 0, 0}), reach(axes, {0, 1, 0}), reach(axes, {0, 0, 1}));
+        box.add(center - extent);
+        box.add(center + extent);
     });
-    if (box.empty()) {
-        scene.camera = Camera{};
-        return;
-    }
+    if (box.empty()) return;
     const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
     double distance = viewingDistance(scene, frame, middle);
     // A single point has no size to go by; stay far enough away for the eye to differ from it in double and
     // in float.
     distance = std::max({distance, 1e-6 * glm::length(middle), 1e-12});
 
-    scene.camera = Camera{};
     scene.camera.target = middle;
     scene.camera.eye = middle + distance * frame.back;
     scene.camera.fovY = kFovY;

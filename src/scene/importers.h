@@ -16,7 +16,13 @@ struct ImportedMesh {
     std::vector<std::string> warnings;
 };
 
-// Reads .obj (with its .mtl) or .ply (ascii, binary little and big endian), by extension.
+// Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes
+// of .gltf and .glb, by extension.
+//
+// glTF: all meshes of the default scene as one, where their nodes place them; cameras and lights are left
+// out.
+//
+// STL: equal vertices become one; stored normals are not used.
 //
 // OBJ: v (with linear r g b), vn, vt, f with positive and negative indices; o, g and all else are ignored.
 // MTL: Ka Kd Ks Ns illum (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or

@@ -2,7 +2,9 @@
 
 #include "core/error.h"
 #include "scene/importers.h"
+#include "scene/readers.h"
 #include "scene/text_file.h"
+#include "scene/validate.h"
 
 namespace glint {
 
@@ -22,18 +24,30 @@ Scene loadModel(const std::filesystem::path& path) {
     return scene;
 }
 
+// Camera and light are added where the file brings none.
+Scene completed(ImportedScene imported, const std::filesystem::path& path) {
+    Scene scene = std::move(imported.scene);
+    if (!imported.hasCamera) frameCamera(scene);
+    validateCamera(scene.camera, {path.string(), "camera"});
+    if (scene.lights.empty()) lightModel(scene);
+    validateScene(scene, path.string());
+    return scene;
+}
+
 }  // namespace
 
 Scene loadScene(const std::filesystem::path& path) {
     const std::string extension = lowerExtension(path);
     if (extension == ".json") return parseScene(readWholeFile(path), path.string(), path.parent_path());
-    if (extension == ".obj" || extension == ".ply") return loadModel(path);
+    if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path);
+    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path), path);
+    if (extension == ".nff") return completed(readNff(path), path);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
         readWholeFile(path);  // says what is wrong
-    throw Error(
-        ExitCode::Scene,
-        path.string() + ": unknown kind of file (a scene is .json, a model .obj or .ply in this version)");
+    throw Error(ExitCode::Scene, path.string() +
+                                     ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
+                                     ".obj, .ply or .stl)");
 }
 
 }  // namespace glint

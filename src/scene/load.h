@@ -9,10 +9,10 @@
 
 namespace glint {
 
-// Loads a glint scene (.json) or a model alone (.obj, .ply), chosen by extension, any case. Relative paths
-// inside a scene file are relative to that file. A model alone gets a camera that frames it and a light
-// (frameModel). Throws Error(Scene) with one line "file: where: what" for anything wrong:
-// docs/scene-format.md.
+// Loads a glint scene (.json), a scene of another program (.gltf, .glb, .nff) or a model alone (.obj, .ply,
+// .stl), chosen by extension, any case. Relative paths inside a file are relative to that file. A model alone
+// gets a camera that frames it and a light (frameModel), a scene of another program what it lacks of these.
+// Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/scene-format.md.
 Scene loadScene(const std::filesystem::path& path);
 
 // Parses scene text; `name` stands for the file in messages, `folder` is where relative paths start.
@@ -25,8 +25,18 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
 // `name` stands for the file in messages.
 void validateScene(const Scene& scene, const std::string& name);
 
-// A camera and a light that show all of `scene`'s finite geometry: view from the front, above and to the
-// right, 40 degrees, background and ambient set so that an unlit side is still seen.
+// What surrounds a model that says nothing about it: an unlit side is still seen.
+inline constexpr Color kModelBackground{0.42, 0.50, 0.60};
+inline constexpr Color kModelAmbient{0.2};
+
+// A camera and, if there is none, a light that show all of `scene`'s finite geometry: frameCamera and
+// lightModel; background and ambient light as above.
 void frameModel(Scene& scene);
+
+// A view from the front, above and to the right, 40 degrees, that holds all finite geometry but planes.
+void frameCamera(Scene& scene);
+
+// Adds a directional light from the upper left of `scene.camera`'s picture, which must be valid.
+void lightModel(Scene& scene);
 
 }  // namespace glint

@@ -174,8 +174,9 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
     for (Texture& texture : imported.textures) scene_.textures.push_back(std::move(texture));
     for (Material& material : imported.materials) {
-        for (uint32_t* texture : {&material.ambientTexture, &material.diffuseTexture,
-                                  &material.specularTexture, &material.mirrorTexture})
+        for (uint32_t* texture :
+             {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
+              &material.mirrorTexture, &material.transmissionTexture})
             if (*texture != Material::kNoTexture) *texture += firstTexture;
         scene_.materials.push_back(std::move(material));
     }

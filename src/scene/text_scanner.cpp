@@ -34,6 +34,12 @@ bool TextScanner::nextLine() {
     }
 }
 
+bool TextScanner::skipToWord() {
+    while (at_ == nullptr || lineDone())
+        if (!nextLine()) return false;
+    return true;
+}
+
 bool TextScanner::lineDone() {
     skipBlanks();
     return at_ >= lineEnd_ || *at_ == '#';

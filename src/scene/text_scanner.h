@@ -20,6 +20,9 @@ class TextScanner {
 
     // Goes to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
     bool nextLine();
+    // For formats in which line ends are no more than blanks: goes to the next word, past line ends and
+    // comments; false at the end of the text. Needs no nextLine() before it.
+    bool skipToWord();
     size_t line() const { return line_; }  // counted from 1
     bool lineDone();                       // nothing but blanks, or a comment (#), is left on this line
     std::string_view word();               // up to the next blank; empty at the end of the line

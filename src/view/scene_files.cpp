@@ -27,7 +27,7 @@ class Collector {
         std::error_code error;
         if (!fs::is_regular_file(path, error) || !files.insert(path.lexically_normal()).second) return;
         const std::string extension = extensionOf(path);
-        if (extension == ".json") addJson(path);
+        if (extension == ".json" || extension == ".gltf") addJson(path);
         if (extension == ".obj") addMaterials(path);
     }
 

@@ -7,8 +7,8 @@
 
 namespace glint::view {
 
-// The scene's file and every file it names, as far as they can be found now: any text in a JSON scene that is
-// the path of a file (meshes, pictures), and the material libraries of OBJ files.
+// The scene's file and every file it names, as far as they can be found now: any text in a JSON or glTF scene
+// that is the path of a file (meshes, pictures, buffers), and the material libraries of OBJ files.
 std::vector<std::filesystem::path> sceneFiles(const std::filesystem::path& scene);
 
 class FileWatch {

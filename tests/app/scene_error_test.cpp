@@ -61,7 +61,7 @@ const Bad kScenes[] = {
      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n",
      ":11: the file ends after 2 of 3 elements \"vertex\""},
     {"unknownKind", "a.gltf", "{}",
-     ": unknown kind of file (a scene is .json, a model .obj or .ply in this version)"},
+     ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model .obj, .ply or .stl)"},
 };
 INSTANTIATE_TEST_SUITE_P(All, BadScene, ::testing::ValuesIn(kScenes),
                          [](const auto& test) { return test.param.name; });

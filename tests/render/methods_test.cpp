@@ -79,9 +79,11 @@ TEST_F(MethodsTest, onlyTheRobustSphereIsRoundFromAfar) {
     std::vector<RayInput> rays;
     std::vector<bool> inside;
     while (rays.size() < 4000) {
-        const double b = 1.4 * std::sqrt(random.uniform(0, 1)), angle = random.uniform(0, 6.3);
+        // From all sides: along an axis the roundings happen to fit.
+        const dvec3 away = random.direction();
+        const dvec3 aside = glm::normalize(glm::cross(away, random.direction()));
         const RayInput ray =
-            rayTowards({0, 0, kDistance}, {b * std::cos(angle), b * std::sin(angle), 0}, true);
+            rayTowards(kDistance * away, 1.2 * std::sqrt(random.uniform(0, 1)) * aside, true);
         const dvec3 o(ray.origin), d(ray.direction);
         const double impact = glm::length(glm::cross(o, d)) / glm::length(d);
         if (std::abs(impact - 1) < 1e-2) continue;

@@ -140,6 +140,55 @@ TEST(FrameModel, discsCount) {
     expectFits(scene, rim);
 }
 
+// Every shape under a transform that turns, stretches and moves it: points of its surface fit.
+TEST(FrameModel, allShapesUnderATransformCount) {
+    const Affine transform{{{2, 0.3, 0}, {-0.5, 1, 0.2}, {0, 0.1, 0.5}}, {100, -20, 7}};
+    // About the y axis, from y = 0 to 2, `radius(y)` wide.
+    const auto revolved = [&](const auto& radius) {
+        std::vector<dvec3> points;
+        for (int i = 0; i < 64; i++)
+            for (int j = 0; j <= 32; j++) {
+                const double a = i * std::numbers::pi / 32, y = j / 16.0;
+                points.push_back(transform.linear *
+                                     dvec3(radius(y) * std::cos(a), y, radius(y) * std::sin(a)) +
+                                 transform.offset);
+            }
+        return points;
+    };
+    const auto expectShapeFits = [&](const Shape& shape, const std::vector<dvec3>& points) {
+        Scene scene;
+        scene.materials.emplace_back();
+        scene.objects.push_back({"a", shape, 0, transform});
+        frameModel(scene);
+        expectFits(scene, points);
+    };
+    const auto circle = [](double y) { return std::sqrt(std::max(0.0, 1 - (y - 1) * (y - 1))); };
+    expectShapeFits(SphereShape{{0, 1, 0}, 1}, revolved(circle));
+    expectShapeFits(EllipsoidShape{{0, 1, 0}, {3, 1, 3}}, revolved([&](double y) { return 3 * circle(y); }));
+    expectShapeFits(CylinderShape{{0, 0, 0}, {0, 2, 0}, 1.5, true}, revolved([](double) { return 1.5; }));
+    expectShapeFits(ConeShape{{0, 0, 0}, {0, 2, 0}, 2, 0.5, true},
+                    revolved([](double y) { return 2 - 0.75 * y; }));
+    expectShapeFits(HyperboloidShape{{0, 0, 0}, {0, 2, 0}, 2, 1, false},
+                    revolved([](double y) { return std::sqrt(1 + 3 * (y - 1) * (y - 1)); }));
+    std::vector<dvec3> rim;
+    for (int i = 0; i < 64; i++) {
+        const double a = i * std::numbers::pi / 32;
+        rim.push_back(transform.linear * dvec3(2 * std::cos(a), 0, 2 * std::sin(a)) + transform.offset);
+    }
+    expectShapeFits(DiscShape{{0, 0, 0}, {0, 1, 0}, 2}, rim);
+}
+
+TEST(FrameModel, meshesInSeveralPlacesCount) {
+    const auto corners = boxCorners({0, 0, 0}, {1, 1, 1});
+    Scene scene = withTriangles(corners);
+    scene.objects.push_back(scene.objects[0]);
+    scene.objects[1].transform = Affine{{{1, 0, 0}, {0, 2, 0}, {0, 0, 1}}, {10, 0, 0}};
+    frameModel(scene);
+    std::vector<dvec3> points = corners;
+    for (const dvec3& p : corners) points.push_back({p.x + 10, 2 * p.y, p.z});
+    expectFits(scene, points);
+}
+
 TEST(FrameModel, whatIsNotFiniteOrNotUsedIsLeftOut) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();

@@ -37,11 +37,12 @@ TEST(Load, filesWithoutPermission) {
 
 TEST(Load, unknownKinds) {
     const TemporaryFolder folder;
-    for (const std::string name : {"a.glb", "a.txt", "a"}) {
+    for (const std::string name : {"a.fbx", "a.txt", "a"}) {
         const auto path = folder.write(name, "x");
         EXPECT_EQ(errorOf([&] { loadScene(path); }),
                   path.string() +
-                      ": unknown kind of file (a scene is .json, a model .obj or .ply in this version)");
+                      ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
+                      ".obj, .ply or .stl)");
     }
 }
 

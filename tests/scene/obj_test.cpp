@@ -258,8 +258,9 @@ TEST(Obj, materialValuesOutOfRange) {
 
 TEST(Obj, otherExtensionsAreRefused) {
     const TemporaryFolder folder;
-    const auto file = folder.write("m.stl", "solid");
-    EXPECT_EQ(errorOf([&] { importMesh(file); }), file.string() + ": a mesh file must end in .obj or .ply");
+    const auto file = folder.write("m.off", "solid");
+    EXPECT_EQ(errorOf([&] { importMesh(file); }),
+              file.string() + ": a mesh file must end in .obj, .ply, .stl, .gltf or .glb");
     EXPECT_EQ(importMesh(folder.write("M.OBJ", kCubeObj)).mesh.corners.size(), 12u);
 }
 

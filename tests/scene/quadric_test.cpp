@@ -59,7 +59,7 @@ TEST(ParseQuadric, transforms) {
 TEST(ParseQuadric, refusesWhatIsNone) {
     const std::string at = "s.json: /objects/0";
     EXPECT_EQ(errorIn(R"({"type": "quadric", "coefficients": [1, 2], "bounds": [[0,0,0],[1,1,1]]})"),
-              at + "/coefficients: must be ten numbers [A, B, C, D, E, F, G, H, I, J] (got [1,2])");
+              at + "/coefficients: must be ten numbers [A, B, C, D, E, F, G, H, I, J] (got [1, 2])");
     EXPECT_EQ(
         errorIn(R"({"type": "quadric", "coefficients": [0,0,0,0,0,0,0,0,0,0], "bounds": [[0,0,0],[1,1,1]]})"),
         at + "/coefficients: one of A to I must not be 0: J = 0 alone is no surface, but nothing or "

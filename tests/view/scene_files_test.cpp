@@ -28,6 +28,13 @@ TEST_F(SceneFiles, FindsWhatASceneNames) {
     EXPECT_EQ(namesOf("parts/a.obj"), (std::set<std::string>{"parts/a.obj", "parts/a.mtl"}));
 }
 
+TEST_F(SceneFiles, BuffersAndPicturesOfGltfBelongToIt) {
+    std::filesystem::create_directories("parts");
+    test::writeText("parts/a.bin", "x");
+    test::writeText("parts/a.gltf", R"({"buffers": [{"uri": "a.bin"}, {"uri": "data:;base64,AAAA"}]})");
+    EXPECT_EQ(namesOf("parts/a.gltf"), (std::set<std::string>{"parts/a.gltf", "parts/a.bin"}));
+}
+
 TEST_F(SceneFiles, ABrokenOrMissingSceneIsStillWatched) {
     test::writeText("broken.json", "{");
     EXPECT_EQ(namesOf("broken.json"), std::set<std::string>{"broken.json"});

@@ -1,0 +1,350 @@
+// glTF 2.0: geometry, nodes, cameras, lights, and the sample files.
+#include <cmath>
+#include <numbers>
+
+#include "gltf_maker.h"
+#include "scene/importers.h"
+#include "scene/load.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::uvec3;
+
+Scene load(const std::string& bytes, const char* name = "a.gltf") {
+    const TemporaryFolder folder;
+    Scene scene = loadScene(folder.write(name, bytes));
+    const std::string prefix = (folder.path() / name).string() + ": ";
+    for (std::string& warning : scene.warnings)
+        if (warning.starts_with(prefix)) warning = warning.substr(prefix.size());
+    return scene;
+}
+
+const Mesh& meshOf(const Scene& scene, size_t object = 0) {
+    return *std::get<MeshShape>(scene.objects.at(object).shape).mesh;
+}
+
+dvec3 apply(const Object& object, const dvec3& p) {
+    const Affine t = object.transform.value_or(Affine{});
+    return t.linear * p + t.offset;
+}
+
+void expectNear(const dvec3& a, const dvec3& b, double tolerance = 1e-12) {
+    EXPECT_LT(glm::length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
+// Six points in a row of zigzags, drawn with `mode` and `indices`.
+Scene drawn(int mode, const std::vector<uint16_t>& indices = {}) {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0, 0, 2, 1, 0}, "VEC3");
+    std::string primitive = R"({"attributes": {"POSITION": 0}, "mode": )" + std::to_string(mode);
+    if (!indices.empty())
+        primitive += ", \"indices\": " + std::to_string(maker.add(indices, 5123, "SCALAR", indices.size()));
+    return load(maker.text(R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [)" + primitive + "}]}]"));
+}
+
+}  // namespace
+
+TEST(Gltf, aTriangle) {
+    const Scene scene = load(triangleGltf());
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(scene.objects[0].name, "/nodes/0");
+    EXPECT_FALSE(scene.objects[0].transform);
+    const Mesh& mesh = meshOf(scene);
+    EXPECT_EQ(mesh.positions, (std::vector<dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.corners, std::vector<uvec3>{uvec3(0, 1, 2)});
+    EXPECT_TRUE(mesh.normalCorners.empty() && mesh.uvCorners.empty() && mesh.colorCorners.empty());
+    EXPECT_EQ(scene.materials.at(0).diffuse, Color(0.8));
+    EXPECT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.camera.target, dvec3(0.5, 0.5, 0));
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Gltf, modes) {
+    EXPECT_EQ(meshOf(drawn(4)).corners, (std::vector<uvec3>{{0, 1, 2}, {3, 4, 5}}));
+    EXPECT_EQ(meshOf(drawn(4, {5, 4, 3, 0, 1})).corners, std::vector<uvec3>{uvec3(5, 4, 3)});
+    // A strip's second triangle runs the other way round, so that all face the same side.
+    EXPECT_EQ(meshOf(drawn(5)).corners, (std::vector<uvec3>{{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}}));
+    // Joined by a doubled corner; the fourth, an odd one, is turned.
+    EXPECT_EQ(meshOf(drawn(5, {0, 1, 2, 2, 3, 4})).corners, (std::vector<uvec3>{{0, 1, 2}, {2, 4, 3}}));
+    EXPECT_EQ(meshOf(drawn(6)).corners, (std::vector<uvec3>{{1, 2, 0}, {2, 3, 0}, {3, 4, 0}, {4, 5, 0}}));
+}
+
+TEST(Gltf, indexTypes) {
+    for (const int bytes : {1, 2, 4}) {
+        GltfMaker maker;
+        maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+        size_t indices = 0;
+        if (bytes == 1) indices = maker.add<uint8_t>({2, 0, 1}, 5121, "SCALAR", 3);
+        if (bytes == 2) indices = maker.add<uint16_t>({2, 0, 1}, 5123, "SCALAR", 3);
+        if (bytes == 4) indices = maker.add<uint32_t>({2, 0, 1}, 5125, "SCALAR", 3);
+        const Scene scene = load(
+            maker.binary(
+                R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": )" +
+                std::to_string(indices) + "}]}]"),
+            "a.glb");
+        EXPECT_EQ(meshOf(scene).corners, std::vector<uvec3>{uvec3(2, 0, 1)});
+    }
+}
+
+TEST(Gltf, attributes) {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+    // The normals lie four bytes apart.
+    maker.addBytes(bytesOf<int8_t>({0, 0, 127, 9, 0, 0, -128, 9, 127, 0, 0, 9}), 5120, "VEC3", 3,
+                   ", \"normalized\": true", ", \"byteStride\": 4");
+    maker.add<uint8_t>({255, 0, 51, 255, 0, 255, 0, 255, 0, 0, 255, 128}, 5121, "VEC4", 3,
+                       ", \"normalized\": true");
+    const Scene scene = load(maker.text(
+        R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1,
+          "COLOR_0": 2}}]}])"));
+    const Mesh& mesh = meshOf(scene);
+    EXPECT_EQ(mesh.normals, (std::vector<dvec3>{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}}));
+    EXPECT_EQ(mesh.normalCorners, std::vector<uvec3>{uvec3(0, 1, 2)});
+    EXPECT_EQ(mesh.colors, (std::vector<Color>{{1, 0, 0.2}, {0, 1, 0}, {0, 0, 1}}));
+    EXPECT_EQ(mesh.colorCorners, std::vector<uvec3>{uvec3(0, 1, 2)});
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{"the alpha of vertex colours (COLOR_0) is ignored"});
+}
+
+TEST(Gltf, sparseAccessors) {
+    GltfMaker maker;
+    const size_t base = maker.view(bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
+    const size_t indices = maker.view(bytesOf<uint8_t>({1}));
+    const size_t values = maker.view(bytesOf<float>({5, 6, 7}));
+    const auto sparse = [&](const std::string& view) {
+        return "{" + view + R"("componentType": 5126, "type": "VEC3", "count": 3, "sparse": {"count": 1,
+          "indices": {"bufferView": )" +
+               std::to_string(indices) + R"(, "componentType": 5121}, "values": {"bufferView": )" +
+               std::to_string(values) + "}}}";
+    };
+    maker.accessor(sparse("\"bufferView\": " + std::to_string(base) + ", "));
+    maker.accessor(sparse(""));  // of zeros
+    const Scene scene = load(maker.text(
+        R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]}])"));
+    EXPECT_EQ(meshOf(scene).positions, (std::vector<dvec3>{{0, 0, 0}, {5, 6, 7}, {0, 1, 0}}));
+    EXPECT_EQ(meshOf(scene).normals, (std::vector<dvec3>{{0, 0, 0}, {5, 6, 7}, {0, 0, 0}}));
+}
+
+TEST(Gltf, nodesAreComposedInDouble) {
+    const Scene scene = load(triangleGltf(
+        "", R"(, "children": [1, 2], "translation": [10, 0, 0], "rotation": [0, 0, 0.7071068, 0.7071068],
+          "scale": [2, 2, 2]}, {"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,0,0,1]}, {"mesh": 0,
+          "scale": [-1, 1, 1])"));
+    ASSERT_EQ(scene.objects.size(), 3u);
+    // (1,0,0): scaled to 2, turned to +y, moved by 10.
+    expectNear(apply(scene.objects[0], {1, 0, 0}), {10, 2, 0});
+    expectNear(apply(scene.objects[1], {1, 0, 0}), {10, 4, 0});
+    expectNear(apply(scene.objects[2], {1, 0, 0}), {10, -2, 0});
+    // One mesh, three places.
+    EXPECT_EQ(&meshOf(scene, 0), &meshOf(scene, 1));
+    EXPECT_EQ(&meshOf(scene, 0), &meshOf(scene, 2));
+    // In float a millionth of a step would be lost beside ten million.
+    const Scene far = load(triangleGltf(
+        "", R"(, "translation": [1e7, 0, 0], "children": [1]}, {"mesh": 0, "translation": [1e-6, 0, 0])"));
+    EXPECT_EQ(far.objects[1].transform->offset.x, 1e7 + 1e-6);
+}
+
+TEST(Gltf, onlyTheDefaultSceneIsShown) {
+    const std::string node = R"(}, {"mesh": 0, "translation": [5, 0, 0])";
+    EXPECT_EQ(load(triangleGltf(R"("scenes": [{"nodes": [0, 1]}, {"nodes": [1]}])", node)).objects.size(),
+              2u);
+    const Scene second =
+        load(triangleGltf(R"("scene": 1, "scenes": [{"nodes": [0]}, {"nodes": [1]}])", node));
+    ASSERT_EQ(second.objects.size(), 1u);
+    EXPECT_EQ(second.objects[0].name, "/nodes/1");
+    EXPECT_EQ(second.warnings, std::vector<std::string>{"of 2 scenes only number 1 is shown"});
+    EXPECT_EQ(load(triangleGltf("", node)).objects.size(), 2u);  // no scenes: all roots
+}
+
+TEST(Gltf, aFlattenedNodeIsNotDrawn) {
+    const Scene scene = load(triangleGltf("", R"(}, {"mesh": 0, "scale": [0, 0, 0])"));
+    EXPECT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{"/nodes/1: flattened by its transform; not drawn"});
+}
+
+TEST(Gltf, perspectiveCamera) {
+    const Scene scene = load(triangleGltf(
+        R"("cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1,
+          "zfar": 50}}, {"type": "perspective", "name": "other", "perspective": {"yfov": 1, "znear": 1}}])",
+        R"(, "children": [1, 2]}, {"camera": 0, "translation": [1, 2, 3],
+          "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476], "scale": [3, 3, 3]}, {"camera": 1)"));
+    const Camera& camera = scene.camera;
+    EXPECT_EQ(camera.projection, Projection::Perspective);
+    expectNear(camera.eye, {1, 2, 3});
+    expectNear(camera.target, {0, 2, 3});  // -z turned by 90 degrees about y is -x
+    expectNear(glm::normalize(camera.up), {0, 1, 0});
+    EXPECT_NEAR(camera.fovY * std::numbers::pi / 180, 0.5, 1e-15);
+    EXPECT_EQ(camera.nearT, 0.1);
+    const dvec3 corner(2 * 50 * std::tan(0.25), 50 * std::tan(0.25), 50);
+    EXPECT_NEAR(camera.farT, glm::length(corner), 1e-9);
+    EXPECT_EQ(scene.image.height, 600);
+    EXPECT_EQ(scene.image.width, 1200);
+    EXPECT_EQ(scene.warnings,
+              std::vector<std::string>{"the camera \"other\" is not the first one and is not used"});
+}
+
+TEST(Gltf, orthographicCamera) {
+    const Scene scene = load(triangleGltf(
+        R"("cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 4, "znear": 0.5,
+          "zfar": 9}}])",
+        R"(}, {"camera": 0, "translation": [0, 0, 3])"));
+    EXPECT_EQ(scene.camera.projection, Projection::Orthographic);
+    EXPECT_EQ(scene.camera.height, 8);
+    EXPECT_EQ(scene.camera.target, dvec3(0, 0, 2));
+    EXPECT_EQ(scene.camera.nearT, 0.5);
+    EXPECT_EQ(scene.camera.farT, 9);
+    EXPECT_EQ(scene.image.width, 300);
+}
+
+TEST(Gltf, lights) {
+    const std::string lights = R"("extensionsUsed": ["KHR_lights_punctual"], "extensions":
+        {"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": [1, 0.5, 0], "intensity": 10, "range": 3},
+        {"type": "directional"},
+        {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}}]}})";
+    const auto use = [](int light, const std::string& place) {
+        return R"(}, {"extensions": {"KHR_lights_punctual": {"light": )" + std::to_string(light) + "}}, " +
+               place;
+    };
+    const Scene scene = load(triangleGltf(lights, use(0, R"("translation": [1, 2, 3])") +
+                                                      use(1, R"("rotation": [-1, 0, 0, 1])") +
+                                                      use(2, R"("translation": [0, 0, 9])")));
+    ASSERT_EQ(scene.lights.size(), 3u);
+    const double pi = std::numbers::pi;
+    const auto& point = std::get<PointLight>(scene.lights[0]);
+    EXPECT_EQ(point.position, dvec3(1, 2, 3));
+    expectNear(point.intensity, Color(10, 5, 0) / pi);
+    EXPECT_TRUE(point.inverseSquare);
+    const auto& sun = std::get<DirectionalLight>(scene.lights[1]);
+    expectNear(glm::normalize(sun.direction), {0, -1, 0});  // -z turned by -90 degrees about x
+    expectNear(sun.intensity, Color(1) / pi);
+    const auto& spot = std::get<SpotLight>(scene.lights[2]);
+    EXPECT_EQ(spot.direction, dvec3(0, 0, -1));
+    EXPECT_NEAR(spot.angle, 0.25 * 180 / pi, 1e-12);
+    EXPECT_NEAR(spot.penumbra, 0.25 * 180 / pi, 1e-12);
+    EXPECT_TRUE(spot.inverseSquare);
+    EXPECT_EQ(scene.ambient, Color(0));
+    EXPECT_EQ(scene.warnings,
+              std::vector<std::string>{"the range of lights is ignored: they fall off by the square"});
+}
+
+TEST(Gltf, whatIsIgnoredIsNamedOnce) {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+    const std::string morph = R"({"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}]})";
+    const std::string points = R"({"attributes": {"POSITION": 0}, "mode": 0})";
+    const Scene scene = load(maker.text(
+        R"("nodes": [{"mesh": 0, "skin": 0}, {"mesh": 0, "skin": 0}], "skins": [{"joints": [0]}],
+           "extensionsUsed": ["KHR_materials_sheen"], "animations": [{}],
+           "meshes": [{"primitives": [)" +
+        morph + ", " + morph + ", " + points + ", " + points + "]}]"));
+    EXPECT_EQ(meshOf(scene).corners.size(), 2u);
+    EXPECT_EQ(meshOf(scene).positions.size(), 3u);  // both primitives share them
+    EXPECT_EQ(scene.warnings,
+              (std::vector<std::string>{"the extension KHR_materials_sheen is ignored",
+                                        "skins are ignored: meshes stand as they were modelled",
+                                        "morph targets are ignored", "points and lines are not drawn",
+                                        "animations are ignored"}));
+}
+
+TEST(Gltf, aMeshFileIsFlattenedIntoTheWorld) {
+    const TemporaryFolder folder;
+    const auto path = folder.write(
+        "a.gltf", triangleGltf(R"("materials": [{"pbrMetallicRoughness": {"metallicFactor": 0,
+          "baseColorFactor": [1, 0, 0, 1]}}])",
+                               R"(, "translation": [0, 0, 1]}, {"mesh": 0, "scale": [-1, 1, 1])"));
+    const ImportedMesh imported = importMesh(path);
+    ASSERT_EQ(imported.mesh.corners.size(), 2u);
+    EXPECT_EQ(imported.mesh.positions[imported.mesh.corners[0].y], dvec3(1, 0, 1));
+    // The mirrored one turns its corners round, so that its front stays in front.
+    EXPECT_EQ(imported.mesh.positions[imported.mesh.corners[1].y], dvec3(0, 1, 0));
+    EXPECT_EQ(imported.mesh.positions[imported.mesh.corners[1].z], dvec3(-1, 0, 0));
+    EXPECT_EQ(imported.mesh.materials, std::vector<uint32_t>(2, 0));
+    EXPECT_EQ(imported.materials.at(0).diffuse, Color(1, 0, 0));
+    const Scene scene = loadScene(folder.write(
+        "s.json", R"({"meshes": {"t": {"file": "a.gltf"}}, "objects": [{"type": "mesh", "mesh": "t"}]})"));
+    EXPECT_EQ(meshOf(scene).corners.size(), 2u);
+    EXPECT_TRUE(scene.lights.empty());
+}
+
+namespace {
+
+struct Sample {
+    const char* file;
+    size_t triangles, objects, textures;
+    dvec3 low, high;  // as the list of the assets states them
+};
+void PrintTo(const Sample& sample, std::ostream* out) {
+    *out << sample.file;
+}
+
+const Sample kSamples[] = {
+    {"Avocado/Avocado.gltf", 682, 1, 1, {-0.021281, -4.7739e-05, -0.013809}, {0.021281, 0.062848, 0.013809}},
+    {"BoxTextured/BoxTextured.gltf", 12, 1, 1, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}},
+    {"BoxTextured.glb", 12, 1, 1, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}},
+    {"Fox/Fox.gltf", 576, 1, 1, {-12.593, -0.12174, -88.095}, {12.593, 78.907, 66.625}},
+    {"diamond.glb", 96, 1, 0, {-0.99136, -0.42851, -0.99172}, {0.9913, 0.67777, 0.99094}},
+    {"usd-shaderball-ball.glb", 63856, 4, 2, {-4.4399, -4.1996e-07, -4.4399}, {4.4607, 8.2013, 4.4607}}};
+
+class GltfAsset : public testing::TestWithParam<Sample> {};
+
+TEST_P(GltfAsset, hasTheStatedTrianglesAndBox) {
+    const auto path = assetsFolder() / "gltf" / GetParam().file;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
+    const Scene scene = loadScene(path);
+    EXPECT_EQ(scene.objects.size(), GetParam().objects);
+    EXPECT_EQ(scene.textures.size(), GetParam().textures);
+    size_t triangles = 0;
+    dvec3 low(1e300), high(-1e300);
+    for (size_t i = 0; i < scene.objects.size(); i++) {
+        const Mesh& mesh = meshOf(scene, i);
+        triangles += mesh.corners.size();
+        EXPECT_EQ(mesh.uvCorners.empty(), scene.textures.empty() || (i == 0 && scene.objects.size() == 4));
+        for (const uvec3& c : mesh.corners)
+            for (int k = 0; k < 3; k++) {
+                low = glm::min(low, apply(scene.objects[i], mesh.positions[c[k]]));
+                high = glm::max(high, apply(scene.objects[i], mesh.positions[c[k]]));
+            }
+    }
+    EXPECT_EQ(triangles, GetParam().triangles);
+    for (int k = 0; k < 3; k++) {
+        // Printed with five digits, from coordinates that float matrices had turned.
+        const double turned = 0x1p-24 * std::max(glm::length(low), glm::length(high));
+        EXPECT_NEAR(low[k], GetParam().low[k], 1e-4 * std::abs(low[k]) + turned);
+        EXPECT_NEAR(high[k], GetParam().high[k], 1e-4 * std::abs(high[k]) + turned);
+    }
+}
+
+std::string sampleName(const testing::TestParamInfo<Sample>& tested) {
+    std::string name = tested.param.file;
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, GltfAsset, testing::ValuesIn(kSamples), sampleName);
+
+}  // namespace
+
+TEST(GltfAssets, theBoxIsTheSameInBothContainers) {
+    const auto folder = assetsFolder() / "gltf";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the folder ../shared/assets is not there";
+    const Scene text = loadScene(folder / "BoxTextured/BoxTextured.gltf");
+    const Scene binary = loadScene(folder / "BoxTextured.glb");
+    EXPECT_EQ(meshOf(text).positions, meshOf(binary).positions);
+    EXPECT_EQ(meshOf(text).corners, meshOf(binary).corners);
+    EXPECT_EQ(meshOf(text).uvs, meshOf(binary).uvs);
+    const auto pixels = [](const Scene& scene) {
+        return std::get<ImageTexture>(scene.textures[0].source).image->pixels;
+    };
+    EXPECT_EQ(pixels(text), pixels(binary));
+    EXPECT_EQ(std::get<ImageTexture>(text.textures[0].source).wrapU, Wrap::Mirror);  // 33648
+    EXPECT_EQ(std::get<ImageTexture>(text.textures[0].source).wrapV, Wrap::Clamp);   // 33071
+    EXPECT_EQ(std::get<ImageTexture>(binary.textures[0].source).wrapV, Wrap::Repeat);
+}
+
+}  // namespace glint::test

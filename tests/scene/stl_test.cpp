@@ -1,0 +1,206 @@
+// STL files written byte by byte.
+#include <cstring>
+#include <map>
+
+#include "scene/importers.h"
+#include "scene/load.h"
+#include "support.h"
+
+namespace glint::test {
+
+namespace {
+
+using glm::dvec3;
+
+template <typename T>
+void put(std::string& bytes, T value) {  // the tests run on little-endian machines
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    bytes.append(raw, sizeof(T));
+}
+
+struct Facet {
+    dvec3 normal, a, b, c;
+    uint16_t attribute = 0;
+};
+
+std::string binary(const std::vector<Facet>& facets, const std::string& title = "made by a test") {
+    std::string bytes = title;
+    bytes.resize(80, '\0');
+    put(bytes, static_cast<uint32_t>(facets.size()));
+    for (const Facet& facet : facets) {
+        for (const dvec3& v : {facet.normal, facet.a, facet.b, facet.c})
+            for (int i = 0; i < 3; i++) put(bytes, static_cast<float>(v[i]));
+        put(bytes, facet.attribute);
+    }
+    return bytes;
+}
+
+// A tetrahedron wound outwards: 4 triangles, 12 corners, 4 different vertices.
+const std::vector<Facet> kTetrahedron = {{{0, 0, -1}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}},
+                                         {{0, -1, 0}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}},
+                                         {{-1, 0, 0}, {0, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+                                         {{1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+std::string asciiFacet(const std::string& normal, const std::string& a, const std::string& b,
+                       const std::string& c) {
+    return "facet normal " + normal + "\n outer loop\n  vertex " + a + "\n  vertex " + b + "\n  vertex " + c +
+           "\n endloop\nendfacet\n";
+}
+
+const std::string kFacet = asciiFacet("0 0 1", "0 0 0", "1 0 0", "0 1 0");
+
+struct Folder {
+    TemporaryFolder folder;
+    ImportedMesh read(const std::string& bytes) { return importMesh(folder.write("m.stl", bytes)); }
+    std::string errorOfBytes(const std::string& bytes) {
+        const auto path = folder.write("m.stl", bytes);
+        const std::string error = errorOf([&] { importMesh(path); });
+        return error.starts_with(path.string()) ? error.substr(path.string().size()) : error;
+    }
+    std::vector<std::string> warnings(const std::string& bytes) {
+        std::vector<std::string> lines = read(bytes).warnings;
+        const std::string prefix = (folder.path() / "m.stl").string() + ": ";
+        for (std::string& line : lines) {
+            EXPECT_TRUE(line.starts_with(prefix)) << line;
+            line = line.substr(prefix.size());
+        }
+        return lines;
+    }
+};
+
+double signedVolume(const Mesh& mesh) {
+    double volume = 0;
+    for (const glm::uvec3& c : mesh.corners)
+        volume += glm::dot(mesh.positions[c.x], glm::cross(mesh.positions[c.y], mesh.positions[c.z])) / 6;
+    return volume;
+}
+
+}  // namespace
+
+TEST(Stl, binaryVerticesAreWelded) {
+    Folder f;
+    const ImportedMesh imported = f.read(binary(kTetrahedron));
+    EXPECT_EQ(imported.mesh.corners.size(), 4u);
+    EXPECT_EQ(imported.mesh.positions.size(), 4u);
+    EXPECT_TRUE(imported.mesh.normals.empty());
+    EXPECT_TRUE(imported.materials.empty());
+    EXPECT_TRUE(imported.warnings.empty());
+    EXPECT_DOUBLE_EQ(signedVolume(imported.mesh), 1.0 / 6);
+}
+
+TEST(Stl, binaryThatStartsWithSolid) {
+    Folder f;
+    EXPECT_EQ(
+        f.read(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
+}
+
+TEST(Stl, asciiNumbersAreRead) {
+    Folder f;
+    const ImportedMesh imported =
+        f.read("solid a name with facet and vertex in it\n" +
+               asciiFacet("0 0 0", "1.0000000001 +2 -3e-2", "123456.123456789 0 0", "0 1 0") +
+               "endsolid a name with facet and vertex in it\n");
+    ASSERT_EQ(imported.mesh.positions.size(), 3u);
+    EXPECT_EQ(imported.mesh.positions[0], dvec3(1.0000000001, 2, -3e-2));
+    EXPECT_EQ(imported.mesh.positions[1].x, 123456.123456789);
+    EXPECT_TRUE(imported.warnings.empty());  // a normal of zero disagrees with nothing
+}
+
+TEST(Stl, asciiLayoutIsFree) {
+    Folder f;
+    EXPECT_EQ(f.read("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
+                     "ENDFACET\r\nENDSOLID\r\n")
+                  .mesh.corners.size(),
+              1u);
+}
+
+TEST(Stl, severalSolidsAreOneMesh) {
+    Folder f;
+    const Mesh mesh = f.read("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
+                             asciiFacet("0 0 1", "1 0 0", "1 1 0", "0 1 0") + "endsolid\n")
+                          .mesh;
+    EXPECT_EQ(mesh.corners.size(), 2u);
+    EXPECT_EQ(mesh.positions.size(), 4u);  // the edge between them is shared
+}
+
+TEST(Stl, zerosOfBothSignsAreEqual) {
+    Folder f;
+    EXPECT_EQ(f.read("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
+                  .mesh.positions.size(),
+              4u);
+}
+
+TEST(Stl, normalsAgainstTheWindingAreWarnedAbout) {
+    Folder f;
+    std::vector<Facet> facets = kTetrahedron;
+    facets[1].normal = -facets[1].normal;
+    facets[3].normal = dvec3(0);
+    EXPECT_EQ(
+        f.warnings(binary(facets)),
+        std::vector<std::string>{
+            "the stored normals of 1 facets point against the winding of their vertices, which counts"});
+    EXPECT_DOUBLE_EQ(signedVolume(f.read(binary(facets)).mesh), 1.0 / 6);
+}
+
+TEST(Stl, whatElseIsWarnedAbout) {
+    Folder f;
+    std::vector<Facet> facets = kTetrahedron;
+    facets[0].attribute = 0x8123;
+    facets[2].attribute = 1;
+    EXPECT_EQ(
+        f.warnings(binary(facets) + "tail"),
+        (std::vector<std::string>{"the attribute bytes of 2 facets, in which some programs keep colours, "
+                                  "are ignored",
+                                  "4 bytes after the last triangle are ignored"}));
+    facets = kTetrahedron;
+    facets.push_back({{0, 0, 1}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}});
+    EXPECT_EQ(f.warnings(binary(facets)),
+              std::vector<std::string>{"1 face with fewer than three different vertices left out"});
+}
+
+TEST(Stl, errors) {
+    Folder f;
+    const std::string whole = binary(kTetrahedron);
+    EXPECT_EQ(f.errorOfBytes(whole.substr(0, 84 + 3 * 50 + 49)),
+              ": byte 283: the file ends after 3 of 4 triangles");
+    EXPECT_EQ(f.errorOfBytes(whole.substr(0, 83)),
+              ": neither ascii STL (\"solid ...\") nor long enough for binary");
+    EXPECT_EQ(f.errorOfBytes(""), ": the file is empty");
+    EXPECT_EQ(f.errorOfBytes(binary({})), ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(f.errorOfBytes("solid a\nendsolid a\n"),
+              ": holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(f.errorOfBytes("solid a\n" + kFacet), ":8: the file ends where \"endsolid\" is expected");
+    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n"),
+              ":5: \"x\" is not a number (a vertex needs one)");
+    EXPECT_EQ(f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"),
+              ":5: the file ends within a vertex");
+    EXPECT_EQ(
+        f.errorOfBytes("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 "
+                       "0\nvertex 0 1 0\nendloop\n"),
+        ":7: expected \"endloop\" (got \"vertex\")");
+    EXPECT_EQ(f.errorOfBytes("solid a\nface normal\n"),
+              ":2: expected \"facet\" or \"endsolid\" (got \"face\")");
+}
+
+// Any prefix of a good file is read or refused, never worse.
+TEST(Stl, truncationsAreRefused) {
+    Folder f;
+    const std::string whole = binary(kTetrahedron), text = "solid a\n" + kFacet + "endsolid\n";
+    for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(f.errorOfBytes(whole.substr(0, n)), "no error") << n;
+    for (size_t n = 1; n + 9 < text.size(); n++)
+        EXPECT_NE(f.errorOfBytes(text.substr(0, n)), "no error") << n;
+}
+
+TEST(Stl, aModelAloneAndAMeshOfASceneFile) {
+    const TemporaryFolder folder;
+    const Scene alone = loadScene(folder.write("t.STL", binary(kTetrahedron)));
+    ASSERT_EQ(alone.objects.size(), 1u);
+    EXPECT_EQ(alone.lights.size(), 1u);
+    EXPECT_EQ(alone.camera.target, dvec3(0.5));
+    const Scene scene = loadScene(folder.write(
+        "s.json", R"({"meshes": {"t": {"file": "t.STL"}}, "objects": [{"type": "mesh", "mesh": "t"}]})"));
+    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->corners.size(), 4u);
+}
+
+}  // namespace glint::test
