@@ -94,8 +94,12 @@ void renderOnHost(const LoadedScene& loaded, const render::RenderSettings& setti
 void warnAboutPicture(const Picture& picture, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
-    if (picture.notFinite > 0)
-        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite)\n";
+    if (picture.notFinite > 0) {
+        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
+            << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
+            << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
+               "bright?\n";
+    }
     if (const auto advice = pictureAdvice(picture, loaded.scene, loaded.packed))
         err << start << *advice << '\n';
 }
@@ -120,6 +124,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["discs"] = loaded.packed.discs.size();
     json["polygons"] = loaded.packed.polygons.size();
     json["notFinite"] = outcome.picture.notFinite;
+    if (outcome.picture.notFinite > 0)
+        json["firstNotFinite"] = {outcome.picture.firstNotFinite.x, outcome.picture.firstNotFinite.y};
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},
                        {"upload", t.upload},
@@ -208,6 +214,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
         }
     }
     if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);
+    blackenNotFinite(outcome.picture);
     const bool anyDone =
         std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
     if (!anyDone) checkComplete(outcome);

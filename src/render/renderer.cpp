@@ -252,7 +252,7 @@ void Renderer::State::readSlice(const Slice& slice, const RenderSettings& settin
         for (int c = 0; c < 3; ++c) color[c] = radiance[path].f[c] * scale;
         color[3] = static_cast<float>(radiance[path].u[3]) * scale;
         picture.done[index] = 1;
-        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
+        picture.checkFinite(pixel.x, pixel.y);
     }
     if (!picture.data.empty()) readData(slice, picture);
     times.readback += watch.seconds();
