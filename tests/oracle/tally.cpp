@@ -18,6 +18,7 @@ void Tally::add(const Truth& truth, double band, bool hit, double t, double u, d
     falseMisses += !hit && truth.hit;
     if (!hit || !truth.hit) return;
     tErrors.push_back(std::abs(t - truth.t) / truth.t);
+    scaledErrors.push_back(tErrors.back() * truth.margin);
     weightErrors.push_back(std::max(std::abs(u - truth.u), std::abs(v - truth.v)));
 }
 

@@ -14,6 +14,7 @@ struct Tally {
     size_t inBand = 0, wrongInBand = 0;
     size_t falseHits = 0, falseMisses = 0;
     std::vector<double> tErrors;       // |t - truth| / truth, hits of both outside the band
+    std::vector<double> scaledErrors;  // tErrors times Truth::margin: what cancellation does not excuse
     std::vector<double> weightErrors;  // max |u - truth|, |v - truth|
 
     void add(const Truth& truth, double band, bool hit, double t, double u = 0, double v = 0);

@@ -31,13 +31,15 @@ struct TriangleFamily {
 // Outside the band of 64 u (NUMERICS section 3) no answer may be wrong.
 Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed);
 
-// Spheres of this radius seen from `distance` radii off, rays across the disc that they appear as and, every
-// other one, within a few parts in 1e4 of the limb.
+// Spheres of this radius seen from `distance` radii off, by rays across 1.2 times the disc that they appear
+// as, or within a thousandth of its rim.
 struct SphereFamily {
     double radius = 1, distance = 3, offset = 0;
+    bool atLimb = false;
 };
-// The band is 1e-3 of the squared radius (NUMERICS section 1), and 16 u distance / radius from where that is
-// more.
+// The band is 1e-3 of the squared radius (NUMERICS section 1). At the limb, and farther than 8000 radii away,
+// it is 16 u distance / radius from where that is more: rounding o to float arithmetic moves it by u
+// distance.
 Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed);
 // A planet of radius 1e6 seen from `height` above its surface, downwards.
 Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed);
@@ -49,12 +51,14 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
 Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 
-// Boxes up to `thickness` thick on one axis, rays aimed at their edges.
+// Boxes up to `thickness` thick on one axis, rays aimed at their edges. widened: by an ulp on all sides, as
+// src/bvh stores them, which also lets rays in that run in a side.
 struct BoxCount {
     size_t rays = 0, hits = 0, falseMisses = 0;
     size_t judgedHits = 0, falseHits = 0;  // of a sample
 };
-BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, size_t count, uint32_t seed);
+BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, bool widened, size_t count,
+                    uint32_t seed);
 
 // ---- whole scenes, device only ----
 

@@ -47,7 +47,7 @@ TEST_F(MutantsTest, DroppedPreciseIsSeenInTheCode) {
 
 TEST_F(MutantsTest, NaiveDiscriminantMissesFarSpheres) {
     const auto wrong = [](const Subject& subject) {
-        return judgeSpheres(subject, {1, 4100, 0}, 5000, 802).arithmetic.wrong();
+        return judgeSpheres(subject, {1, 4100, 0, false}, 5000, 802).arithmetic.wrong();
     };
     expectRed("spheres from 4100 radii", wrong(sound()), wrong(mutant("naive_sphere")));
 }
@@ -55,7 +55,7 @@ TEST_F(MutantsTest, NaiveDiscriminantMissesFarSpheres) {
 TEST_F(MutantsTest, UnpaddedBoxesAreMissed) {
     for (const double thickness : {0.01, 0.0}) {
         const auto missed = [&](const Subject& subject) {
-            return judgeBoxes(subject, thickness, 0, 50000, 803).falseMisses;
+            return judgeBoxes(subject, thickness, 0, false, 50000, 803).falseMisses;
         };
         expectRed("boxes", missed(sound()), missed(mutant("unpadded_boxes")));
     }

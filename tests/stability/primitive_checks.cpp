@@ -102,7 +102,8 @@ Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t c
     for (size_t i = 0; i < count; ++i) {
         const dvec3 away = family.distance * family.radius * random.direction();
         const dvec3 side = glm::normalize(glm::cross(away, random.direction()));
-        const double rim = i % 2 ? 1 + random.uniform(-1, 1) * 1e-3 : 1.2 * std::sqrt(random.uniform(0, 1));
+        const double rim =
+            family.atLimb ? 1 + random.uniform(-1, 1) * 1e-3 : 1.2 * std::sqrt(random.uniform(0, 1));
         pairs[i] = aim(center + away, center + rim * family.radius * side);
         const dvec3 d = glm::normalize(pairs[i].exact.direction);
         pairs[i].exact.direction = d;
@@ -112,7 +113,9 @@ Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t c
     }
     const std::vector<Answer> answers = probe(subject, roundedOf(pairs), spheres);
     Judged judged;
-    const double band = bandOf(subject, std::max(1e-3, 16 * kUnit * family.distance));
+    const double rounding = 16 * kUnit * family.distance;
+    const double band =
+        bandOf(subject, family.atLimb || family.distance > 8000 ? std::max(1e-3, rounding) : 1e-3);
     for (size_t i = 0; i < count; ++i) {
         add(judged, oracle::sphere(spheres[i].point, spheres[i].radius, pairs[i].asRounded()),
             oracle::sphere(center, family.radius, pairs[i].exact), band, answers[i]);
@@ -262,7 +265,8 @@ Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t co
     return judged;
 }
 
-BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, size_t count, uint32_t seed) {
+BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, bool widened, size_t count,
+                    uint32_t seed) {
     constexpr size_t kChunk = 1u << 17;
     Random random(seed);
     BoxCount total;
@@ -281,7 +285,14 @@ BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, siz
             w[static_cast<int>(random.below(3))] = random.uniform(0, 1);
             rays[i] = aim(dvec3(offset) + random.box(2), lo + w * (hi - lo)).rounded;
         }
-        const std::vector<Answer> answers = probe(subject, rays, boxes);
+        std::vector<Box> stored = boxes;
+        for (Box& box : stored) {
+            for (int axis = 0; axis < 3 && widened; ++axis) {
+                box.lo[axis] = std::nextafter(box.lo[axis], -shared::kInfinity);
+                box.hi[axis] = std::nextafter(box.hi[axis], shared::kInfinity);
+            }
+        }
+        const std::vector<Answer> answers = probe(subject, rays, stored);
         for (size_t i = 0; i < n; ++i) {
             const bool sampled = i % 16 == 0;
             total.hits += answers[i].hit;
