@@ -136,7 +136,7 @@ TEST_F(ClippedAdvice, NearAndFar) {
     // Not the box around it, but all of it that the picture would show.
     writeText("a.json",
               R"({"image": {"width": 16, "height": 12}, "ambient": 1, "camera": {"eye": [0, 0, 5], "far": 4},
-              "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}, {"type": "sphere", "center": [90, 0, 0], "radius": 89}]})");
+              "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}, {"type": "sphere", "center": [90, 0, 0], "radius": 3}]})");
     EXPECT_TRUE(runGlint({"render", "a.json", "--backend", "cpu"})
                     .err.ends_with("farther away than the camera's far\n"));
     // In front of the eye as it looks, behind the turned image plane: the eye is at (0, 0, 5), the plane's

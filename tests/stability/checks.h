@@ -62,7 +62,7 @@ BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, boo
 
 // ---- whole scenes, device only ----
 
-enum class Mesh { Icosphere, Bumpy, Knot };
+enum class Mesh { Icosphere, Bumpy };
 enum class Aim { Anywhere, Vertices, Edges };
 
 // A closed mesh of about this size, its middle this far from the origin on all axes.

@@ -10,16 +10,16 @@
 namespace glint::stability {
 
 inline const char* nameOf(Mesh mesh) {
-    static const char* const names[] = {"icosphere", "bumpy sphere", "knot"};
+    static const char* const names[] = {"icosphere", "bumpy sphere"};
     return names[static_cast<int>(mesh)];
 }
 
 // Sizes and offsets of which fp32 still tells the mesh's corners apart.
-inline const LeakCase kClosedMeshes[] = {
-    {Mesh::Icosphere, 1, 0},   {Mesh::Icosphere, 1e-6, 0},  {Mesh::Icosphere, 1e6, 0},
-    {Mesh::Icosphere, 1, 1e3}, {Mesh::Icosphere, 1e3, 1e6}, {Mesh::Bumpy, 1, 0},
-    {Mesh::Bumpy, 1e-8, 0},    {Mesh::Bumpy, 1e8, 0},       {Mesh::Bumpy, 1, 1e3},
-    {Mesh::Bumpy, 1, 1e5},     {Mesh::Knot, 1, 0},          {Mesh::Knot, 1e3, 1e4}};
+inline const LeakCase kClosedMeshes[] = {{Mesh::Icosphere, 1, 0},     {Mesh::Icosphere, 1e-6, 0},
+                                         {Mesh::Icosphere, 1e6, 0},   {Mesh::Icosphere, 1, 1e3},
+                                         {Mesh::Icosphere, 1e3, 1e6}, {Mesh::Bumpy, 1, 0},
+                                         {Mesh::Bumpy, 1e-8, 0},      {Mesh::Bumpy, 1e8, 0},
+                                         {Mesh::Bumpy, 1, 1e3},       {Mesh::Bumpy, 1, 1e5}};
 
 inline void expectNoLeaks(const Subject& subject, size_t wanted) {
     const size_t raysOfEach = wanted / std::size(kClosedMeshes) + 2;
@@ -32,7 +32,7 @@ inline void expectNoLeaks(const Subject& subject, size_t wanted) {
             for (const bool any : {false, true}) {
                 const LeakCount found = countLeaks(subject, c, aim, count / 2, seed++, any);
                 EXPECT_EQ(found.leaks, 0u) << nameOf(c.mesh) << " " << c.size << " " << c.offset;
-                EXPECT_LE(found.notInside, c.mesh == Mesh::Knot ? found.rays / 10 : 0) << nameOf(c.mesh);
+                EXPECT_EQ(found.notInside, 0u) << nameOf(c.mesh);
                 rays += found.rays;
             }
         }

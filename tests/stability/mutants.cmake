@@ -60,7 +60,8 @@ foreach(edge "a c2.x b2.y c2.y b2.x" "b a2.x c2.y a2.y c2.x" "c b2.x a2.y b2.y a
     precise float e${e} = (product${e} - other${e}) + rest${e};")
 endforeach()
 mutant(contracted intersect.glsl "${edges}" "${fused}" intersect primitive_probe)
-mutant(imprecise intersect.glsl "precise float ea =" "float ea =" intersect)
+# Not of an edge function: what a precise variable is computed from is precise too, so that `det` vouches for them.
+mutant(imprecise intersect.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
 # The textbook's discriminant.
 mutant(naive_sphere intersect.glsl
        "precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));"

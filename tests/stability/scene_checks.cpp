@@ -6,7 +6,6 @@
 #include "../render/support.h"
 #include "checks.h"
 #include "reference/render.h"
-#include "scene/load.h"
 
 namespace glint::stability {
 
@@ -74,13 +73,8 @@ MeshData icosphere(int levels) {
 
 MeshData meshOf(Mesh kind) {
     if (kind == Mesh::Icosphere) return icosphere(3);
-    if (kind == Mesh::Bumpy) {
-        const reference::test::BumpyMesh bumpy = reference::test::makeBumpyMesh(15);
-        return {{bumpy.vertices.begin(), bumpy.vertices.end()}, bumpy.triangles};
-    }
-    const Scene scene = loadScene(std::filesystem::path(GLINT_SOURCE_DIR) / "scenes/meshes/knot.obj");
-    const auto& shape = std::get<MeshShape>(scene.objects.at(0).shape);
-    return {shape.mesh->positions, shape.mesh->corners};
+    const reference::test::BumpyMesh bumpy = reference::test::makeBumpyMesh(15);
+    return {{bumpy.vertices.begin(), bumpy.vertices.end()}, bumpy.triangles};
 }
 
 PackedScene packedMesh(const LeakCase& leakCase) {
@@ -98,16 +92,9 @@ PackedScene packedMesh(const LeakCase& leakCase) {
     return packScene(scene);
 }
 
-// Inside the two meshes that are stars around their middle, within a fifth of their least radius of it;
-// inside the knot, a little below a face.
-dvec3 insidePoint(const LeakCase& leakCase, const PackedScene& packed, Random& random) {
-    if (leakCase.mesh != Mesh::Knot)
-        return dvec3(leakCase.offset) + random.box(0.2 / std::sqrt(3.0) * leakCase.size);
-    const auto index = random.below(static_cast<uint32_t>(packed.triangles.size()));
-    const shared::Triangle& t = packed.triangles[index];
-    const dvec3 a(t.v0), b(t.v1), c(t.v2);
-    const double edge = glm::length(b - a);
-    return (a + b + c) / 3.0 - random.uniform(.05, .3) * edge * dvec3(packed.triangleSurfaces[index].normal);
+// Within a fifth of its least radius of the middle of the mesh, which is a star around it.
+dvec3 insidePoint(const LeakCase& leakCase, Random& random) {
+    return dvec3(leakCase.offset) + random.box(0.2 / std::sqrt(3.0) * leakCase.size);
 }
 
 dvec3 targetOf(const LeakCase& leakCase, const PackedScene& packed, Aim aim, Random& random) {
@@ -131,7 +118,7 @@ LeakCount countLeaks(const Subject& subject, const LeakCase& leakCase, Aim aim, 
     for (size_t done = 0; done < count; done += kChunk) {
         std::vector<render::RayInput> rays(std::min(kChunk, count - done));
         for (size_t i = 0; i < rays.size(); ++i) {
-            rays[i] = render::test::rayTowards(insidePoint(leakCase, packed, random),
+            rays[i] = render::test::rayTowards(insidePoint(leakCase, random),
                                                targetOf(leakCase, packed, aim, random), i % 2);
         }
         const std::vector<render::RayHit> hits = (*renderer).trace(rays, any);
