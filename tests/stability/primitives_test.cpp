@@ -61,7 +61,8 @@ TEST_P(PrimitiveTest, Needles) {
 }
 
 // T59, T61: the discriminant must hold however far away the sphere is. The bars are those of NUMERICS' table
-// for t over the radius, a tenth added for other seeds.
+// for t over the radius of the unit sphere, a tenth added for other seeds; the t of another radius may stand
+// elsewhere between two powers of two, where rounding is up to twice as coarse.
 TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
     const struct {
         double distance, bar, radius;
@@ -70,7 +71,7 @@ TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
     for (const auto& row : rows) {
         const std::string where = "spheres of " + text(row.radius) + " from " + text(row.distance) + " radii";
         expectRight(judgeSpheres(subject(), {row.radius, row.distance, 0, false}, rays(), 704), where,
-                    1.1 * row.bar / row.distance);
+                    (row.radius == 1 ? 1.1 : 2.2) * row.bar / row.distance);
         const Judged limb = judgeSpheres(subject(), {row.radius, row.distance, 0, true}, rays() / 2, 711);
         std::cout << "[ measured ] the same at the limb: " << limb.text() << '\n';
         EXPECT_EQ(limb.arithmetic.wrong(), 0u) << where << ", at the limb";
