@@ -52,7 +52,7 @@ TEST_P(StiffTest, NothingIsUnexplained) {
         EXPECT_LE(static_cast<double>(report.edges), 0.005 * static_cast<double>(report.pixels));
     }
     // A path takes some ten roundings for each step that the jitter moves once.
-    EXPECT_LE(report.rmseSamePath, 16 * std::max(report.kappa, 1.0) * verify::kFloatUnit);
+    EXPECT_LE(report.p99, 16 * std::max(report.kappa, 1.0) * verify::kFloatUnit);
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
     const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
