@@ -1,5 +1,6 @@
 // Does the compiler round where the program says so? GCC 12.2 with -O2 or -O3 does not, unless told
-// -fno-tree-slp-vectorize: of a vector that goes to float and back to double it keeps the unrounded components.
+// -fno-tree-slp-vectorize: of a vector that goes to float and back to double it keeps the unrounded
+// components.
 #include <gtest/gtest.h>
 
 #include <glm/glm.hpp>
