@@ -10,8 +10,8 @@
 
 namespace glint::app {
 
-// One line for a complete picture that shows nothing but background, or nothing but black; nothing for any
-// other.
+// One line for a complete picture that shows nothing but background, nothing but black, or nothing but the
+// unlit inside of one object; nothing for any other. Looks for the reason with a few camera rays of its own.
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
                                          const PackedScene& packed);
 

@@ -1,7 +1,6 @@
 #include "app/reference_picture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/parallel.h"
 #include "reference/render.h"
@@ -42,11 +41,12 @@ void keepBand(const reference::RenderResult& band, size_t first, Picture& pictur
         float* color = &picture.color.pixels[(first + i) * 4];
         for (int c = 0; c < 3; ++c) color[c] = static_cast<float>(pixel.color[c]);
         color[3] = static_cast<float>(pixel.alpha);
-        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
         picture.losses.cut.add(pixel.lost.cut.count, pixel.lost.cut.bound);
         picture.losses.depth.add(pixel.lost.depth.count, pixel.lost.depth.bound);
         picture.losses.room.add(pixel.lost.room.count, pixel.lost.room.bound);
         picture.losses.crowdedMedia += pixel.lost.crowdedMedia;
+        picture.checkFinite(band.x0 + static_cast<int>(i % band.width),
+                            band.y0 + static_cast<int>(i / band.width));
         picture.done[first + i] = 1;
         if (!picture.samples.empty()) picture.samples[first + i] = pixel.samples;
         if (!picture.data.empty()) picture.data[first + i] = toData(pixel);

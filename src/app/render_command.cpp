@@ -98,8 +98,12 @@ void renderOnHost(const LoadedScene& loaded, const render::RenderSettings& setti
 void warnAboutPicture(const Picture& picture, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
-    if (picture.notFinite > 0)
-        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite)\n";
+    if (picture.notFinite > 0) {
+        err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
+            << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
+            << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
+               "bright?\n";
+    }
     // That mirrors face each other without end is nothing new.
     if (loaded.packed.features.transmission || command.scene.minContribution > 0)
         warnOfLosses(picture, start, err);
@@ -149,6 +153,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["lost"] = lossesJson(outcome.picture);
     json["minContribution"] = command.scene.minContribution;
     json["notFinite"] = outcome.picture.notFinite;
+    if (outcome.picture.notFinite > 0)
+        json["firstNotFinite"] = {outcome.picture.firstNotFinite.x, outcome.picture.firstNotFinite.y};
     json["seconds"] = {{"load", loaded.loadSeconds},
                        {"pack", loaded.packSeconds},
                        {"upload", t.upload},
@@ -237,6 +243,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
         }
     }
     if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);
+    blackenNotFinite(outcome.picture);
     const bool anyDone =
         std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
     if (!anyDone) checkComplete(outcome);

@@ -14,8 +14,8 @@ namespace glint::app {
 
 namespace {
 
-// Both pictures, the reports of its rows and the difference picture.
-constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 12;
+// Both pictures, the differences by rows and together, and the difference picture.
+constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 12;
 
 // STEM.verify.png for each scene; STEM-2.verify.png for the second scene of the same stem.
 std::vector<std::filesystem::path> pictureNames(const VerifyCommand& command) {

@@ -99,6 +99,11 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   100 * options.maxExplainedShare, number(report.unexplained), report.rmse,
                   report.rmseSamePath, report.maxSamePath);
     out << line;
+    std::snprintf(line, sizeof(line),
+                  "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g (99th percentile of the pixels)\n",
+                  report.kappa, verify::className(verify::classOf(report.kappa)),
+                  report.kappa * verify::kFloatUnit, report.p99);
+    out << line;
     for (const verify::DifferingPixel& pixel : report.worst) {
         printPixel(pixel, (options.samples ? options.samples->round : options.sampleOffsets.size()) > 1,
                    origin, out);

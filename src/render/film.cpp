@@ -21,7 +21,7 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
         color[3] = (modes.scattered ? sums[path].f[3] : static_cast<float>(sums[path].u[3])) * scale;
         picture.done[index] = 1;
         if (modes.adaptive) picture.samples[index] = taken;
-        if (!std::isfinite(color[0] + color[1] + color[2])) ++picture.notFinite;
+        picture.checkFinite(pixel.x, pixel.y);
     }
 }
 

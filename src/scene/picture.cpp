@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/error.h"
 
@@ -60,7 +61,25 @@ double radicalInverse2(uint32_t i) {
     return value;
 }
 
+bool isFinite(const float* color) {
+    return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
+}
+
 }  // namespace
+
+void Picture::checkFinite(int x, int y) {
+    const size_t index = static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0);
+    if (isFinite(&color.pixels[index * 4])) return;
+    const bool first = notFinite++ == 0;
+    if (first || std::pair(y, x) < std::pair(firstNotFinite.y, firstNotFinite.x)) firstNotFinite = {x, y};
+}
+
+void blackenNotFinite(Picture& picture) {
+    for (size_t i = 0; i < picture.color.pixels.size(); i += 4) {
+        float* color = &picture.color.pixels[i];
+        if (!isFinite(color)) std::fill_n(color, 3, 0.0f);
+    }
+}
 
 const std::vector<std::string>& aovNames() {
     static const std::vector<std::string> names = [] {

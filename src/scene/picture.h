@@ -69,11 +69,20 @@ struct Picture {
     uint32_t samplesPerPixel = 1;
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
     TreeLosses losses;       // the device's only if asked for
+    // The first of them in reading order, in coordinates of the whole picture; -1: none.
+    glm::ivec2 firstNotFinite{-1};
+
+    // Counts the pixel if its colour is not finite.
+    void checkFinite(int x, int y);
 
     const PixelData& at(int x, int y) const {
         return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];
     }
 };
+
+// Turns colours that are not finite black, whole pixels, so that no file holds NaN or infinity for a colour.
+// Alpha, the count and the place stay.
+void blackenNotFinite(Picture& picture);
 
 // The AOVs that makeLayers knows, in the order of the documentation: color alpha depth position normal uv
 // object primitive material bounces cost.

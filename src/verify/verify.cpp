@@ -17,7 +17,7 @@ struct RowSums {
     double squares = 0, squaresSamePath = 0, maxSamePath = 0;
     uint64_t samePath = 0, idsDiffer = 0;
     std::vector<DifferingPixel> differing;
-    std::vector<float> grey;  // of the difference picture
+    std::vector<float> differences;  // by pixel, infinite where the device's colour is not finite
 };
 
 constexpr float kDifferenceGain = 64;
@@ -55,7 +55,7 @@ class Comparison {
         const double difference =
             finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
         const bool samePath = data.pathHash == expected.pathHash;
-        sums.grey.push_back(finite ? std::min(static_cast<float>(difference) * kDifferenceGain, 1.0f) : 1.0f);
+        sums.differences.push_back(static_cast<float>(difference));
         if (finite) {
             sums.squares += glm::dot(d, d);
             if (samePath) {
@@ -100,8 +100,9 @@ bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
 }
 
 void addRow(RowSums& row, int y, Report& report, size_t sample) {
-    for (int x = 0; sample == 0 && x < static_cast<int>(row.grey.size()); ++x) {
-        for (int c = 0; c < 3; ++c) report.difference.at(x, y, c) = row.grey[x];
+    for (int x = 0; sample == 0 && x < static_cast<int>(row.differences.size()); ++x) {
+        const float grey = std::min(row.differences[x] * kDifferenceGain, 1.0f);
+        for (int c = 0; c < 3; ++c) report.difference.at(x, y, c) = grey;
     }
     for (DifferingPixel& pixel : row.differing) {
         switch (pixel.reason) {
@@ -142,6 +143,7 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
               const Options& options) {
     Report report;
     report.difference = Image(options.width, options.height, 3);
+    std::vector<float> differences;
     uint64_t samePath = 0;
     const PackedSamples samples =
         options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
@@ -175,11 +177,14 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         }
         for (int y = 0; y < options.height; ++y) {
             addRow(rows[y], y, report, sample);
+            differences.insert(differences.end(), rows[y].differences.begin(), rows[y].differences.end());
             samePath += rows[y].samePath;
         }
         report.pixels += static_cast<uint64_t>(options.width) * options.height;
         keepWorst(report, options.worstCount);
     }
+    report.p99 = percentile99(differences);
+    report.kappa = conditionNumber(reference::Tracer(scene), camera, options.width, options.height);
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
     report.rmseSamePath =
         samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;

@@ -12,6 +12,7 @@
 #include "reference/tracer.h"
 #include "render/renderer.h"
 #include "scene/picture.h"
+#include "verify/stiffness.h"
 
 namespace glint::verify {
 
@@ -53,6 +54,8 @@ struct Report {
     double rmse = 0;          // colour, all pixels
     double rmseSamePath = 0;  // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
+    double p99 = 0;    // |device - reference|, greatest channel, 99th percentile of all pixels
+    double kappa = 0;  // of the scene, see stiffness.h; kappa 2^-24 is what p99 should be about
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
     Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie; of the
                        // first sample

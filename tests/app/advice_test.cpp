@@ -1,4 +1,8 @@
 // A picture that shows nothing comes with the likely reason.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
 #include "support.h"
 
 namespace glint::app::test {
@@ -66,7 +70,35 @@ const Nothing kCases[] = {
     {"lightBehind",
      R"("lights": [{"type": "point", "position": [0, 0, -5]}], )" + std::string(kBall),
      {},
-     onlyBlack("no light reaches what is seen, or its materials are black")},
+     onlyBlack("all lights are behind the surfaces that are seen")},
+    {"allInShadow",
+     R"("lights": [{"type": "point", "position": [0, 0, 9]}], "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]},
+        {"type": "disc", "center": [0, 0, 7], "normal": [0, 0, 1], "radius": 6}])",
+     {},
+     onlyBlack("all that is seen lies in shadow")},
+    {"blackMaterial",
+     R"("lights": [{"type": "point", "position": [0, 0, 5]}], "materials": {"soot": {"diffuse": 0}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "soot"}])",
+     {},
+     onlyBlack("the materials of what is seen are black")},
+    {"insideASphere",
+     R"("lights": [{"type": "point", "position": [0, 90, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
+     {},
+     onlyBlack("the camera is inside /objects/0, and no light is in there with it")},
+    {"insideASphereOfAmbientLight",
+     R"("ambient": 0.5, "lights": [{"type": "point", "position": [0, 90, 5]}],
+        "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
+     {},
+     "the camera is inside /objects/0, and no light is in there with it"},
+    {"insideASphereWithALamp",
+     R"("lights": [{"type": "point", "position": [0, 1, 5]}], "objects": [{"type": "sphere", "center": [0, 0, 6], "radius": 3}])",
+     {},
+     ""},
+    {"insideWithCompany",
+     R"("ambient": 0.5, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 30},
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1}])",
+     {},
+     ""},
     {"blackButFramed",
      R"("background": [1, 0, 0], )" + std::string(kBall),
      {"--spp", "4"},
@@ -101,10 +133,29 @@ TEST_F(ClippedAdvice, NearAndFar) {
     EXPECT_TRUE(advice(parallel + "\"far\": 3.9").ends_with("farther away than the camera's far\n"));
     EXPECT_TRUE(advice(parallel + "\"near\": 6.1").ends_with("nearer than the camera's near\n"));
     EXPECT_EQ(advice(parallel + "\"near\": 3.9, \"far\": 6.1"), "");
+    // Not the box around it, but all of it that the picture would show.
+    writeText("a.json",
+              R"({"image": {"width": 16, "height": 12}, "ambient": 1, "camera": {"eye": [0, 0, 5], "far": 4},
+              "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}, {"type": "sphere", "center": [90, 0, 0], "radius": 3}]})");
+    EXPECT_TRUE(runGlint({"render", "a.json", "--backend", "cpu"})
+                    .err.ends_with("farther away than the camera's far\n"));
     // In front of the eye as it looks, behind the turned image plane: the eye is at (0, 0, 5), the plane's
     // normal (0, 3, 1), and of the view direction (0, 2, -5) upwards.
     EXPECT_TRUE(advice(R"("target": [0, 2, 0], "up": [0, 0, 1], "planeNormal": [0, 3, 1])")
                     .ends_with("everything lies behind the camera; check its eye and target\n"));
+}
+
+// A cube of triangles around the eye.
+TEST_F(ClippedAdvice, InsideAMesh) {
+    writeText("a.obj",
+              "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+              "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n");
+    writeText("a.json", sceneText(16, 12, R"("lights": [{"type": "point", "position": [0, 9, 9]}],
+        "meshes": {"m": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "m", "transform": [{"translate": [0, 0, 4.5]}]}])"));
+    EXPECT_EQ(runGlint({"render", "a.json", "--backend", "cpu"}).err,
+              "glint: warning: a.json: everything in the picture is black: the camera is inside /objects/0, "
+              "and no light is in "
+              "there with it\n");
 }
 
 TEST_F(ClippedAdvice, AllTrianglesDropped) {
@@ -118,6 +169,41 @@ TEST_F(ClippedAdvice, AllTrianglesDropped) {
         "glint: warning: a.json: the picture shows background only: nothing is left of its objects (see "
         "the warnings above)\n"))
         << ran.err;
+}
+
+// Two lamps of 1e18 that fade with the square of the distance, a hundred-billionth above the floor: 1e18 /
+// (1e-11)^2 is more than fp32 holds, and infinity times the green of a red floor is no number. The picture
+// holds neither; the pixels are counted and the first is named.
+TEST_F(ClippedAdvice, NotFiniteIsCountedAndShownBlack) {
+    writeText(
+        "a.json",
+        R"({"image": {"width": 9, "height": 7}, "ambient": 0.25, "materials": {"red": {"ambient": 1, "diffuse": [0.5, 0, 0]}},
+        "camera": {"eye": [0, 0, 1e-10], "target": [0, 0, 0], "up": [0, 1, 0], "fovY": 60},
+        "lights": [{"type": "point", "position": [0, 0, 1e-11], "intensity": 1e18, "falloff": "inverseSquare"}],
+        "objects": [{"type": "disc", "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 1, "material": "red"}]})");
+    const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "a.pfm", "--stats", "json"});
+    EXPECT_EQ(ran.code, 0);
+    const auto stats = nlohmann::json::parse(ran.out);
+    const uint64_t count = stats["notFinite"];
+    EXPECT_GT(count, 0u);
+    const int x = stats["firstNotFinite"][0], y = stats["firstNotFinite"][1];
+    EXPECT_NE(ran.err.find(std::to_string(count) + " pixels not finite (NaN or infinite), the first at " +
+                           std::to_string(x) + "," + std::to_string(y) + "; shown black."),
+              std::string::npos)
+        << ran.err;
+    const Image image = readImage("a.pfm");
+    uint64_t black = 0;
+    std::pair<int, int> first = {99, 99};
+    for (int row = 0; row < image.height; ++row) {
+        for (int column = 0; column < image.width; ++column) {
+            for (int c = 0; c < 3; ++c) EXPECT_TRUE(std::isfinite(image.at(column, row, c)));
+            if (image.at(column, row, 0) != 0) continue;  // ambient light is everywhere
+            ++black;
+            first = std::min(first, {row, column});
+        }
+    }
+    EXPECT_EQ(black, count);
+    EXPECT_EQ(first, std::pair(y, x));
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ verify::Report cleanReport() {
     report.rmse = 1e-7;
     report.rmseSamePath = 1e-7;
     report.maxSamePath = 2.5e-6;
+    report.p99 = 3e-6;
+    report.kappa = 32;
     return report;
 }
 
@@ -28,7 +30,8 @@ TEST(VerifyReport, Ok) {
         reportText(cleanReport()),
         "a.json: ok\n"
         "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 0 unexplained\n"
-        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n");
+        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
+        "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n");
 }
 
 TEST(VerifyReport, ExplainedPixelsUpToTheShare) {
@@ -64,6 +67,7 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
         "a.json: FAILED: pixels differ for no reason that rounding explains\n"
         "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 1 unexplained\n"
         "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
+        "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n"
         "    pixel 12,34: difference 0.5, unexplained\n"
         "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
         "00000abc\n"

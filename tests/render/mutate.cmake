@@ -1,5 +1,6 @@
-# cmake -DSOURCE=shaders -DTARGET=folder -DMUTANT=name -P mutate.cmake
-include(${CMAKE_CURRENT_LIST_DIR}/mutants.cmake)
+# cmake -DSOURCE=shaders -DTARGET=folder -DMUTANT=name -DLIST=mutants.cmake "-DEXTRA=file|..." -P mutate.cmake
+# EXTRA: files copied into the folder besides.
+include(${LIST})
 file(GLOB_RECURSE files RELATIVE ${SOURCE} ${SOURCE}/*)
 foreach(file IN LISTS files)
   file(READ ${SOURCE}/${file} text)
@@ -8,9 +9,15 @@ foreach(file IN LISTS files)
     string(FIND "${text}" "${${MUTANT}_PATTERN}" last REVERSE)
     if(first EQUAL -1 OR NOT first EQUAL last)
       message(FATAL_ERROR "mutant ${MUTANT}: \"${${MUTANT}_PATTERN}\" must occur exactly once in ${SOURCE}/${file}; "
-                          "mend tests/render/mutants.cmake")
+                          "mend ${LIST}")
     endif()
     string(REPLACE "${${MUTANT}_PATTERN}" "${${MUTANT}_REPLACEMENT}" text "${text}")
   endif()
   file(WRITE ${TARGET}/${file} "${text}")
+endforeach()
+string(REPLACE "|" ";" extra "${EXTRA}")
+foreach(file IN LISTS extra)
+  cmake_path(GET file FILENAME name)
+  file(READ ${file} text)
+  file(WRITE ${TARGET}/${name} "${text}")
 endforeach()

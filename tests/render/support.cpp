@@ -170,7 +170,8 @@ Picture draw(const gpu::Device& device, const Case& c, const Options& options) {
 }
 
 testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
-    if (a.complete != b.complete || a.done != b.done || a.notFinite != b.notFinite)
+    if (a.complete != b.complete || a.done != b.done || a.notFinite != b.notFinite ||
+        a.firstNotFinite != b.firstNotFinite)
         return testing::AssertionFailure() << "not the same pixels are done or finite";
     if (a.color.width != b.color.width || a.color.height != b.color.height || a.data.size() != b.data.size())
         return testing::AssertionFailure() << "sizes differ";

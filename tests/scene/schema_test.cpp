@@ -259,7 +259,7 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
 
 TEST(Schema, sceneFilesOfTheProjectFollowIt) {
     const json schema = loadSceneSchema();
-    for (const auto& entry : std::filesystem::directory_iterator(GLINT_SOURCE_DIR "/scenes")) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(GLINT_SOURCE_DIR "/scenes")) {
         if (entry.path().extension() != ".json" || entry.path().filename() == "scene.schema.json") continue;
         const json scene = json::parse(readWholeFile(entry.path()), nullptr, true, true);
         EXPECT_EQ(schemaViolation(schema, scene), "") << entry.path();

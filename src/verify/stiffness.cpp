@@ -1,0 +1,63 @@
+#include "verify/stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace glint::verify {
+
+namespace {
+
+double greatestChange(const glm::dvec3& a, const glm::dvec3& b) {
+    const glm::dvec3 d = glm::abs(a - b);
+    const double change = std::max({d.x, d.y, d.z});
+    return std::isfinite(change) ? change : std::numeric_limits<double>::max();
+}
+
+}  // namespace
+
+double percentile99(std::vector<float> values) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
+                       int seeds) {
+    const double pixels = static_cast<double>(width) * height;
+    const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxKappaPixels))));
+    const size_t columns = static_cast<size_t>((width + step - 1) / step);
+    const size_t rows = static_cast<size_t>((height + step - 1) / step);
+    std::vector<float> changes(columns * rows);
+    parallelFor(rows, [&](size_t row) {
+        for (size_t column = 0; column < columns; ++column) {
+            const int x = std::min(static_cast<int>(column) * step + step / 2, width - 1);
+            const int y = std::min(static_cast<int>(row) * step + step / 2, height - 1);
+            const reference::Ray ray = tracer.cameraRay(camera, x + 0.5, y + 0.5);
+            const glm::dvec3 still = tracer.trace(ray).color;
+            double change = 0;
+            for (int seed = 1; seed <= seeds; ++seed) {
+                const reference::Jitter jitter = {
+                    static_cast<uint64_t>(seed) + 977u * (row * columns + column), 1};
+                change = std::max(change, greatestChange(still, tracer.trace(ray, jitter).color));
+            }
+            changes[row * columns + column] =
+                static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
+        }
+    });
+    return percentile99(std::move(changes)) / kFloatUnit;
+}
+
+StiffnessClass classOf(double kappa) {
+    if (kappa < 1e2) return StiffnessClass::NonStiff;
+    return kappa <= 1e5 ? StiffnessClass::Stiff : StiffnessClass::BeyondFp32;
+}
+
+const char* className(StiffnessClass stiffness) {
+    static const char* const names[] = {"non-stiff", "stiff", "beyond fp32"};
+    return names[static_cast<int>(stiffness)];
+}
+
+}  // namespace glint::verify

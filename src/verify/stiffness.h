@@ -1,0 +1,31 @@
+// How hard a scene is for fp32: one number, from the double-precision tracer alone.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "reference/tracer.h"
+
+namespace glint::verify {
+
+inline constexpr double kFloatUnit = 0x1p-24;  // the relative error of one rounding to fp32
+
+// The condition number kappa of a picture: the change of a pixel's colour (greatest channel, full scale 1)
+// for rays moved by up to one unit of 2^-24 (reference::Jitter with ulps = 1), over 2^-24; the greatest of
+// `seeds` moves, the 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic has a
+// right to, and more than a few times that a sign of a method that loses digits.
+//
+// Pictures of more than kMaxKappaPixels are sampled on a regular grid of about as many.
+inline constexpr size_t kMaxKappaPixels = 4096;
+double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
+                       int seeds = 4);
+
+// Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
+enum class StiffnessClass { NonStiff, Stiff, BeyondFp32 };
+StiffnessClass classOf(double kappa);
+const char* className(StiffnessClass stiffness);
+
+// The 99th percentile, 0 of nothing; no NaN.
+double percentile99(std::vector<float> values);
+
+}  // namespace glint::verify

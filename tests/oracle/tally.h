@@ -1,0 +1,28 @@
+// Answers judged against the truth, and what came of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "oracle.h"
+
+namespace glint::oracle {
+
+struct Tally {
+    size_t rays = 0, hits = 0;  // hits: in truth
+    // Where Truth::margin < band nobody can be wrong: counted apart.
+    size_t inBand = 0, wrongInBand = 0;
+    size_t falseHits = 0, falseMisses = 0;
+    std::vector<double> tErrors;       // |t - truth| / truth, hits of both outside the band
+    std::vector<double> scaledErrors;  // tErrors times Truth::margin: what cancellation does not excuse
+    std::vector<double> weightErrors;  // max |u - truth|, |v - truth|
+
+    void add(const Truth& truth, double band, bool hit, double t, double u = 0, double v = 0);
+    size_t wrong() const { return falseHits + falseMisses; }
+    // The value that the share `part` of the errors stays within; 0 without errors. part 1: the greatest.
+    static double quantile(std::vector<double> errors, double part);
+    // One line: all of the above.
+    std::string text() const;
+};
+
+}  // namespace glint::oracle

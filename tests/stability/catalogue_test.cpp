@@ -1,0 +1,178 @@
+// Cases of the catalogue (docs/stability.md) that have no better place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../render/support.h"
+#include "checks.h"
+
+namespace glint::stability {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+using render::test::draw;
+using render::test::Random;
+
+class CatalogueTest : public render::test::RenderTest {
+  protected:
+    Subject subject() const { return {&device(), {}}; }
+};
+
+// T06: Buck, The Ray Tracer Challenge, features/world.feature, "the default world": what the ray from (0, 0,
+// -5) along z meets, and its colour, in which Blinn's and Phong's highlights are both below 1e-5.
+TEST_F(CatalogueTest, RayTracerChallengeDefaultWorld) {
+    const render::test::Case c = render::test::textCase(
+        R"({"camera": {"eye": [0, 0, -5], "target": [0, 0, 0], "fovY": 10}, "ambient": 1,
+            "lights": [{"type": "point", "position": [-10, 10, -10], "intensity": 1}],
+            "materials": {"outer": {"ambient": [0.08, 0.1, 0.06], "diffuse": [0.56, 0.7, 0.42], "specular": 0.2, "shininess": 200},
+                          "inner": {"ambient": 0.1, "diffuse": 0.9, "specular": 0.9, "shininess": 200}},
+            "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "outer"},
+                        {"type": "sphere", "center": [0, 0, 0], "radius": 0.5, "material": "inner"}]})",
+        1, 1);
+    render::Renderer renderer(device(), c.packed);
+    const Picture picture = draw(renderer, c);
+    const double expected[3] = {0.38066, 0.47583, 0.2855};
+    for (int channel = 0; channel < 3; ++channel)
+        EXPECT_NEAR(picture.color.at(0, 0, channel), expected[channel], 1e-5);
+    render::RayInput ray = render::test::rayOf({0, 0, -5}, {0, 0, 1});
+    for (const float t : {4.0f, 4.5f, 5.5f, 6.0f}) {
+        const render::RayHit hit = renderer.trace({ray}, false)[0];
+        ASSERT_TRUE(hit.hit);
+        EXPECT_EQ(hit.t, t);
+        ray.tMin = t;
+    }
+    EXPECT_FALSE(renderer.trace({ray}, false)[0].hit);
+}
+
+// T17: embree, the regression test of watertightness: a sphere of triangles far from the origin, rays from
+// its middle.
+TEST_F(CatalogueTest, EmbreesDistantSphere) {
+    const dvec3 center(148376, 1234, -223423);
+    for (const uint32_t phi : {50u, 200u}) {
+        std::vector<dvec3> positions;
+        std::vector<glm::uvec3> corners;
+        const uint32_t around = 2 * phi;
+        for (uint32_t i = 0; i <= phi; ++i) {
+            for (uint32_t k = 0; k < around; ++k) {
+                const double theta = std::numbers::pi * i / phi, angle = 2 * std::numbers::pi * k / around;
+                positions.push_back(center + 2.0 * dvec3(std::sin(theta) * std::cos(angle), std::cos(theta),
+                                                         std::sin(theta) * std::sin(angle)));
+            }
+        }
+        for (uint32_t i = 0; i < phi; ++i) {
+            for (uint32_t k = 0; k < around; ++k) {
+                const uint32_t a = i * around + k, b = i * around + (k + 1) % around;
+                if (i > 0) corners.emplace_back(a, b, a + around);
+                if (i + 1 < phi) corners.emplace_back(b, b + around, a + around);
+            }
+        }
+        Scene scene = render::test::emptyScene();
+        render::test::addMesh(scene, positions, corners);
+        scene.camera.eye = center + dvec3(0, 0, 5);
+        scene.camera.target = center;
+        const PackedScene packed = packScene(scene);
+        Random random(17);
+        std::vector<render::RayInput> rays;
+        for (int i = 0; i < 20000; ++i)
+            rays.push_back(render::test::rayOf(vec3(center - packed.origin), vec3(random.box(1))));
+        render::Renderer renderer(device(), packed);
+        EXPECT_EQ(render::test::misses(renderer.trace(rays, false)), 0u) << phi;
+    }
+}
+
+// T22: a mirrored triangle, its corners in another order, and axes exchanged: the same hits; mirrored, the
+// same t in every bit. The rays aim at edges and corners too.
+TEST_F(CatalogueTest, SymmetriesOfTheTriangleTest) {
+    Random random(22);
+    constexpr size_t kCount = 5000;
+    std::vector<FloatRay> rays(kCount), mirrored(kCount), turned(kCount);
+    std::vector<shared::Triangle> triangles(kCount), mirroredTriangles(kCount), turnedTriangles(kCount),
+        cycled(kCount);
+    const auto mirror = [](const vec3& v) { return vec3(-v.x, v.y, v.z); };
+    const auto turn = [](const vec3& v) { return vec3(v.y, v.z, v.x); };
+    for (size_t i = 0; i < kCount; ++i) {
+        const vec3 v[3] = {vec3(random.box(1)), vec3(random.box(1)), vec3(random.box(1))};
+        double u = random.uniform(-.2, 1), w = random.uniform(-.2, 1);
+        if (i % 3 == 1) w = 0;
+        if (i % 3 == 2) u = w = 0;
+        const dvec3 at = (1 - u - w) * dvec3(v[0]) + u * dvec3(v[1]) + w * dvec3(v[2]);
+        rays[i].origin = vec3(random.box(5));
+        rays[i].direction = vec3(at - dvec3(rays[i].origin));
+        mirrored[i] = {mirror(rays[i].origin), mirror(rays[i].direction)};
+        turned[i] = {turn(rays[i].origin), turn(rays[i].direction)};
+        for (auto [set, a, b, c] :
+             {std::tuple(&triangles, v[0], v[1], v[2]), std::tuple(&cycled, v[1], v[2], v[0]),
+              std::tuple(&mirroredTriangles, mirror(v[0]), mirror(v[1]), mirror(v[2])),
+              std::tuple(&turnedTriangles, turn(v[0]), turn(v[1]), turn(v[2]))}) {
+            (*set)[i].v0 = a;
+            (*set)[i].v1 = b;
+            (*set)[i].v2 = c;
+        }
+    }
+    const std::vector<Answer> expected = probe(subject(), rays, triangles);
+    const std::vector<Answer> byMirror = probe(subject(), mirrored, mirroredTriangles);
+    const std::vector<Answer> byTurn = probe(subject(), turned, turnedTriangles);
+    const std::vector<Answer> byCycle = probe(subject(), rays, cycled);
+    size_t hits = 0;
+    for (size_t i = 0; i < kCount; ++i) {
+        hits += expected[i].hit;
+        ASSERT_EQ(byMirror[i].hit, expected[i].hit) << i;
+        ASSERT_EQ(byTurn[i].hit, expected[i].hit) << i;
+        ASSERT_EQ(byCycle[i].hit, expected[i].hit) << i;
+        if (!expected[i].hit) continue;
+        ASSERT_EQ(byMirror[i].t, expected[i].t) << i;
+        ASSERT_EQ(byTurn[i].t, expected[i].t) << i;
+    }
+    EXPECT_GT(hits, kCount / 4);
+}
+
+// T37 to T43: rays in the sides of a box, beside it, without a direction, from inside; flat boxes and empty
+// ones. The boxes are widened by an ulp like those of src/bvh, which T37 needs: a ray in a side is in the box
+// for a length of 0.
+TEST_F(CatalogueTest, Boxes) {
+    const float ulp = std::nextafter(1.0f, 2.0f) - 1.0f, least = 1e-37f;
+    const Box cube = {vec3(-least), vec3(1 + ulp)},
+              flat = {{-least, -least, -least}, {1 + ulp, 1 + ulp, least}};
+    const Box empty = {vec3(std::numeric_limits<float>::infinity()),
+                       vec3(-std::numeric_limits<float>::infinity())};
+    const struct {
+        Box box;
+        FloatRay ray;
+        bool hit;
+        const char* name;
+    } cases[] = {{cube, {{0, .5f, -1}, {0, 0, 1}}, true, "T37"},
+                 {cube, {{0, .5f, -1}, {-0.0f, 0, 1}}, true, "T38"},
+                 {cube, {{1, .5f, -1}, {-0.0f, -0.0f, 1}}, true, "T38, the other side"},
+                 {cube, {{1.000001f, .5f, -1}, {0, 0, 1}}, false, "T40"},
+                 {cube, {{.5f, .5f, .5f}, {0, 0, 1e-40f}}, true, "T41"},
+                 {flat, {{.5f, .5f, -1}, {0, 0, 1}}, true, "T42"},
+                 {flat, {{-1, .5f, 0}, {1, 0, 0}}, true, "T42, along it"},
+                 {empty, {{.5f, .5f, -1}, {0, 0, 1}}, false, "T43"},
+                 {empty, {{0, 0, 0}, {1, 1, 1}}, false, "T43, aslant"}};
+    std::vector<FloatRay> rays;
+    std::vector<Box> boxes;
+    for (const auto& c : cases) {
+        rays.push_back(c.ray);
+        boxes.push_back(c.box);
+    }
+    const std::vector<Answer> answers = probe(subject(), rays, boxes);
+    for (size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(answers[i].hit, cases[i].hit) << cases[i].name;
+}
+
+// T98: the smallest picture and a very wide one; what no picture can be made of is refused
+// (tests/scene/validate_test.cpp).
+TEST_F(CatalogueTest, SmallestAndWidestPictures) {
+    for (const glm::ivec2& size : {glm::ivec2(1, 1), glm::ivec2(16384, 2), glm::ivec2(1, 3000)}) {
+        const render::test::Case c = render::test::fileCase("spheres", size.x, size.y);
+        const Picture picture = draw(device(), c);
+        EXPECT_EQ(picture.data.size(), static_cast<size_t>(size.x) * size.y);
+        EXPECT_EQ(picture.notFinite, 0u);
+        EXPECT_EQ(std::count(picture.done.begin(), picture.done.end(), 1), size.x * size.y);
+        EXPECT_NE(picture.at(size.x / 2, size.y / 2).object, PixelData::kNoIndex);
+    }
+}
+
+}  // namespace
+}  // namespace glint::stability

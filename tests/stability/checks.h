@@ -1,0 +1,91 @@
+// The checks of the stability suite: each puts hard cases to a subject and returns what went wrong. The tests
+// run them on the device and on the reference and demand nothing wrong; mutants_test.cpp runs the same ones
+// on shaders with a known defect and demands that something is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "../oracle/tally.h"
+#include "probe.h"
+
+namespace glint::stability {
+
+constexpr double kUnit = 0x1p-24;
+
+// arithmetic: against the truth on the fp32 numbers that the subject was given. withInputs: against the truth
+// on the doubles that these were rounded from, so that the rounding of the inputs is in it as well.
+struct Judged {
+    oracle::Tally arithmetic, withInputs;
+    std::string text() const;
+};
+
+// ---- single primitives ----
+
+// Triangles of this size, standing off from the origin on all axes, the third corner `height` sizes above the
+// middle of the base (1: corners at random). Rays from ten sizes away aim by turns at the inside, an edge and
+// a corner.
+struct TriangleFamily {
+    double size = 1, offset = 0, height = 1;
+};
+// Outside the band of 64 u (NUMERICS section 3) no answer may be wrong.
+Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed);
+
+// Spheres of this radius seen from `distance` radii off, by rays across 1.2 times the disc that they appear
+// as, or within a thousandth of its rim.
+struct SphereFamily {
+    double radius = 1, distance = 3, offset = 0;
+    bool atLimb = false;
+};
+// The band is 1e-3 of the squared radius (NUMERICS section 1). At the limb, and farther than 8000 radii away,
+// it is 16 u distance / radius from where that is more: rounding o to float arithmetic moves it by u
+// distance.
+Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed);
+// A planet of radius 1e6 seen from `height` above its surface, downwards.
+Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed);
+
+struct FlatFamily {
+    double size = 1, offset = 0;
+};
+Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
+Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
+Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
+
+// Boxes up to `thickness` thick on one axis, rays aimed at their edges. widened: by an ulp on all sides, as
+// src/bvh stores them, which also lets rays in that run in a side.
+struct BoxCount {
+    size_t rays = 0, hits = 0, falseMisses = 0;
+    size_t judgedHits = 0, falseHits = 0;  // of a sample
+};
+BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, bool widened, size_t count,
+                    uint32_t seed);
+
+// ---- whole scenes, device only ----
+
+enum class Mesh { Icosphere, Bumpy };
+enum class Aim { Anywhere, Vertices, Edges };
+
+// A closed mesh of about this size, its middle this far from the origin on all axes.
+struct LeakCase {
+    Mesh mesh = Mesh::Icosphere;
+    double size = 1, offset = 0;
+};
+struct LeakCount {
+    size_t rays = 0, leaks = 0;  // leaks: rays from the inside that miss, while the exact reference hits
+    size_t notInside = 0;        // rays that miss in truth: their origin is not inside
+};
+// `any`: by the any-hit kernel, which shadow rays use; that of a mutant is sound.
+LeakCount countLeaks(const Subject& subject, const LeakCase& leakCase, Aim aim, size_t count, uint32_t seed,
+                     bool any = false);
+
+struct PixelCount {
+    size_t seen = 0, wrong = 0;
+};
+enum class Kind { Plane, Sphere, Mesh };
+// Pixels of a convex object that are in its own shadow, against the reference's picture. moved: the packing
+// may move the origin to the object.
+PixelCount countSelfShadowed(const Subject& subject, Kind kind, double offset, double size, bool moved);
+// Lit pixels of a floor under a lid `gap` above it, the floor at this height.
+PixelCount countLitUnderLid(const Subject& subject, double height, double gap);
+
+}  // namespace glint::stability

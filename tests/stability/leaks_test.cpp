@@ -1,0 +1,56 @@
+// No ray leaves a closed mesh: a million rays from inside at vertices and edges, on the device (T12 to T18,
+// T82). And rays that start on a surface neither hit it again (T81) nor jump over its neighbour (T82).
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "../render/support.h"
+#include "checks.h"
+#include "closed_meshes.h"
+
+namespace glint::stability {
+namespace {
+
+class LeakTest : public render::test::RenderTest {
+  protected:
+    Subject subject() const { return {&device(), {}}; }
+};
+
+TEST_F(LeakTest, AMillionAimedRays) {
+    expectNoLeaks(subject(), 1000000);
+}
+
+// T81. A convex object has no shadow on itself: where the light faces it, it is lit.
+TEST_F(LeakTest, ConvexObjectsDoNotShadeThemselves) {
+    for (const Kind kind : {Kind::Plane, Kind::Sphere, Kind::Mesh}) {
+        for (const double offset : {0.0, 1e3, 1e6}) {
+            for (const double size : {1e-3, 1.0, 1e3}) {
+                for (const bool moved : {true, false}) {
+                    // Unmoved, fp32 must still be able to tell the object's points apart.
+                    if (!moved && (offset == 0 || size < 4e-6 * offset)) continue;
+                    const PixelCount count = countSelfShadowed(subject(), kind, offset, size, moved);
+                    const std::string where = "kind " + std::to_string(static_cast<int>(kind)) + " offset " +
+                                              std::to_string(offset) + " size " + std::to_string(size) +
+                                              (moved ? " moved" : "");
+                    EXPECT_GT(count.seen, 320u) << where;
+                    EXPECT_EQ(count.wrong, 0u) << where;
+                }
+            }
+        }
+    }
+}
+
+// T82. Down to 8 ulp of the coordinates; the offset itself, gamma_7 of them, is up to 7.
+TEST_F(LeakTest, ThinGapsStayDark) {
+    const struct {
+        double height, gap;
+    } lids[] = {{1, 1e-2}, {1, 1e-3}, {1, 1e-4}, {1, 1e-5}, {1, 1e-6}, {1e3, 1e-2}, {1e3, 1e-3}};
+    for (const auto& lid : lids) {
+        const PixelCount count = countLitUnderLid(subject(), lid.height, lid.gap);
+        EXPECT_GT(count.seen, 200u) << lid.height << " " << lid.gap;
+        EXPECT_EQ(count.wrong, 0u) << lid.height << " " << lid.gap << ", of " << count.seen;
+    }
+}
+
+}  // namespace
+}  // namespace glint::stability

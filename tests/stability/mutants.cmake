@@ -1,0 +1,76 @@
+# Shaders with the defects that NUMERICS section 1 measures in other ray tracers. The checks of checks.h must turn red on each. See
+# tests/render/mutants.cmake for the form.
+
+set(MUTANTS "")
+
+# The kernels named last are compiled from the copy; *_probe from the copies of the probes.
+macro(mutant name file pattern replacement)
+  list(APPEND MUTANTS ${name})
+  set(${name}_FILE "${file}")
+  set(${name}_PATTERN "${pattern}")
+  set(${name}_REPLACEMENT "${replacement}")
+  set(${name}_KERNELS ${ARGN})
+endmacro()
+
+# Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, every operation precise.
+mutant(moller_trumbore intersect.glsl
+       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {"
+       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 e1 = triangle.v1 - triangle.v0;
+    precise vec3 e2 = triangle.v2 - triangle.v0;
+    precise vec3 p = cross(ray.direction, e2);
+    precise float det = dot(e1, p);
+    precise vec3 s = ray.origin - triangle.v0;
+    precise float uHit = dot(s, p) / det;
+    precise vec3 q = cross(s, e1);
+    precise float vHit = dot(ray.direction, q) / det;
+    precise float tHit = dot(e2, q) / det;
+    precise float sum = uHit + vHit;
+    t = tHit;
+    u = uHit;
+    v = vHit;
+    return det != 0.0 && uHit >= 0.0 && vHit >= 0.0 && sum <= 1.0 && tHit > ray.tMin && tHit <= ray.tMax;
+}
+bool woop(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {"
+       intersect primitive_probe)
+# One product of each edge function contracted into a fused multiply-add, as a driver may do without NoContraction. lavapipe never does, so
+# the fused result is put together from the product's own rounding error (Veltkamp 1968, Dekker 1971). Contracting a single one of the three
+# leaks nothing: where the fused sign is wrong the other triangle's difference is 0, which counts as inside.
+set(edges "precise float ea = c2.x * b2.y - c2.y * b2.x;
+    precise float eb = a2.x * c2.y - a2.y * c2.x;
+    precise float ec = b2.x * a2.y - b2.y * a2.x;")
+set(fused "")
+foreach(edge "a c2.x b2.y c2.y b2.x" "b a2.x c2.y a2.y c2.x" "c b2.x a2.y b2.y a2.x")
+  string(REPLACE " " ";" edge "${edge}")
+  list(GET edge 0 e)
+  list(GET edge 1 x)
+  list(GET edge 2 y)
+  list(GET edge 3 z)
+  list(GET edge 4 w)
+  string(APPEND fused "
+    precise float xs${e} = 4097.0 * ${x};
+    precise float xh${e} = xs${e} - (xs${e} - ${x});
+    precise float xl${e} = ${x} - xh${e};
+    precise float ys${e} = 4097.0 * ${y};
+    precise float yh${e} = ys${e} - (ys${e} - ${y});
+    precise float yl${e} = ${y} - yh${e};
+    precise float product${e} = ${x} * ${y};
+    precise float rest${e} = ((xh${e} * yh${e} - product${e}) + xh${e} * yl${e} + xl${e} * yh${e}) + xl${e} * yl${e};
+    precise float other${e} = ${z} * ${w};
+    precise float e${e} = (product${e} - other${e}) + rest${e};")
+endforeach()
+mutant(contracted intersect.glsl "${edges}" "${fused}" intersect primitive_probe)
+# Not of an edge function: what a precise variable is computed from is precise too, so that `det` vouches for them.
+mutant(imprecise intersect.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
+# The textbook's discriminant.
+mutant(naive_sphere intersect.glsl
+       "precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));"
+       "precise float disc = b * b - a * (dot(o, o) - sphere.radius * sphere.radius);" primitive_probe)
+mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000083446503" "kFarPad = 1.0" primitive_probe)
+# An epsilon for the whole scene.
+mutant(fixed_offset ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
+# The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.
+mutant(raw_hit_point light.comp "traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
+                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive);"
+       "traversal.ray = Ray(ray.origin + hit.t * ray.direction, light.toLight, 0.0,
+                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, kNone);" light)

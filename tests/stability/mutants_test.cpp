@@ -1,0 +1,80 @@
+// Would the suite notice? The same checks, on shaders with the defects that other ray tracers have.
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "../render/mutant_kernels.h"
+#include "../render/support.h"
+#include "checks.h"
+#include "no_contraction.h"
+
+namespace glint::stability {
+namespace {
+
+class MutantsTest : public render::test::RenderTest {
+  protected:
+    Subject mutant(const std::string& name) const { return {&device(), name}; }
+    Subject sound() const { return {&device(), {}}; }
+    static void expectRed(const char* what, size_t green, size_t red) {
+        std::cout << "[ measured ] " << what << ": " << red << " wrong, the sound shader " << green << '\n';
+        EXPECT_EQ(green, 0u) << what;
+        EXPECT_GT(red, 0u) << what;
+    }
+    size_t leaks(const Subject& subject, Aim aim) const {
+        return countLeaks(subject, {Mesh::Bumpy, 1, 0}, aim, 30000, 801).leaks;
+    }
+};
+
+// NUMERICS section 1: 6.8 % of the rays at vertices, 10.5 % of those at edges; none at random.
+TEST_F(MutantsTest, MollerTrumboreLeaks) {
+    expectRed("rays at vertices", leaks(sound(), Aim::Vertices),
+              leaks(mutant("moller_trumbore"), Aim::Vertices));
+    expectRed("rays at edges", leaks(sound(), Aim::Edges), leaks(mutant("moller_trumbore"), Aim::Edges));
+    EXPECT_EQ(leaks(mutant("moller_trumbore"), Aim::Anywhere), 0u) << "random rays would not have found it";
+}
+
+// NUMERICS section 1: 0.9 % of the rays at edges, with all three edge functions contracted.
+TEST_F(MutantsTest, ContractedProductsLeak) {
+    expectRed("rays at edges", leaks(sound(), Aim::Edges), leaks(mutant("contracted"), Aim::Edges));
+}
+
+// No picture on lavapipe shows it, which contracts nothing: the decoration of the instructions does.
+TEST_F(MutantsTest, DroppedPreciseIsSeenInTheCode) {
+    expectRed("instructions without NoContraction",
+              withoutNoContraction(render::embeddedKernels(gpu::Access::TexelBuffer).intersect),
+              withoutNoContraction(render::test::mutantKernels("imprecise").intersect));
+}
+
+TEST_F(MutantsTest, NaiveDiscriminantMissesFarSpheres) {
+    const auto wrong = [](const Subject& subject) {
+        return judgeSpheres(subject, {1, 4100, 0, false}, 5000, 802).arithmetic.wrong();
+    };
+    expectRed("spheres from 4100 radii", wrong(sound()), wrong(mutant("naive_sphere")));
+}
+
+TEST_F(MutantsTest, UnpaddedBoxesAreMissed) {
+    for (const double thickness : {0.01, 0.0}) {
+        const auto missed = [&](const Subject& subject) {
+            return judgeBoxes(subject, thickness, 0, false, 50000, 803).falseMisses;
+        };
+        expectRed("boxes", missed(sound()), missed(mutant("unpadded_boxes")));
+    }
+}
+
+TEST_F(MutantsTest, FixedOffsetLeaksLight) {
+    const auto lit = [](const Subject& subject) { return countLitUnderLid(subject, 1, 1e-5).wrong; };
+    expectRed("gap of 1e-5", lit(sound()), lit(mutant("fixed_offset")));
+}
+
+// NUMERICS section 1: half of all rays.
+TEST_F(MutantsTest, RawHitPointsShadeThemselves) {
+    for (const Kind kind : {Kind::Plane, Kind::Sphere, Kind::Mesh}) {
+        const auto shaded = [&](const Subject& subject) {
+            return countSelfShadowed(subject, kind, 0, 1, true).wrong;
+        };
+        expectRed("plane, sphere, mesh", shaded(sound()), shaded(mutant("raw_hit_point")));
+    }
+}
+
+}  // namespace
+}  // namespace glint::stability

@@ -1,0 +1,311 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "../reference/scene_maker.h"
+#include "checks.h"
+
+namespace glint::stability {
+
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+using reference::test::Random;
+
+// The ray as the scene has it and as the subject gets it.
+struct Pair {
+    oracle::Ray exact;
+    FloatRay rounded;
+    oracle::Ray asRounded() const { return {rounded.origin, rounded.direction}; }
+};
+
+// From the rounded origin to the target, so that the aim is as good as the direction's rounding.
+Pair aim(const dvec3& origin, const dvec3& target) {
+    Pair pair;
+    pair.exact = {origin, target - origin};
+    pair.rounded.origin = vec3(origin);
+    pair.rounded.direction = vec3(target - dvec3(pair.rounded.origin));
+    return pair;
+}
+
+double bandOf(const Subject& subject, double deviceBand) {
+    // What quadruple precision takes for zero, see tests/oracle/reference_test.cpp.
+    return subject.device ? deviceBand : 0x1p-100;
+}
+
+void add(Judged& judged, const oracle::Truth& rounded, const oracle::Truth& exact, double band,
+         const Answer& answer) {
+    judged.arithmetic.add(rounded, band, answer.hit, answer.t, answer.u, answer.v);
+    judged.withInputs.add(exact, band, answer.hit, answer.t, answer.u, answer.v);
+}
+
+std::vector<FloatRay> roundedOf(const std::vector<Pair>& pairs) {
+    std::vector<FloatRay> rays;
+    rays.reserve(pairs.size());
+    for (const Pair& pair : pairs) rays.push_back(pair.rounded);
+    return rays;
+}
+
+}  // namespace
+
+std::string Judged::text() const {
+    return arithmetic.text() + "\n    with the rounding of the inputs: " + withInputs.text();
+}
+
+Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    struct Corners {
+        dvec3 v[3];
+    };
+    std::vector<Corners> corners(count);
+    std::vector<Pair> pairs(count);
+    std::vector<shared::Triangle> triangles(count);
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 base(family.offset, -family.offset, family.offset);
+        dvec3(&v)[3] = corners[i].v;
+        for (dvec3& corner : v) corner = base + random.box(family.size);
+        if (family.height < 1) {
+            v[0] = base;
+            v[1] = base + family.size * dvec3(1, 0, 0);
+            v[2] = base + family.size * dvec3(0.5, family.height, 0);
+        }
+        triangles[i].v0 = vec3(v[0]);
+        triangles[i].v1 = vec3(v[1]);
+        triangles[i].v2 = vec3(v[2]);
+        double u = random.uniform(-.3, 1.1), w = random.uniform(-.3, 1.1);
+        if (i % 4 == 1) w = 0;
+        if (i % 4 == 2) w = 1 - u;
+        if (i % 4 == 3) u = w = 0;
+        // The rounded corners are those that the rays must aim at.
+        const dvec3 at =
+            (1 - u - w) * dvec3(triangles[i].v0) + u * dvec3(triangles[i].v1) + w * dvec3(triangles[i].v2);
+        pairs[i] = aim(at + 10 * family.size * random.direction(), at);
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), triangles);
+    Judged judged;
+    const double band = bandOf(subject, 64 * kUnit);
+    for (size_t i = 0; i < count; ++i) {
+        const shared::Triangle& t = triangles[i];
+        const dvec3(&v)[3] = corners[i].v;
+        add(judged, oracle::triangle(t.v0, t.v1, t.v2, pairs[i].asRounded()),
+            oracle::triangle(v[0], v[1], v[2], pairs[i].exact), band, answers[i]);
+    }
+    return judged;
+}
+
+Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    const dvec3 center(family.offset);
+    std::vector<Pair> pairs(count);
+    std::vector<shared::Sphere> spheres(count);
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 away = family.distance * family.radius * random.direction();
+        const dvec3 side = glm::normalize(glm::cross(away, random.direction()));
+        const double rim =
+            family.atLimb ? 1 + random.uniform(-1, 1) * 1e-3 : 1.2 * std::sqrt(random.uniform(0, 1));
+        pairs[i] = aim(center + away, center + rim * family.radius * side);
+        const dvec3 d = glm::normalize(pairs[i].exact.direction);
+        pairs[i].exact.direction = d;
+        pairs[i].rounded.direction = vec3(glm::normalize(dvec3(pairs[i].rounded.direction)));
+        spheres[i].point = vec3(center);
+        spheres[i].radius = static_cast<float>(family.radius);
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), spheres);
+    Judged judged;
+    const double rounding = 16 * kUnit * family.distance;
+    const double band =
+        bandOf(subject, family.atLimb || family.distance > 8000 ? std::max(1e-3, rounding) : 1e-3);
+    for (size_t i = 0; i < count; ++i) {
+        add(judged, oracle::sphere(spheres[i].point, spheres[i].radius, pairs[i].asRounded()),
+            oracle::sphere(center, family.radius, pairs[i].exact), band, answers[i]);
+    }
+    return judged;
+}
+
+Judged judgePlanet(const Subject& subject, double height, size_t count, uint32_t seed) {
+    constexpr double kRadius = 1e6;
+    Random random(seed);
+    std::vector<Pair> pairs(count);
+    shared::Sphere planet;
+    planet.radius = static_cast<float>(kRadius);
+    planet.anchorNormal = {0, 1, 0};
+    const std::vector<shared::Sphere> spheres(count, planet);
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 from(random.uniform(-50, 50), height * random.uniform(.5, 1.5), random.uniform(-50, 50));
+        dvec3 d = random.direction();
+        d.y = -std::abs(d.y) - 0.05;
+        // The ground sinks by |x|^2 / 2 r, no more than 0.0025 here.
+        pairs[i].exact = {from + dvec3(0, 0.0025, 0), glm::normalize(d)};
+        pairs[i].rounded = {vec3(pairs[i].exact.origin), vec3(pairs[i].exact.direction)};
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), spheres);
+    Judged judged;
+    for (size_t i = 0; i < count; ++i) {
+        add(judged, oracle::anchoredSphere(dvec3(0), {0, 1, 0}, kRadius, pairs[i].asRounded()),
+            oracle::sphere({0, -kRadius, 0}, kRadius, pairs[i].exact), bandOf(subject, 0), answers[i]);
+    }
+    return judged;
+}
+
+namespace {
+
+// A point with a normal, an axis in the plane, and a ray that aims at `rim` sizes from the point; every third
+// one grazes.
+struct FlatCase {
+    dvec3 point, normal, along;
+    Pair pair;
+};
+
+FlatCase flatCase(const FlatFamily& family, Random& random, size_t i) {
+    FlatCase c;
+    c.point = dvec3(family.offset, -family.offset, family.offset) + random.box(family.size);
+    c.normal = random.direction();
+    c.along = glm::normalize(glm::cross(c.normal, random.direction()));
+    const double rim = i % 2 ? 1 + random.uniform(-1, 1) * 1e-5 : 1.4 * random.uniform(0, 1);
+    const dvec3 at = c.point + rim * family.size * c.along;
+    const dvec3 away = i % 3 ? random.direction() : glm::normalize(c.along + 1e-3 * random.direction());
+    c.pair = aim(at + 10 * family.size * away, at);
+    if (i % 7 == 0) c.pair.rounded.direction = -c.pair.rounded.direction;
+    if (i % 7 == 0) c.pair.exact.direction = -c.pair.exact.direction;
+    return c;
+}
+
+}  // namespace
+
+Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    std::vector<FlatCase> cases(count);
+    std::vector<Pair> pairs(count);
+    std::vector<shared::Plane> planes(count);
+    for (size_t i = 0; i < count; ++i) {
+        cases[i] = flatCase(family, random, i);
+        pairs[i] = cases[i].pair;
+        planes[i].point = vec3(cases[i].point);
+        planes[i].normal = vec3(cases[i].normal);
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), planes);
+    Judged judged;
+    for (size_t i = 0; i < count; ++i) {
+        const oracle::Truth truth = oracle::plane(planes[i].point, planes[i].normal, pairs[i].asRounded());
+        add(judged, truth, oracle::plane(cases[i].point, cases[i].normal, pairs[i].exact),
+            bandOf(subject, 64 * kUnit), answers[i]);
+    }
+    return judged;
+}
+
+// The point in the plane is off by 64 u of the way there, over the cosine: that much of the radius, squared,
+// is in doubt.
+Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    std::vector<FlatCase> cases(count);
+    std::vector<Pair> pairs(count);
+    std::vector<shared::Disc> discs(count);
+    for (size_t i = 0; i < count; ++i) {
+        cases[i] = flatCase(family, random, i);
+        pairs[i] = cases[i].pair;
+        discs[i].center = vec3(cases[i].point);
+        discs[i].normal = vec3(cases[i].normal);
+        discs[i].radius = static_cast<float>(family.size);
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), discs);
+    Judged judged;
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 d = glm::normalize(pairs[i].exact.direction);
+        const double cosine = std::abs(glm::dot(d, cases[i].normal));
+        const double reach = glm::length(dvec3(pairs[i].rounded.origin) - dvec3(discs[i].center));
+        const double band = bandOf(subject, 64 * kUnit * (1 + reach / (family.size * cosine)));
+        add(judged, oracle::disc(discs[i].center, discs[i].normal, discs[i].radius, pairs[i].asRounded()),
+            oracle::disc(cases[i].point, cases[i].normal, family.size, pairs[i].exact), band, answers[i]);
+    }
+    return judged;
+}
+
+// The corners as seen are off by gamma_5 of the way to them (NUMERICS section 1, delta x): 64 u of it over
+// the size.
+Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    std::vector<FlatCase> cases(count);
+    std::vector<Pair> pairs(count);
+    std::vector<std::vector<dvec3>> outlines(count);
+    std::vector<shared::Polygon> polygons(count);
+    std::vector<shared::PolygonVertex> vertices;
+    for (size_t i = 0; i < count; ++i) {
+        cases[i] = flatCase(family, random, i);
+        pairs[i] = cases[i].pair;
+        const dvec3 x = cases[i].along, y = glm::cross(cases[i].normal, x);
+        const uint32_t corners = 4 * (1 + random.below(8));
+        polygons[i].firstVertex = static_cast<uint32_t>(vertices.size());
+        polygons[i].trips = corners / shared::kPolygonEdgesPerTrip;
+        for (uint32_t k = 0; k < corners; ++k) {
+            const double angle = 2 * std::numbers::pi * k / corners,
+                         r = family.size * random.uniform(.4, 1.6);
+            outlines[i].push_back(cases[i].point + r * (std::cos(angle) * x + std::sin(angle) * y));
+            vertices.emplace_back().position = vec3(outlines[i].back());
+        }
+        vertices.push_back(vertices[polygons[i].firstVertex]);
+        polygons[i].point = vertices.back().position;
+        const dvec3 a(vertices[polygons[i].firstVertex].position),
+            b(vertices[polygons[i].firstVertex + 1].position),
+            c(vertices[polygons[i].firstVertex + 2].position);
+        polygons[i].normal = vec3(glm::normalize(glm::cross(b - a, c - a)));
+    }
+    const std::vector<Answer> answers = probe(subject, roundedOf(pairs), polygons, vertices);
+    Judged judged;
+    for (size_t i = 0; i < count; ++i) {
+        std::vector<dvec3> rounded;
+        for (size_t k = 0; k < outlines[i].size(); ++k)
+            rounded.emplace_back(vertices[polygons[i].firstVertex + k].position);
+        const double cosine = std::abs(glm::dot(glm::normalize(pairs[i].exact.direction), cases[i].normal));
+        // On the outline itself both answers are right; the oracle's distance to it is a double.
+        const double band = std::max(bandOf(subject, 64 * kUnit * 12 / cosine), 1e-13);
+        add(judged, oracle::polygon(rounded, polygons[i].point, polygons[i].normal, pairs[i].asRounded()),
+            oracle::polygon(outlines[i], cases[i].point, cases[i].normal, pairs[i].exact), band, answers[i]);
+    }
+    return judged;
+}
+
+BoxCount judgeBoxes(const Subject& subject, double thickness, double offset, bool widened, size_t count,
+                    uint32_t seed) {
+    constexpr size_t kChunk = 1u << 17;
+    Random random(seed);
+    BoxCount total;
+    for (size_t done = 0; done < count; done += kChunk) {
+        const size_t n = std::min(kChunk, count - done);
+        std::vector<FloatRay> rays(n);
+        std::vector<Box> boxes(n);
+        for (size_t i = 0; i < n; ++i) {
+            const dvec3 corner = dvec3(offset) + random.box(1);
+            dvec3 size(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+            size[static_cast<int>(i % 3)] = thickness * random.uniform(0, 1);
+            boxes[i] = {vec3(corner), vec3(corner + size)};
+            // A point on a random one of the twelve edges of the rounded box.
+            const dvec3 lo(boxes[i].lo), hi(boxes[i].hi);
+            dvec3 w(random.below(2), random.below(2), random.below(2));
+            w[static_cast<int>(random.below(3))] = random.uniform(0, 1);
+            rays[i] = aim(dvec3(offset) + random.box(2), lo + w * (hi - lo)).rounded;
+        }
+        std::vector<Box> stored = boxes;
+        for (Box& box : stored) {
+            for (int axis = 0; axis < 3 && widened; ++axis) {
+                box.lo[axis] = std::nextafter(box.lo[axis], -shared::kInfinity);
+                box.hi[axis] = std::nextafter(box.hi[axis], shared::kInfinity);
+            }
+        }
+        const std::vector<Answer> answers = probe(subject, rays, stored);
+        for (size_t i = 0; i < n; ++i) {
+            const bool sampled = i % 16 == 0;
+            total.hits += answers[i].hit;
+            if (answers[i].hit && !sampled) continue;
+            const bool truth =
+                oracle::box(boxes[i].lo, boxes[i].hi, {dvec3(rays[i].origin), dvec3(rays[i].direction)});
+            total.falseMisses += truth && !answers[i].hit;
+            total.judgedHits += sampled && answers[i].hit;
+            total.falseHits += sampled && answers[i].hit && !truth;
+        }
+        total.rays += n;
+    }
+    return total;
+}
+
+}  // namespace glint::stability

@@ -1,0 +1,36 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Path i against primitive i of one kind, without a tree: intersectX of intersect.glsl alone, and intersectBox. The kind comes as
+// dispatch.lightIndex: kKind... or kProbeBox, for the first boxes of the nodes. In: the path's rows kRowOrigin, kRowDirection, kRowHit
+// (tMax). Out: kRowHit = t, u, v, 1 for a hit.
+#include "intersect.glsl"
+
+layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
+
+const uint kProbeBox = 100u;
+
+void main() {
+    uint path = gl_GlobalInvocationID.x;
+    if (path >= dispatch.capacity) return;
+    uvec4 origin = loadRow(kRowOrigin, path);
+    uvec4 direction = loadRow(kRowDirection, path);
+    Ray ray = Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
+                  uintBitsToFloat(loadRow(kRowHit, path).x), kNone);
+    RayFrame frame = makeFrame(ray.direction);
+    uint kind = dispatch.lightIndex;
+    float t = 0.0;
+    float u = 0.0;
+    float v = 0.0;
+    bool hit = false;
+    if (kind == kKindTriangle) hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
+    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t);
+    if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
+    if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);
+    if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
+    if (kind == kProbeBox) {
+        Node node = loadNode(path);
+        precise float tEnd = ray.tMax * kFarPad;
+        hit = intersectBox(ray, frame, node.lo0, node.hi0, tEnd, t);
+    }
+    storeRow(kRowHit, path, uvec4(floatBitsToUint(t), floatBitsToUint(u), floatBitsToUint(v), hit ? 1u : 0u));
+}

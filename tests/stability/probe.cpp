@@ -1,0 +1,177 @@
+#include "probe.h"
+
+#include <array>
+#include <bit>
+#include <map>
+
+#include "../reference/scene_maker.h"
+#include "gpu/compute.h"
+#include "mutant_probes.h"
+#include "shared/dispatch.h"
+
+namespace glint::stability {
+
+namespace {
+
+constexpr uint32_t kProbeBox = 100;  // see primitive_probe.comp
+
+struct Row {
+    uint32_t u[4];
+};
+
+struct Array {
+    uint32_t binding;
+    std::span<const std::byte> bytes;
+};
+
+uint32_t bits(float x) {
+    return std::bit_cast<uint32_t>(x);
+}
+
+std::vector<Row> pathRows(const std::vector<FloatRay>& rays) {
+    const size_t n = rays.size();
+    std::vector<Row> rows(shared::kPathRows * n, Row{});
+    for (size_t i = 0; i < n; ++i) {
+        const glm::vec3 &o = rays[i].origin, &d = rays[i].direction;
+        rows[shared::kRowOrigin * n + i] = {{bits(o.x), bits(o.y), bits(o.z), shared::kNone}};
+        rows[shared::kRowDirection * n + i] = {{bits(d.x), bits(d.y), bits(d.z), 0}};
+        rows[shared::kRowHit * n + i] = {{bits(shared::kInfinity), 0, 0, shared::kNone}};
+    }
+    return rows;
+}
+
+std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& rays, uint32_t kind,
+                        const std::vector<Array>& arrays) {
+    using gpu::Access;
+    gpu::KernelOptions options;
+    options.name = "primitive probe";
+    options.spirv = probeCode(subject.mutant);
+    options.bindings.assign(GLINT_BINDING_COUNT, Access::TexelBuffer);
+    options.bindings[0] = Access::StorageBuffer;
+    options.pushConstantBytes = sizeof(shared::Dispatch);
+    options.workgroupSizeX = shared::kWorkgroupSize;
+    const std::vector<Row> rows = pathRows(rays);
+    const auto rowBytes = std::as_bytes(std::span(rows));
+    std::map<uint32_t, std::span<const std::byte>> contents = {{1, rowBytes}};
+    for (const Array& array : arrays) contents[array.binding] = array.bytes;
+    std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers;
+    std::vector<const gpu::Buffer*> bound;
+    for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
+        const auto found = contents.find(binding);
+        const size_t bytes = found == contents.end() ? 16 : found->second.size();
+        buffers[binding] =
+            gpu::Buffer(*subject.device, "probe", bytes, options.bindings[binding], gpu::MemoryKind::Device);
+        if (found != contents.end()) gpu::upload(*subject.device, buffers[binding], found->second);
+        bound.push_back(&buffers[binding]);
+    }
+    gpu::Kernel kernel(*subject.device, options);
+    kernel.bind(bound);
+    shared::Dispatch dispatch;
+    dispatch.capacity = static_cast<uint32_t>(rays.size());
+    dispatch.lightIndex = kind;
+    gpu::Submission submission(*subject.device);
+    const uint32_t groups = (dispatch.capacity + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
+    submission.dispatch(kernel, groups, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+    submission.submit();
+    std::vector<Row> found(rays.size());
+    gpu::download(*subject.device, buffers[1], std::as_writable_bytes(std::span(found)),
+                  shared::kRowHit * rays.size() * sizeof(Row));
+    std::vector<Answer> answers(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const auto number = [&](int c) { return std::bit_cast<float>(found[i].u[c]); };
+        answers[i] = {found[i].u[3] == 1, number(0), number(1), number(2)};
+    }
+    return answers;
+}
+
+template <typename T>
+Array array(uint32_t binding, const std::vector<T>& items) {
+    return {binding, std::as_bytes(std::span(items))};
+}
+
+// Bindings by the names of GLINT_SCENE_ARRAYS.
+struct Bindings {
+#define GLINT_NAME_BINDING(binding, field, Struct) static constexpr uint32_t field = binding;
+    GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
+#undef GLINT_NAME_BINDING
+};
+
+// `add` puts primitive i into an empty scene.
+template <typename Add>
+std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& add) {
+    std::vector<Answer> answers(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        reference::test::SceneMaker maker;
+        add(maker, i);
+        const PackedScene scene = maker.finish();
+        const reference::Tracer tracer(scene);
+        const auto hit = tracer.closest({glm::dvec3(rays[i].origin), glm::dvec3(rays[i].direction)});
+        if (hit) answers[i] = {true, hit->t, hit->u, hit->v};
+    }
+    return answers;
+}
+
+}  // namespace
+
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Triangle>& triangles) {
+    if (!subject.device) {
+        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+            maker.triangle(triangles[i].v0, triangles[i].v1, triangles[i].v2);
+        });
+    }
+    return run(subject, rays, shared::kKindTriangle, {array(Bindings::triangles, triangles)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Sphere>& spheres) {
+    if (!subject.device) {
+        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+            maker.anchoredSphere(spheres[i].point, spheres[i].anchorNormal, spheres[i].radius);
+        });
+    }
+    return run(subject, rays, shared::kKindSphere, {array(Bindings::spheres, spheres)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Plane>& planes) {
+    if (!subject.device) {
+        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+            maker.plane(planes[i].point, planes[i].normal);
+        });
+    }
+    return run(subject, rays, shared::kKindPlane, {array(Bindings::planes, planes)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Disc>& discs) {
+    if (!subject.device) {
+        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+            maker.disc(discs[i].center, discs[i].normal, discs[i].radius);
+        });
+    }
+    return run(subject, rays, shared::kKindDisc, {array(Bindings::discs, discs)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Polygon>& polygons,
+                          const std::vector<shared::PolygonVertex>& vertices) {
+    if (!subject.device) {
+        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+            const auto first = vertices.begin() + polygons[i].firstVertex;
+            std::vector<glm::vec3> outline;
+            for (uint32_t k = 0; k < polygons[i].trips * shared::kPolygonEdgesPerTrip; ++k)
+                outline.push_back(first[k].position);
+            maker.polygon(outline);
+        });
+    }
+    return run(subject, rays, shared::kKindPolygon,
+               {array(Bindings::polygons, polygons), array(Bindings::polygonVertices, vertices)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<Box>& boxes) {
+    std::vector<shared::Node> nodes(boxes.size());
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        nodes[i].lo0 = boxes[i].lo;
+        nodes[i].hi0 = boxes[i].hi;
+    }
+    return run(subject, rays, kProbeBox, {array(Bindings::nodes, nodes)});
+}
+
+}  // namespace glint::stability

@@ -1,0 +1,53 @@
+// The intersection functions one by one: ray i against primitive i. On the device by primitive_probe.comp, on
+// the reference through scenes of one primitive.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+#include "shared/layout.h"
+
+namespace glint::stability {
+
+// What a check judges: a device, or without one the double-precision reference. mutant: a name from
+// mutants.cmake, whose kernels then take the place of the sound ones; empty for none.
+struct Subject {
+    const gpu::Device* device = nullptr;
+    std::string mutant;
+};
+
+struct FloatRay {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0, 0, -1};
+};
+
+struct Answer {
+    bool hit = false;
+    double t = 0, u = 0, v = 0;
+};
+
+struct Box {
+    glm::vec3 lo, hi;
+};
+
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Triangle>& triangles);
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Sphere>& spheres);
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Plane>& planes);
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Disc>& discs);
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Polygon>& polygons,
+                          const std::vector<shared::PolygonVertex>& vertices);
+// Answer::hit: the box would be entered. Device only: the reference enters boxes in its own way, and answers
+// for primitives.
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<Box>& boxes);
+
+}  // namespace glint::stability

@@ -1,0 +1,208 @@
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "../render/mutant_kernels.h"
+#include "../render/support.h"
+#include "checks.h"
+#include "reference/render.h"
+
+namespace glint::stability {
+
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+using render::Options;
+using render::Renderer;
+using render::test::Case;
+using render::test::Random;
+
+// A renderer with the subject's kernels, which it keeps.
+class SubjectRenderer {
+  public:
+    SubjectRenderer(const Subject& subject, const PackedScene& scene)
+        : code_(subject.mutant.empty() ? render::embeddedKernels(gpu::Access::TexelBuffer)
+                                       : render::test::mutantKernels(subject.mutant)),
+          renderer_(*subject.device, scene, options()) {}
+    Renderer& operator*() { return renderer_; }
+
+  private:
+    Options options() const {
+        Options o;
+        o.access = gpu::Access::TexelBuffer;
+        o.kernels = &code_;
+        return o;
+    }
+    render::KernelCode code_;
+    Renderer renderer_;
+};
+
+struct MeshData {
+    std::vector<dvec3> positions;
+    std::vector<glm::uvec3> corners;
+};
+
+// The icosahedron, each face split into four, `levels` times.
+MeshData icosphere(int levels) {
+    const double p = std::numbers::phi;
+    MeshData mesh;
+    mesh.positions = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
+                      {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
+    for (dvec3& v : mesh.positions) v = glm::normalize(v);
+    mesh.corners = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    for (int level = 0; level < levels; ++level) {
+        std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+        const auto middle = [&](uint32_t a, uint32_t b) {
+            const auto [at, fresh] =
+                middles.insert({std::minmax(a, b), static_cast<uint32_t>(mesh.positions.size())});
+            if (fresh) mesh.positions.push_back(glm::normalize(mesh.positions[a] + mesh.positions[b]));
+            return at->second;
+        };
+        std::vector<glm::uvec3> finer;
+        for (const glm::uvec3& t : mesh.corners) {
+            const uint32_t a = middle(t.x, t.y), b = middle(t.y, t.z), c = middle(t.z, t.x);
+            finer.insert(finer.end(), {{t.x, a, c}, {t.y, b, a}, {t.z, c, b}, {a, b, c}});
+        }
+        mesh.corners = std::move(finer);
+    }
+    return mesh;
+}
+
+MeshData meshOf(Mesh kind) {
+    if (kind == Mesh::Icosphere) return icosphere(3);
+    const reference::test::BumpyMesh bumpy = reference::test::makeBumpyMesh(15);
+    return {{bumpy.vertices.begin(), bumpy.vertices.end()}, bumpy.triangles};
+}
+
+PackedScene packedMesh(const LeakCase& leakCase) {
+    MeshData mesh = meshOf(leakCase.mesh);
+    for (dvec3& v : mesh.positions) v = leakCase.size * v + dvec3(leakCase.offset);
+    Scene scene = render::test::emptyScene();
+    render::test::addMesh(scene, mesh.positions, mesh.corners);
+    // Opposite, so that the packing leaves the origin where it is. Small, so that a leaking ray misses it
+    // too.
+    const dvec3 far(-leakCase.offset);
+    const double speck = 1e-3 * leakCase.size + 1e-6 * leakCase.offset;
+    if (leakCase.offset > 0)
+        render::test::addTriangle(scene, far, far + dvec3(speck, 0, 0), far + dvec3(0, speck, 0));
+    scene.camera.eye = dvec3(0, 0, 10 * leakCase.size);
+    return packScene(scene);
+}
+
+// Within a fifth of its least radius of the middle of the mesh, which is a star around it.
+dvec3 insidePoint(const LeakCase& leakCase, Random& random) {
+    return dvec3(leakCase.offset) + random.box(0.2 / std::sqrt(3.0) * leakCase.size);
+}
+
+dvec3 targetOf(const LeakCase& leakCase, const PackedScene& packed, Aim aim, Random& random) {
+    if (aim == Aim::Anywhere) return dvec3(leakCase.offset) + leakCase.size * 10 * random.direction();
+    const shared::Triangle& t =
+        packed.triangles[random.below(static_cast<uint32_t>(packed.triangles.size()))];
+    if (aim == Aim::Vertices) return dvec3(t.v0);
+    return glm::mix(dvec3(t.v1), dvec3(t.v2), random.uniform(0, 1));
+}
+
+}  // namespace
+
+LeakCount countLeaks(const Subject& subject, const LeakCase& leakCase, Aim aim, size_t count, uint32_t seed,
+                     bool any) {
+    constexpr size_t kChunk = 1u << 18;
+    const PackedScene packed = packedMesh(leakCase);
+    SubjectRenderer renderer(subject, packed);
+    const reference::Tracer tracer(packed);
+    Random random(seed);
+    LeakCount total;
+    for (size_t done = 0; done < count; done += kChunk) {
+        std::vector<render::RayInput> rays(std::min(kChunk, count - done));
+        for (size_t i = 0; i < rays.size(); ++i) {
+            rays[i] = render::test::rayTowards(insidePoint(leakCase, random),
+                                               targetOf(leakCase, packed, aim, random), i % 2);
+        }
+        const std::vector<render::RayHit> hits = (*renderer).trace(rays, any);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].hit) continue;
+            const bool truth = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)}).has_value();
+            ++(truth ? total.leaks : total.notInside);
+        }
+        total.rays += rays.size();
+    }
+    return total;
+}
+
+namespace {
+
+// The object at (offset, offset, offset), a camera two and a half sizes above it, a point light beside the
+// camera and a directional one.
+Case acneCase(Kind kind, double offset, double size, bool moved) {
+    Scene scene = render::test::emptyScene();
+    const dvec3 center(offset);
+    if (kind == Kind::Plane) render::test::addPlane(scene, center, {0.2, 1, 0.1});
+    if (kind == Kind::Sphere) render::test::addSphere(scene, center, size);
+    if (kind == Kind::Mesh) {
+        MeshData ball = icosphere(3);
+        for (dvec3& v : ball.positions) v = center + size * v;
+        render::test::addMesh(scene, ball.positions, ball.corners);
+    }
+    // Far behind, so that the scene's middle is the origin.
+    if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
+    scene.camera.eye = center + size * dvec3(0.5, 2.5, 1);
+    scene.camera.target = center;
+    scene.lights.push_back(PointLight{center + size * dvec3(3, 4, 1), Color(1), false});
+    scene.lights.push_back(DirectionalLight{{1, -2, 1}, Color(0.5)});
+    return render::test::makeCase(scene, 40, 40);
+}
+
+// A floor under a lid of two triangles, seen from between them; the light above must not come through.
+Case lidCase(double height, double gap) {
+    Scene scene = render::test::emptyScene();
+    const auto square = [&](double half, double y) {
+        render::test::addTriangle(scene, {-half, y, -half}, {half, y, -half}, {half, y, half});
+        render::test::addTriangle(scene, {-half, y, -half}, {half, y, half}, {-half, y, half});
+    };
+    square(1, height);
+    square(2, height + gap);
+    // Keeps the packing from moving the origin.
+    render::test::addSphere(scene, {0, -height - 2, 0}, 0.5);
+    scene.lights.push_back(PointLight{{0.3, height + 2, 0.1}, Color(1), false});
+    scene.camera.eye = {0, height + 0.5 * gap, 0.5};
+    scene.camera.target = {0, height, 0.5 - 4 * gap};
+    scene.camera.fovY = 60;
+    return render::test::makeCase(scene, 32, 32);
+}
+
+}  // namespace
+
+PixelCount countSelfShadowed(const Subject& subject, Kind kind, double offset, double size, bool moved) {
+    const Case c = acneCase(kind, offset, size, moved);
+    SubjectRenderer renderer(subject, c.packed);
+    const Picture picture = render::test::draw(*renderer, c);
+    const reference::RenderResult truth = reference::render(c.packed, c.camera, c.width, c.height);
+    PixelCount count;
+    for (int y = 0; y < c.height; ++y) {
+        for (int x = 0; x < c.width; ++x) {
+            const PixelData& data = picture.at(x, y);
+            count.seen += data.object == 0;
+            // Rounded corners far from the origin may make a mesh dented: the reference knows.
+            count.wrong += (data.shadowBits & ~truth.at(x, y).shadowBits) != 0;
+        }
+    }
+    return count;
+}
+
+PixelCount countLitUnderLid(const Subject& subject, double height, double gap) {
+    const Case c = lidCase(height, gap);
+    SubjectRenderer renderer(subject, c.packed);
+    const Picture picture = render::test::draw(*renderer, c);
+    PixelCount count;
+    for (const PixelData& data : picture.data) {
+        if (data.object > 1) continue;
+        ++count.seen;
+        count.wrong += data.shadowBits == 0;
+    }
+    return count;
+}
+
+}  // namespace glint::stability

@@ -1,0 +1,138 @@
+// The scenes of scenes/stiff, which one tolerance cannot serve, and scenes far from the origin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "../render/support.h"
+#include "scene/load.h"
+#include "verify/verify.h"
+
+namespace glint::stability {
+namespace {
+
+using render::test::Case;
+using render::test::draw;
+using render::test::fileCase;
+using render::test::makeCase;
+using render::test::RenderTest;
+
+std::vector<std::string> stiffScenes() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(GLINT_SOURCE_DIR "/scenes/stiff"))
+        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+class StiffTest : public RenderTest, public testing::WithParamInterface<std::string> {};
+
+// Chaotic paths and coincident surfaces may differ in as many pixels as they like (NUMERICS section 4), but
+// each for a reason, and where the paths agree the colours must.
+TEST_P(StiffTest, NothingIsUnexplained) {
+    const Case c = fileCase("stiff/" + GetParam(), 160, 120);
+    render::Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const bool chaotic = GetParam() == "three_mirrors", ties = GetParam() == "coplanar_decals";
+    if (chaotic || ties) options.maxExplainedShare = 1;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    std::cout << "[ measured ] " << GetParam() << ": kappa " << report.kappa << " ("
+              << verify::className(verify::classOf(report.kappa)) << "), expected "
+              << report.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges " << report.edges
+              << ", ties " << report.ties << ", unexplained " << report.unexplained
+              << "; RMSE on the same paths " << report.rmseSamePath << '\n';
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_TRUE(report.passed(options)) << report.explained() << " of " << report.pixels;
+    if (ties) {
+        EXPECT_GT(report.ties, 0u);
+        EXPECT_LE(static_cast<double>(report.edges), 0.005 * static_cast<double>(report.pixels));
+    }
+    // A path takes some ten roundings for each step that the jitter moves once.
+    EXPECT_LE(report.p99, 16 * std::max(report.kappa, 1.0) * verify::kFloatUnit);
+    const Picture picture = draw(renderer, c);
+    EXPECT_EQ(picture.notFinite, 0u);
+    const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
+                                      [](const PixelData& d) { return d.object == PixelData::kNoIndex; });
+    EXPECT_LT(misses, c.width * c.height * 9 / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(stiffScenes()),
+                         [](const auto& p) { return p.param; });
+
+// A sheet of half a metre with waves of a millimetre, as a survey would give it: an OBJ with its base in its
+// numbers.
+void writeSheet(const std::filesystem::path& path, const glm::dvec3& base) {
+    constexpr int kSide = 40;
+    std::ofstream file(path);
+    file.precision(17);
+    for (int y = 0; y <= kSide; ++y) {
+        for (int x = 0; x <= kSide; ++x) {
+            const double u = 0.5 * x / kSide, v = 0.5 * y / kSide;
+            const double h = 0.001 * std::sin(60 * u) * std::cos(47 * v);
+            file << "v " << base.x + u << ' ' << base.y + v << ' ' << base.z + h << '\n';
+        }
+    }
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            const int a = y * (kSide + 1) + x + 1, b = a + kSide + 1;
+            file << "f " << a << ' ' << a + 1 << ' ' << b + 1 << "\nf " << a << ' ' << b + 1 << ' ' << b
+                 << '\n';
+        }
+    }
+}
+
+class FarTest : public RenderTest {
+  protected:
+    Picture sheetAt(const glm::dvec3& base) const {
+        const auto path = std::filesystem::temp_directory_path() /
+                          ("glint_sheet_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) +
+                           "_" + std::to_string(static_cast<long long>(base.x)) + ".obj");
+        writeSheet(path, base);
+        Scene scene = loadScene(path);
+        std::filesystem::remove(path);
+        scene.camera = {};
+        scene.camera.eye = base + glm::dvec3(0.25, -0.3, 0.35);
+        scene.camera.target = base + glm::dvec3(0.25, 0.25, 0);
+        scene.camera.up = {0, 0, 1};
+        scene.ambient = Color(0.1);
+        scene.lights = {PointLight{base + glm::dvec3(-0.5, 0.2, 0.4), Color(0.9), false}};
+        return draw(device(), makeCase(std::move(scene), 160, 120));
+    }
+};
+
+// T35, T96. Corners are rounded in a frame of about 1, to 2^-24, wherever the sheet lies; its numbers
+// themselves are good to half an ulp of 4.6e6 in double, 4.7e-10. A facet of 0.0125 turns by 2 (2^-24
+// + 4.7e-10) / 0.0125 = 1e-5, and so does its shade; both pictures, and the hit points: 4e-5. Where a pixel's
+// centre lies on an edge of a facet to within 1e-6 of its size, or of a shadow, the pictures may differ: 160
+// pixels across 40 facets put 1 in 1e4 there.
+TEST_F(FarTest, AMillimetreAtFourThousandKilometres) {
+    const Picture near = sheetAt({0, 0, 0});
+    for (const glm::dvec3& base : {glm::dvec3(5e5, 4.6e6, 120), glm::dvec3(-4.6e6, 31.25, 2e3)}) {
+        const Picture far = sheetAt(base);
+        size_t other = 0, hits = 0;
+        double worst = 0;
+        for (size_t i = 0; i < near.data.size(); ++i) {
+            hits += near.data[i].object == 0;
+            if (near.data[i].primitive != far.data[i].primitive ||
+                near.data[i].shadowBits != far.data[i].shadowBits) {
+                ++other;
+                continue;
+            }
+            for (int c = 0; c < 3; ++c)
+                worst = std::max<double>(
+                    worst, std::abs(near.color.pixels[4 * i + c] - far.color.pixels[4 * i + c]));
+        }
+        std::cout << "[ measured ] sheet at " << base.x << ' ' << base.y << ": greatest difference " << worst
+                  << ", " << other << " pixels on other facets\n";
+        EXPECT_GT(hits, near.data.size() / 4);
+        EXPECT_LE(worst, 4e-5);
+        EXPECT_LE(other, near.data.size() / 1000);
+    }
+}
+
+}  // namespace
+}  // namespace glint::stability
