@@ -60,6 +60,20 @@ TEST_F(SplitTest, beamsAreClosed) {
     EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
 }
 
+// A ray that starts on a triangle must not meet it in another of its places.
+TEST_F(SplitTest, samePictureAsWithout) {
+    scene_.camera.eye = {0, 0, 14};
+    scene_.maxDepth = 4;
+    scene_.materials[0].mirror = Color(0.5);
+    scene_.lights = {PointLight{{3, 8, 9}}, PointLight{{-6, 2, 3}}};
+    Case whole{scene_, packScene(scene_, 0, BuildQuality::Fast), {}, 96, 72};
+    Case split{scene_, packScene(scene_), {}, 96, 72};
+    ASSERT_GT(split.packed.statistics.splitTriangles, 300u);
+    for (Case* c : {&whole, &split})
+        c->camera = packCamera(scene_.camera, c->width, c->height, c->packed.origin);
+    EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
+}
+
 TEST_F(SplitTest, sameHitsAsWithout) {
     const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast), split = packScene(scene_);
     std::vector<RayInput> rays;
