@@ -1,11 +1,19 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#ifdef GLINT_PACKET
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
 // What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One dispatch for each light, so that the
 // loop trips of a dispatch are those of one ray.
 #define GLINT_ANY_HIT
 #include "path.glsl"
 #include "surface.glsl"
+#ifdef GLINT_PACKET
+#include "packet.glsl"
+#else
 #include "traversal.glsl"
+#endif
 
 // A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
 const float kShadowEnd = 1.0 - 1.0 / 65536.0;
@@ -80,7 +88,11 @@ void main() {
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;
+#ifdef GLINT_PACKET
+    uint slot = traceOneEach(traversal, loadEnvironment(0u));
+#else
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x);
+#endif
     bool occluded = traversal.hit.primitive != kNone;
     if (occluded || !facing) slot = kNone;
 

@@ -141,6 +141,11 @@ GLINT_READ_ARRAY(14, polygonVerticesArray)
 GLINT_LOADER(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(22, packetCornersArray)
+#define GLINT_ARRAY_NAME packetCornersArray
+GLINT_LOADER(PacketCorner, GLINT_PACKET_CORNER_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

@@ -165,15 +165,20 @@ uint walk(inout Traversal traversal, uint slot) {
     return slot;
 }
 
-// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
-// Returns kNone when finished, else the slot to resume from.
-uint trace(inout Traversal traversal, Environment environment, uint slot) {
+// Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without direction.
+bool prepare(inout Traversal traversal) {
     vec3 size = abs(traversal.ray.direction);
     bool valid = isFinite(traversal.ray.origin) && isFinite(traversal.ray.direction) &&
                  max(size.x, max(size.y, size.z)) > 0.0;
     if (!valid) traversal.ray.tMax = -1.0;
-    bool sound = traversal.ray.tMax > traversal.ray.tMin;
     traversal.frame = makeFrame(traversal.ray.direction);
+    return traversal.ray.tMax > traversal.ray.tMin;
+}
+
+// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
+// Returns kNone when finished, else the slot to resume from.
+uint trace(inout Traversal traversal, Environment environment, uint slot) {
+    bool sound = prepare(traversal);
     if (MODE_RESUME) return walk(traversal, sound ? slot : kNone);
     if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
     bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS) && sound && !settled(traversal);

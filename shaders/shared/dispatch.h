@@ -45,7 +45,8 @@
     X(11, camera, Camera)                   \
     X(12, discs, Disc)                      \
     X(13, polygons, Polygon)                \
-    X(14, polygonVertices, PolygonVertex)
+    X(14, polygonVertices, PolygonVertex)   \
+    X(22, packetCorners, PacketCorner)
 
 #define GLINT_BINDING_COUNT 24
 

@@ -98,6 +98,9 @@
     V3F(ambient, reserved1)                  \
     U4(root, planeCount, lightCount, maxDepth)
 
+// One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
+#define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4) V3U(corner, child)
+
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
     X(Triangle, GLINT_TRIANGLE_ROWS)                \
@@ -111,7 +114,8 @@
     X(Material, GLINT_MATERIAL_ROWS)                \
     X(Light, GLINT_LIGHT_ROWS)                      \
     X(Camera, GLINT_CAMERA_ROWS)                    \
-    X(Environment, GLINT_ENVIRONMENT_ROWS)
+    X(Environment, GLINT_ENVIRONMENT_ROWS)          \
+    X(PacketCorner, GLINT_PACKET_CORNER_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -189,6 +193,9 @@ GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);
+
+// Children of a node of the packets' tree, and lanes of the subgroups that walk it.
+GLINT_CONST_UINT(kPacketWidth, 8u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

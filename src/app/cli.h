@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "render/traversal_choice.h"
 #include "scene/picture.h"
 
 namespace glint::app {
@@ -34,6 +35,7 @@ struct SceneOptions {
 struct DeviceChoice {
     std::string selector;
     bool validation = false;
+    render::Traversal traversal = render::Traversal::Auto;
 };
 
 struct RenderCommand {

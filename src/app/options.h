@@ -18,6 +18,7 @@ Region parseCrop(const std::string& text);                    // "x0,y0,x1,y1", 
 std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
 std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
 Backend parseBackend(const std::string& text);
+render::Traversal parseTraversal(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);  // >= 0, finite
 

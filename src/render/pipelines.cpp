@@ -16,12 +16,18 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.light;
         case KernelId::Shade:
             return code.shade;
+        case KernelId::PacketIntersect:
+            return code.packetIntersect;
+        case KernelId::PacketIntersectAny:
+            return code.packetIntersectAny;
+        case KernelId::PacketLight:
+            return code.packetLight;
     }
     return {};
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade"};
+    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade", "intersect (packets)", "intersect (any hit, packets)", "light (packets)"};
     return names[static_cast<int>(id)];
 }
 

@@ -11,7 +11,7 @@
 
 namespace glint::render {
 
-enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade };
+enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade, PacketIntersect, PacketIntersectAny, PacketLight };
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "bvh/packet_tree.h"
 #include "core/stopwatch.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
@@ -73,6 +74,7 @@ struct Renderer::State {
     const PackedScene& scene;
     Options options;
     gpu::Access access;
+    TraversalChoice traversal;
     uint32_t tripBudget;
     SceneBuffers buffers;
     gpu::Buffer counters;
@@ -92,13 +94,16 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed.features)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,
                     opts.leaveOut ? packed.features : allFeatures()),
           submission(dev) {
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access);
+        buffers = SceneBuffers(device, scene, access,
+                               traversal.packets ? packetTree(scene.nodes)
+                                                 : std::vector<shared::PacketCorner>());
         environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
@@ -110,8 +115,9 @@ struct Renderer::State {
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
-    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
-    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
+    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none. With
+    // `packets`, it is the one for packets that starts.
+    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups, bool packets);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,
@@ -173,8 +179,15 @@ void Renderer::State::submit() {
 }
 
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
-                                uint32_t groups) {
-    record(id, modes, dispatch, groups);
+                                uint32_t groups, bool packets) {
+    if (packets && id != KernelId::Light) {
+        record(id == KernelId::Intersect ? KernelId::PacketIntersect : KernelId::PacketIntersectAny, modes,
+               dispatch, (groups + kPacketRays - 1) / kPacketRays);
+    } else if (packets) {
+        record(KernelId::PacketLight, modes, dispatch, groups);
+    } else {
+        record(id, modes, dispatch, groups);
+    }
     submit();
     modes.resume = true;
     while (counter()[shared::kCounterUnfinished] != 0) {
@@ -207,11 +220,12 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     const uint32_t groups = slice.groups();
     record(KernelId::Generate, modes, dispatch, groups);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
-        traceRays(KernelId::Intersect, modes, dispatch, groups);
+        const bool packets = traversal.packets && dispatch.bounce == 0;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets);
         if (cancelled()) return false;
         for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
              ++dispatch.lightIndex) {
-            traceRays(KernelId::Light, modes, dispatch, groups);
+            traceRays(KernelId::Light, modes, dispatch, groups, packets);
             if (cancelled()) return false;
         }
         record(KernelId::Shade, modes, dispatch, groups);
@@ -343,8 +357,10 @@ void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
     Slice slice;
     slice.region = {0, 0, 1, 1};
+    slice.tileCount = groups;
     const shared::Dispatch dispatch = dispatchFor(slice);
-    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups);
+    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups,
+              options.traversal == Traversal::Packet && traversal.packets);
     const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
     for (uint32_t i = 0; i < count; ++i) {
         hits[i].hit = found[i].u[3] != shared::kNone;
@@ -368,6 +384,9 @@ const StageTimes& Renderer::times() const {
 }
 gpu::Access Renderer::access() const {
     return state_->access;
+}
+const TraversalChoice& Renderer::traversal() const {
+    return state_->traversal;
 }
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
@@ -405,6 +424,8 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     s.setEnvironment(environment);
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
     if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
+    if (s.traversal.packets) kernels.push_back(KernelId::PacketIntersect);
+    if (s.traversal.packets && s.scene.environment.lightCount > 0) kernels.push_back(KernelId::PacketLight);
     s.compile(modes, kernels);
 
     s.times.pathRays += pixels * settings.sampleOffsets.size();

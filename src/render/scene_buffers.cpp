@@ -14,7 +14,8 @@ constexpr uint32_t kCameraBinding = 11;
 
 // Calls visit(binding, name, bytes) for each array of the scene; the camera comes later, by setCamera.
 template <typename Visit>
-void visitArrays(const PackedScene& scene, const Visit& visit) {
+void visitArrays(const PackedScene& scene, const std::vector<shared::PacketCorner>& packetCorners,
+                 const Visit& visit) {
     const shared::Camera camera;
     const auto bytesOf = [](const auto& array) {
         using Array = std::remove_cvref_t<decltype(array)>;
@@ -40,7 +41,8 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
                 bytesOf(camera),
                 bytesOf(scene.discs),
                 bytesOf(scene.polygons),
-                bytesOf(scene.polygonVertices)};
+                bytesOf(scene.polygonVertices),
+                bytesOf(packetCorners)};
 #define GLINT_VISIT(BINDING, field, Struct) visit(BINDING, #field, arrays.field);
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT
@@ -50,14 +52,15 @@ void visitArrays(const PackedScene& scene, const Visit& visit) {
 
 uint64_t largestArray(const PackedScene& scene) {
     uint64_t largest = 0;
-    visitArrays(scene, [&](uint32_t, const char*, std::span<const std::byte> data) {
+    visitArrays(scene, {}, [&](uint32_t, const char*, std::span<const std::byte> data) {
         largest = std::max<uint64_t>(largest, data.size());
     });
     return largest;
 }
 
-SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access) {
-    visitArrays(scene, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
+                           const std::vector<shared::PacketCorner>& packetCorners) {
+    visitArrays(scene, packetCorners, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
         buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);

@@ -1,0 +1,31 @@
+// Which kernels find hits: one lane a ray, or packets of coherent rays.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "bvh/packed_scene.h"
+#include "gpu/device.h"
+
+namespace glint::render {
+
+// Rays of a lane in packet_intersect.comp (src/render/CMakeLists.txt tells the shader).
+inline constexpr uint32_t kPacketRays = 2;
+
+enum class Traversal {
+    Auto,   // by the device and the scene
+    Lane,   // each lane walks the binary tree with a ray of its own
+    Packet  // the lanes of a subgroup walk an 8-wide tree together, for camera rays and their shadow rays
+};
+
+struct TraversalChoice {
+    bool packets = false;
+    std::string reason;  // one phrase
+};
+
+// What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles, spheres and
+// planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone. Throws Error(Device)
+// if packets are asked for where the device cannot run them; a scene they cannot take is traced by lanes.
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const SceneFeatures& features);
+
+}  // namespace glint::render
