@@ -1,4 +1,4 @@
-// compare_embree [--size WxH] [--repeat N] [--only NAME] SCENE...
+// compare_embree [--size WxH] [--repeat N] [--only NAME] [--kernel FILE.spv] SCENE...
 //
 // Traces the camera rays of a scene's picture, and shadow rays from what they hit to its first light, by Embree
 // and by the device's kernels, in turn, and prints millions of rays a second of clock time and of processor
@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <string>
@@ -23,6 +25,7 @@ struct Settings {
     int width = 1024, height = 1024, repeat = 7;
     std::string only;  // one contestant, for counting instructions from outside
     std::vector<std::string> scenes;
+    Replacements replaced;
 };
 
 using Trace = std::function<Timing(const std::vector<BenchRay>&, bool, std::vector<BenchHit>&)>;
@@ -60,14 +63,14 @@ size_t countRays(const std::vector<BenchRay>& rays) {
 }
 
 // Rays of which one hits and the other misses, and those whose hits are more than a rounding apart.
-void printDifferences(const Contestant& c, const Contestant& reference) {
+void printDifferences(const Contestant& c, const Contestant& reference, bool any) {
     size_t presence = 0, distance = 0, primitive = 0;
     for (size_t i = 0; i < c.hits.size(); ++i) {
         const BenchHit &a = c.hits[i], &b = reference.hits[i];
         presence += a.hit != b.hit;
         if (!a.hit || !b.hit) continue;
-        distance += std::abs(a.t - b.t) > 1e-4f * std::abs(b.t);
-        primitive += a.id != b.id;
+        distance += !any && std::abs(a.t - b.t) > 1e-4f * std::abs(b.t);
+        primitive += !any && a.id != b.id;
     }
     std::printf("  %7zu %7zu %7zu\n", presence, distance, primitive);
 }
@@ -88,7 +91,7 @@ void compete(std::vector<Contestant>& contestants, const std::vector<BenchRay>& 
         const double cpu = median(c.timings, &Timing::cpu);
         std::printf("  %-10s %8.2f %8.2f %8.2f ", c.name.c_str(),
                     count / median(c.timings, &Timing::wall) * 1e-6, 2 * count / cpu * 1e-6, single / cpu);
-        printDifferences(c, contestants.front());
+        printDifferences(c, contestants.front(), any);
     }
 }
 
@@ -122,7 +125,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     const shared::Camera camera =
         packCamera(scene.camera, settings.width, settings.height, packed.origin);
     const EmbreeRays embree(packed);
-    DeviceRays device(gpu, packed, settings.width, settings.height);
+    DeviceRays device(gpu, packed, settings.width, settings.height, settings.replaced);
     std::printf("%s: %zu triangles, %zu spheres, %dx%d; BVH %.0f ms, Embree's %.0f ms\n", path.c_str(),
                 packed.triangles.size(), packed.spheres.size(), settings.width, settings.height,
                 packed.statistics.buildSeconds * 1e3, embree.buildSeconds() * 1e3);
@@ -143,6 +146,27 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     if (countRays(shadows) > 0) compete(contestants, shadows, true, settings.repeat);
 }
 
+std::vector<uint32_t> readWords(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    std::vector<uint32_t> words(bytes.size() / sizeof(uint32_t));
+    if (words.empty()) throw Error(ExitCode::Usage, path + ": no kernel");
+    std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
+    return words;
+}
+
+// intersect.spv for the kernel of that name, and so on.
+void replaceKernel(const std::string& path, Replacements& replaced) {
+    const std::map<std::string, std::vector<uint32_t>*> kernels = {
+        {"intersect", &replaced.intersect},
+        {"intersect_any", &replaced.intersectAny},
+        {"packet_intersect", &replaced.packetIntersect},
+        {"packet_intersect_any", &replaced.packetIntersectAny}};
+    const auto kernel = kernels.find(std::filesystem::path(path).stem().string());
+    if (kernel == kernels.end()) throw Error(ExitCode::Usage, path + ": its name is no kernel's");
+    *kernel->second = readWords(path);
+}
+
 Settings parse(int argc, char** argv) {
     Settings settings;
     for (int i = 1; i < argc; ++i) {
@@ -155,6 +179,8 @@ Settings parse(int argc, char** argv) {
             settings.repeat = std::max(1, std::atoi(argv[++i]));
         } else if (word == "--only" && value) {
             settings.only = argv[++i];
+        } else if (word == "--kernel" && value) {
+            replaceKernel(argv[++i], settings.replaced);
         } else if (word.starts_with("--")) {
             throw Error(ExitCode::Usage, "unknown option " + word);
         } else {

@@ -30,6 +30,17 @@ uint32_t raysOfLane(KernelId kernel) {
                : 1;
 }
 
+render::KernelCode replace(render::KernelCode code, const Replacements& replaced) {
+    const auto take = [](std::span<const uint32_t>& kernel, const std::vector<uint32_t>& other) {
+        if (!other.empty()) kernel = other;
+    };
+    take(code.intersect, replaced.intersect);
+    take(code.intersectAny, replaced.intersectAny);
+    take(code.packetIntersect, replaced.packetIntersect);
+    take(code.packetIntersectAny, replaced.packetIntersectAny);
+    return code;
+}
+
 uint32_t idOf(const PackedScene& scene, uint32_t primitive) {
     const uint32_t index = primitive & shared::kPrimitiveIndexMask;
     return primitive >> shared::kPrimitiveKindShift == shared::kKindSphere ? scene.spheres[index].id
@@ -38,7 +49,8 @@ uint32_t idOf(const PackedScene& scene, uint32_t primitive) {
 
 }  // namespace
 
-DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int width, int height)
+DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int width, int height,
+                       const Replacements& replaced)
     : device_(device),
       scene_(scene),
       access_(render::chooseAccess(device.info(), render::largestArray(scene))),
@@ -47,7 +59,8 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
       paths_(device, access_, slice_.paths(), shared::kPathRows),
       counters_(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
                 gpu::MemoryKind::Host),
-      pipelines_(device, render::embeddedKernels(access_), access_, scene.features),
+      code_(replace(render::embeddedKernels(access_), replaced)),
+      pipelines_(device, code_, access_, scene.features),
       submission_(device),
       packets_(render::chooseTraversal(render::Traversal::Auto, device.info(), scene.features).packets) {
     pipelines_.bind(counters_, paths_.buffer(), buffers_);

@@ -12,10 +12,16 @@
 
 namespace glint::bench {
 
+// Compiled kernels instead of the program's own, to try variants without building it.
+struct Replacements {
+    std::vector<uint32_t> intersect, intersectAny, packetIntersect, packetIntersectAny;
+};
+
 class DeviceRays {
   public:
     // Room for the rays of a picture of width x height pixels.
-    DeviceRays(const gpu::Device& device, const PackedScene& scene, int width, int height);
+    DeviceRays(const gpu::Device& device, const PackedScene& scene, int width, int height,
+               const Replacements& replaced);
 
     // The camera rays of the picture, in the order of the paths: 8x8 tiles, in each the Morton curve.
     std::vector<BenchRay> cameraRays(const shared::Camera& camera);
@@ -37,6 +43,7 @@ class DeviceRays {
     render::SceneBuffers buffers_;
     render::PathState paths_;
     gpu::Buffer counters_;
+    render::KernelCode code_;
     render::Pipelines pipelines_;
     gpu::Submission submission_;
     bool packets_ = false;

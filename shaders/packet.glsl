@@ -43,6 +43,12 @@ uint largestOfLanes(uint x) {
     return largerUint(x, subgroupShuffleXor(x, 4u));
 }
 
+uint leastOfLanes(uint x) {
+    x = leastUint(x, subgroupShuffleXor(x, 1u));
+    x = leastUint(x, subgroupShuffleXor(x, 2u));
+    return leastUint(x, subgroupShuffleXor(x, 4u));
+}
+
 uint sumOfLanes(uint x) {
     x += subgroupShuffleXor(x, 1u);
     x += subgroupShuffleXor(x, 2u);
@@ -53,13 +59,18 @@ vec3 fromLane(vec3 v, uint lane) {
     return vec3(subgroupShuffle(v.x, lane), subgroupShuffle(v.y, lane), subgroupShuffle(v.z, lane));
 }
 
-// Half of a transposition and a minimum at once: of a in the lanes where `bit` is 0, of b in the others.
-float foldLanes(float a, float b, uint lane, uint bit) {
-    bool odd = (lane & bit) != 0u;
-    float kept = odd ? b : a;
-    float given = odd ? a : b;
-    return leastFloat(kept, subgroupShuffleXor(given, bit));
+float leastOfLanes(float x) {
+    x = leastFloat(x, subgroupShuffleXor(x, 1u));
+    x = leastFloat(x, subgroupShuffleXor(x, 2u));
+    return leastFloat(x, subgroupShuffleXor(x, 4u));
 }
+
+vec3 least3(vec3 a, vec3 b) { return vec3(leastFloat(a.x, b.x), leastFloat(a.y, b.y), leastFloat(a.z, b.z)); }
+vec3 larger3(vec3 a, vec3 b) { return vec3(larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z)); }
+float least(vec3 v) { return leastFloat(v.x, leastFloat(v.y, v.z)); }
+float largest4(vec3 v, float w) { return larger(larger(v.x, v.y), larger(v.z, w)); }
+vec3 leastOfLanes(vec3 v) { return vec3(leastOfLanes(v.x), leastOfLanes(v.y), leastOfLanes(v.z)); }
+vec3 largestOfLanes(vec3 v) { return vec3(largestOfLanes(v.x), largestOfLanes(v.y), largestOfLanes(v.z)); }
 
 // Ascending over the 8 lanes (Batcher's bitonic network, six exchanges).
 uint exchange(uint key, uint mask, bool upper) {
@@ -78,32 +89,82 @@ uint sortLanes(uint key, uint lane) {
     return exchange(key, 1u, b0);
 }
 
-// Distance at which the first ray enters child `child`, kInfinity if none does; in every lane that of its own rays.
-float enterChild(Traversal packet[GLINT_PACKET_RAYS], float ends[GLINT_PACKET_RAYS], vec3 los, vec3 his, uint child) {
-    vec3 lo = fromLane(los, child);
-    vec3 hi = fromLane(his, child);
-    float first = kInfinity;
+// Rays that agree in the signs of their direction and in its largest component walk together; a packet that has several such groups
+// walks once for each. Near and far planes and the turn of the triangle test are then the same in all lanes.
+uint groupOf(RayFrame frame) {
+    return frame.axis | (frame.negative.x ? 4u : 0u) | (frame.negative.y ? 8u : 0u) | (frame.negative.z ? 16u : 0u);
+}
+bvec3 signsOf(uint group) { return bvec3((group & 4u) != 0u, (group & 8u) != 0u, (group & 16u) != 0u); }
+
+// Between these lie all rays of a group that have something to find.
+struct PacketBounds {
+    vec3 nearOrigin, farOrigin;    // the origins' corner from which near planes are nearest, and the one from which far planes are farthest
+    vec3 inverseLow, inverseHigh;  // of RayFrame::inverse
+    float tMin;
+};
+
+PacketBounds boundsOf(Traversal packet[GLINT_PACKET_RAYS], bvec3 negative) {
+    vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity), originHigh = vec3(-kInfinity);
+    float tMin = kInfinity;
     GLINT_EACH_RAY {
-        float near;
-        bool entered = intersectBox(packet[r].ray, packet[r].frame, lo, hi, ends[r], near);
-        near = entered ? near : kInfinity;
-        first = leastFloat(first, near);
+        bool live = packet[r].ray.tMax > packet[r].ray.tMin;
+        vec3 inverse = packet[r].frame.inverse;
+        vec3 origin = packet[r].ray.origin;
+        inverseLow = least3(inverseLow, live ? inverse : inverseLow);
+        inverseHigh = larger3(inverseHigh, live ? inverse : inverseHigh);
+        originLow = least3(originLow, live ? origin : originLow);
+        originHigh = larger3(originHigh, live ? origin : originHigh);
+        tMin = leastFloat(tMin, live ? packet[r].ray.tMin : tMin);
     }
-    return first;
+    PacketBounds bounds;
+    bounds.tMin = leastOfLanes(tMin);
+    bounds.inverseLow = leastOfLanes(inverseLow);
+    bounds.inverseHigh = largestOfLanes(inverseHigh);
+    originLow = leastOfLanes(originLow);
+    originHigh = largestOfLanes(originHigh);
+    bounds.nearOrigin = mix(originHigh, originLow, negative);
+    bounds.farOrigin = mix(originLow, originHigh, negative);
+    return bounds;
 }
 
-// Appends the children whose key is not kNone, `count` of them, the nearest last.
-void pushSorted(inout PacketStack stack, uint sortedKey, uint sortedChild, uint count, uint lane) {
-    // Lane of the sorted children that each lane takes; the same in each row, whose size is the number of lanes.
-    uint from = (count - 1u - (lane - stack.top)) & 7u;
-    uint key = subgroupShuffle(sortedKey, from);
-    uint child = subgroupShuffle(sortedChild, from);
+// The later halves of intersectBox, of its planes that are already chosen; for a ray, and for a group, each lane with a box of its own.
+// Rounding is monotone, so the same operations on the bounds enclose what they give for any ray, to the bit: a box that a ray enters is
+// never left out.
+bool enters(Ray ray, RayFrame frame, vec3 nearPlane, vec3 farPlane, float tEnd) {
+    precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
+    precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
+    float near = largest4(t0, ray.tMin);
+    precise float padded = least(t1) * kFarPad;
+    return near <= leastFloat(padded, tEnd);
+}
+bool groupEnters(PacketBounds bounds, vec3 nearPlane, vec3 farPlane, float tEnd, out float tNear) {
+    precise vec3 toNear = nearPlane - bounds.nearOrigin;
+    precise vec3 toFar = farPlane - bounds.farOrigin;
+    precise vec3 near0 = toNear * bounds.inverseLow;
+    precise vec3 near1 = toNear * bounds.inverseHigh;
+    precise vec3 far0 = toFar * bounds.inverseLow;
+    precise vec3 far1 = toFar * bounds.inverseHigh;
+    tNear = largest4(least3(near0, near1), bounds.tMin);
+    precise float padded = least(larger3(far0, far1)) * kFarPad;
+    return tNear <= leastFloat(padded, tEnd);
+}
+
+// True in all lanes if some ray enters the box.
+bool someEnter(Traversal packet[GLINT_PACKET_RAYS], float ends[GLINT_PACKET_RAYS], vec3 nearPlane, vec3 farPlane) {
+    uint entered = 0u;
+    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, ends[r]) ? 1u : 0u;
+    entered |= subgroupShuffleXor(entered, 1u);
+    entered |= subgroupShuffleXor(entered, 2u);
+    return (entered | subgroupShuffleXor(entered, 4u)) != 0u;
+}
+
+void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint lane) {
     for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
-        bool mine = 8u * row + lane - stack.top < count;
+        bool mine = pushed && 8u * row + lane == stack.top;
         stack.key[row] = mine ? key : stack.key[row];
         stack.child[row] = mine ? child : stack.child[row];
     }
-    stack.top += count;
+    stack.top += pushed ? 1u : 0u;
 }
 
 // The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is the key of the farthest
@@ -125,33 +186,35 @@ uint popReachable(inout PacketStack stack, uint end, uint lane) {
     return empty ? kNone : child;
 }
 
-void testPacketTriangle(inout Traversal packet[GLINT_PACKET_RAYS], Triangle triangle, uint index, bool present) {
+// corners: of triangle `index`, turned, in the lanes from `lane` on.
+void testPacketTriangle(inout Traversal packet[GLINT_PACKET_RAYS], vec3 origins[GLINT_PACKET_RAYS], vec3 corners, uint ids, uint lane,
+                        uint index, bool present) {
+    vec3 v0 = fromLane(corners, lane);
+    vec3 v1 = fromLane(corners, lane + 1u);
+    vec3 v2 = fromLane(corners, lane + 2u);
+    uint id = subgroupShuffle(ids, lane);
     uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
     GLINT_EACH_RAY {
+        precise vec3 a = v0 - origins[r];
+        precise vec3 b = v1 - origins[r];
+        precise vec3 c = v2 - origins[r];
         float t, u, v;
-        if (intersectTriangle(packet[r].ray, packet[r].frame, triangle, t, u, v) && present && primitive != packet[r].ray.source)
-            accept(packet[r].ray, packet[r].hit, t, u, v, primitive, triangle.id);
+        if (intersectTurned(packet[r].ray, packet[r].frame, a, b, c, t, u, v) && present && primitive != packet[r].ray.source)
+            accept(packet[r].ray, packet[r].hit, t, u, v, primitive, id);
         if (MODE_COST && present) ++packet[r].cost;
     }
 }
 
 // Two triangles for a load and a trip.
-void testPacketTriangles(inout Traversal packet[GLINT_PACKET_RAYS], uint first, uint end, uint lane, inout uint trips) {
+void testPacketTriangles(inout Traversal packet[GLINT_PACKET_RAYS], uint axis, uint first, uint end, uint lane, inout uint trips) {
+    vec3 origins[GLINT_PACKET_RAYS];
+    GLINT_EACH_RAY origins[r] = turnToZ(packet[r].ray.origin, axis);
     uint index = first;
     while (index < end) {
         uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-        vec3 corner = uintBitsToFloat(texel.xyz);
-        Triangle triangle;
-        triangle.v0 = fromLane(corner, 0u);
-        triangle.v1 = fromLane(corner, 1u);
-        triangle.v2 = fromLane(corner, 2u);
-        triangle.id = subgroupShuffle(texel.w, 0u);
-        testPacketTriangle(packet, triangle, index, true);
-        triangle.v0 = fromLane(corner, 3u);
-        triangle.v1 = fromLane(corner, 4u);
-        triangle.v2 = fromLane(corner, 5u);
-        triangle.id = subgroupShuffle(texel.w, 3u);
-        testPacketTriangle(packet, triangle, index + 1u, index + 1u < end);
+        vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
+        testPacketTriangle(packet, origins, corners, texel.w, 0u, index, true);
+        testPacketTriangle(packet, origins, corners, texel.w, 3u, index + 1u, index + 1u < end);
         index += 2u;
         ++trips;
     }
@@ -187,57 +250,97 @@ uint updateEnds(inout Traversal packet[GLINT_PACKET_RAYS], inout float ends[GLIN
 }
 
 // Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most.
-uint keyOf(float distance, uint lane) {
+uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
-    return distance == kInfinity ? kNone : (bits & ~7u) | lane;
+    return entered ? (bits & ~7u) | lane : kNone;
 }
 
-// Returns false for a packet that was given up: it ran out of trips or of stack.
-bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
-    uint lane = gl_LocalInvocationID.x & 7u;
+// Returns false for a group that was given up: it ran out of trips or of stack.
+bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);
     stack.key = uvec4(kNone);
     stack.top = 0u;
     float ends[GLINT_PACKET_RAYS];
     uint end = updateEnds(packet, ends);
-    uint trips = 0u;
+    bvec3 negative = signsOf(group);
+    uint axis = group & 3u;
+    PacketBounds bounds = boundsOf(packet, negative);
     uint current = end == 0u ? kNone : root;
     bool complete = true;
     while (current != kNone) {
         while (isNode(current)) {
             PacketCorner lower = loadPacketCorner(16u * current + lane);
-            vec3 los = lower.corner;
-            vec3 his = loadPacketCorner(16u * current + 8u + lane).corner;
-            float near01 = foldLanes(enterChild(packet, ends, los, his, 0u), enterChild(packet, ends, los, his, 1u), lane, 1u);
-            float near23 = foldLanes(enterChild(packet, ends, los, his, 2u), enterChild(packet, ends, los, his, 3u), lane, 1u);
-            float near03 = foldLanes(near01, near23, lane, 2u);
-            float near45 = foldLanes(enterChild(packet, ends, los, his, 4u), enterChild(packet, ends, los, his, 5u), lane, 1u);
-            float near67 = foldLanes(enterChild(packet, ends, los, his, 6u), enterChild(packet, ends, los, his, 7u), lane, 1u);
-            float near47 = foldLanes(near45, near67, lane, 2u);
-            float near = foldLanes(near03, near47, lane, 4u);
-            uint key = keyOf(near, lane);
-            uint count = sumOfLanes(key == kNone ? 0u : 1u);
+            vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
+            vec3 nearPlane = mix(lower.corner, upper, negative);
+            vec3 farPlane = mix(upper, lower.corner, negative);
+            float near;
+            bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
+            uint key = keyOf(near, lane, entered);
+            uint count = sumOfLanes(entered ? 1u : 0u);
             key = sortLanes(key, lane);
             uint child = subgroupShuffle(lower.child, key & 7u);
             bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > dispatch.tripBudget;
             complete = complete && !full;
-            pushSorted(stack, key, child, count, lane);
+            uint farther = count;
+            while (farther > 0u) {
+                --farther;
+                uint nextKey = subgroupShuffle(key, farther);
+                uint nextChild = subgroupShuffle(child, farther);
+                uint place = nextKey & 7u;
+                bool some = someEnter(packet, ends, fromLane(nearPlane, place), fromLane(farPlane, place));
+                pushOne(stack, nextKey, nextChild, some, lane);
+                if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
+            }
+            trips += count + 2u;
             uint popped = popReachable(stack, end, lane);
             current = full ? kNone : popped;
-            ++trips;
-            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 8u : 0u;
+            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
         }
         uint kind = (current >> kLeafKindShift) & kLeafKindMask;
         uint first = current & kLeafFirstMask;
         uint last = current == kNone ? first : first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-        if (FEATURE_TRIANGLES) testPacketTriangles(packet, kind == kKindTriangle ? first : last, last, lane, trips);
+        if (FEATURE_TRIANGLES) testPacketTriangles(packet, axis, kind == kKindTriangle ? first : last, last, lane, trips);
         if (FEATURE_SPHERES) testPacketSpheres(packet, kind == kKindSphere ? first : last, last, trips);
         end = updateEnds(packet, ends);
         uint popped = popReachable(stack, end, lane);
         current = current == kNone || end == 0u ? kNone : popped;
-        trips += 3u;
+        trips += 4u;
     }
+    return complete;
+}
+
+// Returns false if some group was given up.
+bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
+    uint lane = gl_LocalInvocationID.x & 7u;
+    uint groups[GLINT_PACKET_RAYS];
+    float tMax[GLINT_PACKET_RAYS];
+    uint group = kNone;
+    GLINT_EACH_RAY {
+        tMax[r] = packet[r].ray.tMax;
+        bool live = packet[r].ray.tMax > packet[r].ray.tMin && root != kNone && !settled(packet[r]);
+        groups[r] = live ? groupOf(packet[r].frame) : kNone;
+        group = leastUint(group, groups[r]);
+    }
+    group = leastOfLanes(group);
+    uint trips = 0u;
+    bool complete = true;
+    while (group != kNone) {
+        GLINT_EACH_RAY packet[r].ray.tMax = groups[r] == group ? tMax[r] : -1.0;
+        bool walked = walkGroup(packet, group, root, lane, trips);
+        complete = complete && walked;
+        uint next = kNone;
+        GLINT_EACH_RAY {
+            if (groups[r] == group) {
+                tMax[r] = packet[r].ray.tMax;
+                groups[r] = kNone;
+            }
+            next = leastUint(next, groups[r]);
+        }
+        group = leastOfLanes(next);
+        ++trips;
+    }
+    GLINT_EACH_RAY packet[r].ray.tMax = tMax[r];
     return complete;
 }
 
