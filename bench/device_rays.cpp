@@ -25,9 +25,8 @@ render::Slice wholePicture(int width, int height) {
 }
 
 uint32_t raysOfLane(KernelId kernel) {
-    return kernel == KernelId::PacketIntersect || kernel == KernelId::PacketIntersectAny
-               ? render::kPacketRays
-               : 1;
+    return kernel == KernelId::PacketIntersect || kernel == KernelId::PacketIntersectAny ? render::kPacketRays
+                                                                                         : 1;
 }
 
 render::KernelCode replace(render::KernelCode code, const Replacements& replaced) {

@@ -43,8 +43,18 @@ void traceSingles(RTCScene scene, const BenchRay* rays, size_t count, bool any, 
         const BenchRay& ray = rays[i];
         if (!(ray.tMax > ray.tMin)) continue;
         RTCRayHit q{};
-        q.ray = {ray.origin.x,    ray.origin.y,    ray.origin.z, ray.tMin, ray.direction.x, ray.direction.y,
-                 ray.direction.z, 0.0f,            ray.tMax,     ~0u,      0,               0};
+        q.ray = {ray.origin.x,
+                 ray.origin.y,
+                 ray.origin.z,
+                 ray.tMin,
+                 ray.direction.x,
+                 ray.direction.y,
+                 ray.direction.z,
+                 0.0f,
+                 ray.tMax,
+                 ~0u,
+                 0,
+                 0};
         q.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         if (any) {
             rtcOccluded1(scene, &context, &q.ray);

@@ -23,7 +23,8 @@ class EmbreeRays {
 
     double buildSeconds() const { return buildSeconds_; }
     // Traces on two threads that take blocks of tiles from a common counter. Packets are flagged coherent.
-    Timing trace(const std::vector<BenchRay>& rays, bool any, EmbreeCall call, std::vector<BenchHit>& hits) const;
+    Timing trace(const std::vector<BenchRay>& rays, bool any, EmbreeCall call,
+                 std::vector<BenchHit>& hits) const;
 
   private:
     void addTriangles(const PackedScene& scene);

@@ -28,9 +28,7 @@ struct Timing {
 class Timer {
   public:
     Timer() : wall_(now(CLOCK_MONOTONIC)), cpu_(now(CLOCK_PROCESS_CPUTIME_ID)) {}
-    Timing elapsed() const {
-        return {now(CLOCK_MONOTONIC) - wall_, now(CLOCK_PROCESS_CPUTIME_ID) - cpu_};
-    }
+    Timing elapsed() const { return {now(CLOCK_MONOTONIC) - wall_, now(CLOCK_PROCESS_CPUTIME_ID) - cpu_}; }
 
   private:
     static double now(clockid_t clock) {

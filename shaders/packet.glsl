@@ -210,19 +210,19 @@ void testPacketTriangles(inout Traversal packet[GLINT_PACKET_RAYS], uint axis, u
     vec3 origins[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY origins[r] = turnToZ(packet[r].ray.origin, axis);
     uint index = first;
-    while (index < end) {
+    do if (index < end) {
         uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
         vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
         testPacketTriangle(packet, origins, corners, texel.w, 0u, index, true);
         testPacketTriangle(packet, origins, corners, texel.w, 3u, index + 1u, index + 1u < end);
         index += 2u;
         ++trips;
-    }
+    } while (index < end);
 }
 
 void testPacketSpheres(inout Traversal packet[GLINT_PACKET_RAYS], uint first, uint end, inout uint trips) {
     uint index = first;
-    while (index < end) {
+    do if (index < end) {
         Sphere sphere = loadSphere(index);
         uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
         GLINT_EACH_RAY {
@@ -233,7 +233,7 @@ void testPacketSpheres(inout Traversal packet[GLINT_PACKET_RAYS], uint first, ui
         }
         ++index;
         ++trips;
-    }
+    } while (index < end);
 }
 
 // The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has hit needs nothing more.
@@ -268,8 +268,8 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
     PacketBounds bounds = boundsOf(packet, negative);
     uint current = end == 0u ? kNone : root;
     bool complete = true;
-    while (current != kNone) {
-        while (isNode(current)) {
+    do if (current != kNone) {
+        do if (isNode(current)) {
             PacketCorner lower = loadPacketCorner(16u * current + lane);
             vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
             vec3 nearPlane = mix(lower.corner, upper, negative);
@@ -283,7 +283,7 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
             bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > dispatch.tripBudget;
             complete = complete && !full;
             uint farther = count;
-            while (farther > 0u) {
+            do if (farther > 0u) {
                 --farther;
                 uint nextKey = subgroupShuffle(key, farther);
                 uint nextChild = subgroupShuffle(child, farther);
@@ -291,12 +291,12 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
                 bool some = someEnter(packet, ends, fromLane(nearPlane, place), fromLane(farPlane, place));
                 pushOne(stack, nextKey, nextChild, some, lane);
                 if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
-            }
+            } while (farther > 0u);
             trips += count + 2u;
             uint popped = popReachable(stack, end, lane);
             current = full ? kNone : popped;
             if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
-        }
+        } while (isNode(current));
         uint kind = (current >> kLeafKindShift) & kLeafKindMask;
         uint first = current & kLeafFirstMask;
         uint last = current == kNone ? first : first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
@@ -306,7 +306,7 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
         uint popped = popReachable(stack, end, lane);
         current = current == kNone || end == 0u ? kNone : popped;
         trips += 4u;
-    }
+    } while (current != kNone);
     return complete;
 }
 
@@ -325,7 +325,7 @@ bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
     group = leastOfLanes(group);
     uint trips = 0u;
     bool complete = true;
-    while (group != kNone) {
+    do if (group != kNone) {
         GLINT_EACH_RAY packet[r].ray.tMax = groups[r] == group ? tMax[r] : -1.0;
         bool walked = walkGroup(packet, group, root, lane, trips);
         complete = complete && walked;
@@ -339,7 +339,7 @@ bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
         }
         group = leastOfLanes(next);
         ++trips;
-    }
+    } while (group != kNone);
     GLINT_EACH_RAY packet[r].ray.tMax = tMax[r];
     return complete;
 }

@@ -35,7 +35,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
     if (FEATURE_TRIANGLES) {
         uint index = kind == kKindTriangle ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
@@ -46,11 +46,11 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end);
     }
     if (FEATURE_SPHERES) {
         uint index = kind == kKindSphere ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
@@ -60,11 +60,11 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end);
     }
     if (FEATURE_DISCS) {
         uint index = kind == kKindDisc ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Disc disc = loadDisc(index);
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
@@ -74,11 +74,11 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end);
     }
     if (FEATURE_POLYGONS) {
         uint index = kind == kKindPolygon ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Polygon polygon = loadPolygon(index);
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
@@ -89,7 +89,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end);
     }
 }
 
@@ -112,8 +112,8 @@ uint traverse(inout Traversal traversal, uint root) {
     uint stack[kMaxBvhDepth + 1u];
     uint top = 0u;
     uint current = root;
-    while (current != kNone && traversal.trips < dispatch.tripBudget) {
-        while (isNode(current) && traversal.trips < dispatch.tripBudget) {
+    do if (current != kNone && traversal.trips < dispatch.tripBudget) {
+        do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
             Node node = loadNode(current);
             precise float tEnd = traversal.ray.tMax * kFarPad;
             float near0, near1;
@@ -132,7 +132,7 @@ uint traverse(inout Traversal traversal, uint root) {
             current = both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : (empty ? kNone : popped)));
             ++traversal.trips;
             if (MODE_COST) traversal.cost += 2u;
-        }
+        } while (isNode(current) && traversal.trips < dispatch.tripBudget);
         if (current != kNone && !isNode(current)) {
             testLeaf(traversal, current);
             bool done = top == 0u || settled(traversal);
@@ -140,13 +140,13 @@ uint traverse(inout Traversal traversal, uint root) {
             top -= done ? 0u : 1u;
         }
         ++traversal.trips;
-    }
+    } while (current != kNone && traversal.trips < dispatch.tripBudget);
     return current == kNone ? kNone : 0u;
 }
 
 // The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped, kNone at the end.
 uint walk(inout Traversal traversal, uint slot) {
-    while (slot != kNone && traversal.trips < dispatch.tripBudget) {
+    do if (slot != kNone && traversal.trips < dispatch.tripBudget) {
         Node node = loadNode(slot >> 1);
         bool second = (slot & 1u) != 0u;
         uint child = second ? node.child1 : node.child0;
@@ -161,7 +161,7 @@ uint walk(inout Traversal traversal, uint slot) {
         slot = settled(traversal) ? kNone : next;
         ++traversal.trips;
         if (MODE_COST) ++traversal.cost;
-    }
+    } while (slot != kNone && traversal.trips < dispatch.tripBudget);
     return slot;
 }
 

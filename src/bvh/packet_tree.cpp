@@ -59,7 +59,8 @@ WideNode gather(const std::vector<shared::Node>& nodes, uint32_t root) {
 std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& nodes) {
     std::vector<shared::PacketCorner> corners;
     if (nodes.empty()) return corners;
-    // A node of the binary tree that becomes the wide node `place`; depth first, so that a subtree lies together.
+    // A node of the binary tree that becomes the wide node `place`; depth first, so that a subtree lies
+    // together.
     struct Pending {
         uint32_t node, place;
     };

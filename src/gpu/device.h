@@ -26,7 +26,7 @@ struct DeviceLimits {
     uint32_t maxStorageImagesPerStage = 0;
     uint32_t subgroupSize = 0;
     bool subgroupShuffle = false;  // compute shaders can shuffle, by index and by exclusive or
-    double timestampPeriod = 0;  // nanoseconds a tick; 0: no timestamps on the compute queue
+    double timestampPeriod = 0;    // nanoseconds a tick; 0: no timestamps on the compute queue
 };
 
 struct DeviceInfo {

@@ -20,11 +20,17 @@
 namespace glint::render {
 
 const KernelCode& embeddedKernels(gpu::Access access) {
-    static const KernelCode storage = {generate_spv, intersect_spv, intersect_any_spv, light_spv, shade_spv, packet_intersect_spv,
- packet_intersect_any_spv, light_packet_spv};
-    static const KernelCode texel = {generate_texel_spv, intersect_texel_spv, intersect_any_texel_spv,
-                                     light_texel_spv, shade_texel_spv,
- packet_intersect_texel_spv, packet_intersect_any_texel_spv, light_packet_texel_spv};
+    static const KernelCode storage = {
+        generate_spv, intersect_spv,        intersect_any_spv,        light_spv,
+        shade_spv,    packet_intersect_spv, packet_intersect_any_spv, light_packet_spv};
+    static const KernelCode texel = {generate_texel_spv,
+                                     intersect_texel_spv,
+                                     intersect_any_texel_spv,
+                                     light_texel_spv,
+                                     shade_texel_spv,
+                                     packet_intersect_texel_spv,
+                                     packet_intersect_any_texel_spv,
+                                     light_packet_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 

@@ -8,10 +8,11 @@
 
 namespace glint::render {
 
-// One entry for each kernel; `any` is intersect.comp with any-hit rays. The last three are for packets of rays
-// (shaders/packet.glsl).
+// One entry for each kernel; `any` is intersect.comp with any-hit rays. The last three are for packets of
+// rays (shaders/packet.glsl).
 struct KernelCode {
-    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect, packetIntersectAny, packetLight;
+    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect,
+        packetIntersectAny, packetLight;
 };
 
 // The kernels that read arrays with `access`.

@@ -27,7 +27,9 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate", "intersect", "intersect (any hit)", "light", "shade", "intersect (packets)", "intersect (any hit, packets)", "light (packets)"};
+    static const char* const names[] = {
+        "generate", "intersect",           "intersect (any hit)",          "light",
+        "shade",    "intersect (packets)", "intersect (any hit, packets)", "light (packets)"};
     return names[static_cast<int>(id)];
 }
 

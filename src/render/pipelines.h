@@ -11,7 +11,16 @@
 
 namespace glint::render {
 
-enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade, PacketIntersect, PacketIntersectAny, PacketLight };
+enum class KernelId {
+    Generate,
+    Intersect,
+    IntersectAny,
+    Light,
+    Shade,
+    PacketIntersect,
+    PacketIntersectAny,
+    PacketLight
+};
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {

@@ -101,9 +101,9 @@ struct Renderer::State {
                     opts.leaveOut ? packed.features : allFeatures()),
           submission(dev) {
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access,
-                               traversal.packets ? packetTree(scene.nodes)
-                                                 : std::vector<shared::PacketCorner>());
+        buffers =
+            SceneBuffers(device, scene, access,
+                         traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>());
         environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
@@ -115,9 +115,10 @@ struct Renderer::State {
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
-    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none. With
-    // `packets`, it is the one for packets that starts.
-    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups, bool packets);
+    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
+    // With `packets`, it is the one for packets that starts.
+    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
+                   bool packets);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     bool renderSlice(const Slice& slice, const RenderSettings& settings, const TraceModes& modes,

@@ -24,7 +24,7 @@ struct Options {
                                   // picture does not depend on it)
     uint32_t tripBudget = 0;      // 0: derived from the device; else loop trips of a ray in one dispatch
     bool leaveOut = true;         // false: the full pipeline, with the code of every feature
-    std::optional<gpu::Access> access;    // empty: by the device, see chooseAccess
+    std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
     Traversal traversal = Traversal::Auto;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
 };

@@ -60,11 +60,12 @@ uint64_t largestArray(const PackedScene& scene) {
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                            const std::vector<shared::PacketCorner>& packetCorners) {
-    visitArrays(scene, packetCorners, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
-        if (data.empty()) return;
-        buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
-        gpu::upload(device, buffers_[binding], data);
-    });
+    visitArrays(
+        scene, packetCorners, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+            if (data.empty()) return;
+            buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
+            gpu::upload(device, buffers_[binding], data);
+        });
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {

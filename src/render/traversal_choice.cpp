@@ -10,11 +10,10 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     if (wanted == Traversal::Lane) return {false, "as asked for"};
     const bool able = device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
     if (wanted == Traversal::Packet && !able) {
-        throw Error(ExitCode::Device, "packets of rays need subgroups of " +
-                                          std::to_string(shared::kPacketWidth) +
-                                          " lanes that can shuffle; \"" + device.name + "\" has " +
-                                          std::to_string(device.limits.subgroupSize) +
-                                          " lanes: use --traversal auto or lane");
+        throw Error(ExitCode::Device,
+                    "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +
+                        " lanes that can shuffle; \"" + device.name + "\" has " +
+                        std::to_string(device.limits.subgroupSize) + " lanes: use --traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
     if (features.discs || features.polygons)

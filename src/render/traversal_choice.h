@@ -23,9 +23,11 @@ struct TraversalChoice {
     std::string reason;  // one phrase
 };
 
-// What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles, spheres and
-// planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone. Throws Error(Device)
-// if packets are asked for where the device cannot run them; a scene they cannot take is traced by lanes.
-TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const SceneFeatures& features);
+// What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
+// spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone.
+// Throws Error(Device) if packets are asked for where the device cannot run them; a scene they cannot take is
+// traced by lanes.
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
+                                const SceneFeatures& features);
 
 }  // namespace glint::render
