@@ -24,9 +24,9 @@ render::Slice wholePicture(int width, int height) {
     return slice;
 }
 
-uint32_t raysOfLane(KernelId kernel) {
-    return kernel == KernelId::PacketIntersect || kernel == KernelId::PacketIntersectAny ? render::kPacketRays
-                                                                                         : 1;
+uint32_t raysOfLane(KernelId kernel, uint32_t packetRays) {
+    const bool packets = kernel == KernelId::PacketIntersect || kernel == KernelId::PacketIntersectAny;
+    return packets ? packetRays : 1;
 }
 
 render::KernelCode replace(render::KernelCode code, const Replacements& replaced) {
@@ -58,6 +58,7 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
       paths_(device, access_, slice_.paths(), shared::kPathRows),
       counters_(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
                 gpu::MemoryKind::Host),
+      packetRays_(replaced.packetRays),
       code_(replace(render::embeddedKernels(access_), replaced)),
       pipelines_(device, code_, access_, scene.features),
       submission_(device),
@@ -120,7 +121,7 @@ void DeviceRays::write(const std::vector<BenchRay>& rays) {
 Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, KernelId kernel,
                          std::vector<BenchHit>& hits) {
     write(rays);
-    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel);
+    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel, packetRays_);
     const uint32_t groups = (static_cast<uint32_t>(rays.size()) + perGroup - 1) / perGroup;
     auto* const counters = static_cast<uint32_t*>(counters_.mapped());
     std::fill_n(counters, shared::kCounterCount, 0u);
@@ -145,7 +146,7 @@ uint64_t DeviceRays::countTests(const std::vector<BenchRay>& rays, KernelId kern
     write(rays);
     render::TraceModes modes;
     modes.cost = true;
-    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel);
+    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel, packetRays_);
     run(kernel, modes, (static_cast<uint32_t>(rays.size()) + perGroup - 1) / perGroup);
     const auto walk = paths_.readRow(device_, shared::kRowWalk, static_cast<uint32_t>(rays.size()));
     uint64_t sum = 0;

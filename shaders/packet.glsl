@@ -344,24 +344,23 @@ bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
     return complete;
 }
 
-// As trace() of the per-lane traversal. A packet that was given up leaves its rays unfinished at slot 0.
-void tracePacket(inout Traversal packet[GLINT_PACKET_RAYS], Environment environment, out uint slots[GLINT_PACKET_RAYS]) {
+// As trace() of the per-lane traversal. Returns false for a packet that was given up: what its rays have hit by then is kept, and those
+// that are not settled are to be started again.
+bool tracePacket(inout Traversal packet[GLINT_PACKET_RAYS], Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r])) packet[r].ray.tMax = -1.0;
         if (FEATURE_PLANES) testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
     }
-    bool complete = traversePacket(packet, environment.root);
-    GLINT_EACH_RAY slots[r] = complete || packet[r].ray.tMax < 0.0 ? kNone : 0u;
+    return traversePacket(packet, environment.root);
 }
 
 #if GLINT_PACKET_RAYS == 1
 // trace() for a kernel whose lanes bring one ray each.
 uint traceOneEach(inout Traversal traversal, Environment environment) {
     Traversal packet[1] = Traversal[1](traversal);
-    uint slots[1];
-    tracePacket(packet, environment, slots);
+    bool complete = tracePacket(packet, environment);
     traversal = packet[0];
-    return slots[0];
+    return complete ? kNone : 0u;
 }
 #endif
 

@@ -1,9 +1,33 @@
 #include "render/traversal_choice.h"
 
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
 #include "core/error.h"
-#include "shared/layout.h"
+#include "shared/dispatch.h"
 
 namespace glint::render {
+
+namespace {
+
+// What packets know or need not know. Any other feature, also one that comes to the list later, is traced by
+// lanes.
+constexpr std::string_view kKnown[] = {"triangles",     "spheres",     "anchoredSpheres",   "planes",
+                                       "vertexNormals", "pointLights", "directionalLights", "spotLights",
+                                       "specular",      "mirrors",     "parallelCamera"};
+
+std::string unknownToPackets(const SceneFeatures& features) {
+    std::string unknown;
+#define GLINT_CHECK(ID, NAME, field)                                                                   \
+    if (features.field && std::find(std::begin(kKnown), std::end(kKnown), #field) == std::end(kKnown)) \
+        unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+    GLINT_FEATURES(GLINT_CHECK)
+#undef GLINT_CHECK
+    return unknown;
+}
+
+}  // namespace
 
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
                                 const SceneFeatures& features) {
@@ -16,8 +40,8 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
                         std::to_string(device.limits.subgroupSize) + " lanes: use --traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
-    if (features.discs || features.polygons)
-        return {false, "the scene has primitives that packets do not know"};
+    if (const std::string name = unknownToPackets(features); !name.empty())
+        return {false, "packets do not know " + name};
     if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};

@@ -10,7 +10,7 @@
 namespace glint::render {
 
 // Rays of a lane in packet_intersect.comp (src/render/CMakeLists.txt tells the shader).
-inline constexpr uint32_t kPacketRays = 2;
+inline constexpr uint32_t kPacketRays = 4;
 
 enum class Traversal {
     Auto,   // by the device and the scene
