@@ -70,42 +70,70 @@ vec3 reflected(Material material, Surface surface, vec3 toViewer, LightSample li
     return radiance * light.intensity;
 }
 
-void main() {
-    uint path = pathIndex();
+// What is left to do for a path once its shadow ray is traced.
+struct LightWork {
+    uint path;
+    bool live;
+    bool facing;    // the light shines on the side that is seen
+    vec3 radiance;  // what it adds if nothing is in between
+};
+
+// Starts the path's shadow ray; returns the slot it goes on from.
+uint begin(uint path, bool present, out LightWork work, out Traversal traversal) {
     uvec4 walkRow = loadRow(kRowWalk, path);
     Ray ray = loadRay(path);
     Hit hit = loadHit(path, walkRow.y);
-    bool live = isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
+    work.path = path;
+    work.live = present && isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
     Surface surface = surfaceAt(ray, hit);
     faceForward(surface, ray.direction);
     LightSample light = sampleLight(loadLight(dispatch.lightIndex), surface.position);
-    bool facing = live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
+    work.facing = work.live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
                   dot(surface.shadingNormal, light.direction) > 0.0;
+    work.radiance = reflected(loadMaterial(surface.material), surface, -ray.direction, light);
 
-    Traversal traversal;
     traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive);
+                        work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;
-#ifdef GLINT_PACKET
-    uint slot = traceOneEach(traversal, loadEnvironment(0u));
-#else
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x);
-#endif
-    bool occluded = traversal.hit.primitive != kNone;
-    if (occluded || !facing) slot = kNone;
+    return walkRow.x;
+}
 
-    Material material = loadMaterial(surface.material);
-    vec3 radiance = reflected(material, surface, -ray.direction, light);
-    uvec4 throughput = loadRow(kRowThroughput, path);
-    uvec4 sum = loadRow(kRowRadiance, path);
-    if (facing && slot == kNone && !occluded) {
-        storeRow(kRowRadiance, path, packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
+void end(LightWork work, Traversal traversal, uint slot) {
+    bool occluded = traversal.hit.primitive != kNone;
+    if (occluded || !work.facing) slot = kNone;
+    uvec4 throughput = loadRow(kRowThroughput, work.path);
+    uvec4 sum = loadRow(kRowRadiance, work.path);
+    if (work.facing && slot == kNone && !occluded) {
+        storeRow(kRowRadiance, work.path,
+                 packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * work.radiance, sum.w));
     }
-    if (live) {
+    // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
+    if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
+        uvec4 walkRow = loadRow(kRowWalk, work.path);
         uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
-        storeRow(kRowWalk, path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
-        if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+        storeRow(kRowWalk, work.path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
     }
+    if (work.live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+}
+
+void main() {
+#ifdef GLINT_PACKET
+    LightWork works[GLINT_PACKET_RAYS];
+    Traversal packet[GLINT_PACKET_RAYS];
+    GLINT_EACH_RAY {
+        bool present;
+        uint path = packetPath(r, present);
+        begin(path, present, works[r], packet[r]);
+    }
+    bool complete = tracePacket(packet, loadEnvironment(0u));
+    GLINT_EACH_RAY end(works[r], packet[r], complete ? kNone : 0u);
+#else
+    LightWork work;
+    Traversal traversal;
+    uint slot = begin(pathIndex(), true, work, traversal);
+    slot = trace(traversal, loadEnvironment(0u), slot);
+    end(work, traversal, slot);
+#endif
 }

@@ -14,7 +14,7 @@
 #include "traversal.glsl"
 
 #ifndef GLINT_PACKET_RAYS
-#define GLINT_PACKET_RAYS 1
+#define GLINT_PACKET_RAYS 4  // kPacketRays in src/render/traversal_choice.h
 #endif
 #define GLINT_EACH_RAY for (uint r = 0u; r < GLINT_PACKET_RAYS; ++r)
 
@@ -256,6 +256,9 @@ uint keyOf(float distance, uint lane, bool entered) {
 }
 
 // Returns false for a group that was given up: it ran out of trips or of stack.
+// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
+// and no more than 30 pass between two looks at the budget (8 children and 2, the 2 kMaxLeafSize of a leaf and 4). The per-lane budget, which
+// leaves room for every lane to take its own way, is far below what a packet could use, and is kept.
 bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);
@@ -295,7 +298,7 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
             trips += count + 2u;
             uint popped = popReachable(stack, end, lane);
             current = full ? kNone : popped;
-            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
+            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 8u : 0u;
         } while (isNode(current));
         uint kind = (current >> kLeafKindShift) & kLeafKindMask;
         uint first = current & kLeafFirstMask;
@@ -354,14 +357,13 @@ bool tracePacket(inout Traversal packet[GLINT_PACKET_RAYS], Environment environm
     return traversePacket(packet, environment.root);
 }
 
-#if GLINT_PACKET_RAYS == 1
-// trace() for a kernel whose lanes bring one ray each.
-uint traceOneEach(inout Traversal traversal, Environment environment) {
-    Traversal packet[1] = Traversal[1](traversal);
-    bool complete = tracePacket(packet, environment);
-    traversal = packet[0];
-    return complete ? kNone : 0u;
+// Path r of this lane: those of a subgroup are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4. Where the dispatch has
+// no such path, `present` is false and the path one that may be read.
+uint packetPath(uint r, out bool present) {
+    uint lane = gl_LocalInvocationID.x & 7u;
+    uint path = (gl_GlobalInvocationID.x - lane) * GLINT_PACKET_RAYS + lane + 8u * r;
+    present = path < dispatch.run * dispatch.interleave * kWorkgroupSize;
+    return present ? path : 0u;
 }
-#endif
 
 #endif

@@ -2,8 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes. A lane takes GLINT_PACKET_RAYS paths, those of
-// a subgroup being consecutive: 8 are a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4.
+// The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
 #include "path.glsl"
 #include "packet.glsl"
 
@@ -12,16 +11,15 @@ void main() {
     Hit before[GLINT_PACKET_RAYS];
     bool live[GLINT_PACKET_RAYS];
     Traversal packet[GLINT_PACKET_RAYS];
-    uint lane = gl_LocalInvocationID.x & 7u;
-    uint firstPath = (gl_GlobalInvocationID.x - lane) * GLINT_PACKET_RAYS + lane;
     GLINT_EACH_RAY {
-        paths[r] = firstPath + 8u * r;
+        bool present;
+        paths[r] = packetPath(r, present);
         packet[r].ray = loadRay(paths[r]);
         before[r] = loadHit(paths[r], kNone);
         packet[r].hit = before[r];
         packet[r].trips = 0u;
         packet[r].cost = 0u;
-        live[r] = isAlive(packet[r].ray) && paths[r] < dispatch.run * dispatch.interleave * kWorkgroupSize;
+        live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
     bool complete = tracePacket(packet, loadEnvironment(0u));

@@ -61,6 +61,11 @@ static_assert(idsAreUnique());
 
 }  // namespace
 
+KernelId packetKernel(KernelId id) {
+    if (id == KernelId::Light) return KernelId::PacketLight;
+    return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
+}
+
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
                      const SceneFeatures& features)
     : device_(device), code_(code), access_(access), features_(features) {}

@@ -22,6 +22,9 @@ enum class KernelId {
     PacketLight
 };
 
+// The kernel that does for packets what `id` does for single rays, which must trace some.
+KernelId packetKernel(KernelId id);
+
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false;

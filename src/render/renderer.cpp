@@ -181,11 +181,8 @@ void Renderer::State::submit() {
 
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
                                 uint32_t groups, bool packets) {
-    if (packets && id != KernelId::Light) {
-        record(id == KernelId::Intersect ? KernelId::PacketIntersect : KernelId::PacketIntersectAny, modes,
-               dispatch, (groups + kPacketRays - 1) / kPacketRays);
-    } else if (packets) {
-        record(KernelId::PacketLight, modes, dispatch, groups);
+    if (packets) {
+        record(packetKernel(id), modes, dispatch, (groups + kPacketRays - 1) / kPacketRays);
     } else {
         record(id, modes, dispatch, groups);
     }
@@ -423,10 +420,12 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     shared::Environment environment = s.scene.environment;
     if (settings.maxDepth) environment.maxDepth = *settings.maxDepth;
     s.setEnvironment(environment);
-    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
-    if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
-    if (s.traversal.packets) kernels.push_back(KernelId::PacketIntersect);
-    if (s.traversal.packets && s.scene.environment.lightCount > 0) kernels.push_back(KernelId::PacketLight);
+    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
+    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
+        if (id == KernelId::Light && s.scene.environment.lightCount == 0) continue;
+        if (s.traversal.packets) kernels.push_back(packetKernel(id));
+        if (!s.traversal.packets || s.scene.features.mirrors) kernels.push_back(id);
+    }
     s.compile(modes, kernels);
 
     s.times.pathRays += pixels * settings.sampleOffsets.size();

@@ -9,7 +9,7 @@
 
 namespace glint::render {
 
-// Rays of a lane in packet_intersect.comp (src/render/CMakeLists.txt tells the shader).
+// Rays of a lane in packet_intersect.comp (GLINT_PACKET_RAYS there).
 inline constexpr uint32_t kPacketRays = 4;
 
 enum class Traversal {

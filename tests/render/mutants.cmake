@@ -31,5 +31,8 @@ mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.out
 mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
+mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
+       "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
+mutant(packet_turn packet.glsl "precise vec3 c = v2 - origins[r];" "precise vec3 c = v2 - packet[r].ray.origin;" packet_intersect)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
