@@ -13,9 +13,12 @@ void main() {
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
-        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it is met again.
+        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it is met again. Planes are
+        // not met again.
         traversal.hit.t = abs(traversal.hit.t);
         traversal.hit.id = kNone;
+        bool isPlane = FEATURE_PLANES && traversal.hit.primitive >> kPrimitiveKindShift == kKindPlane;
+        if (isPlane) traversal.hit.id = loadPlane(traversal.hit.primitive & kPrimitiveIndexMask).id;
         walkRow.x = 0u;
     }
     uint before = traversal.hit.primitive;

@@ -121,13 +121,12 @@ void end(LightWork work, Traversal traversal, uint slot) {
 void main() {
 #ifdef GLINT_PACKET
     LightWork works[GLINT_PACKET_RAYS];
-    Traversal packet[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY {
         bool present;
         uint path = packetPath(r, present);
         begin(path, present, works[r], packet[r]);
     }
-    bool complete = tracePacket(packet, loadEnvironment(0u));
+    bool complete = tracePacket(loadEnvironment(0u));
     GLINT_EACH_RAY end(works[r], packet[r], complete ? kNone : 0u);
 #else
     LightWork work;

@@ -18,6 +18,11 @@
 #endif
 #define GLINT_EACH_RAY for (uint r = 0u; r < GLINT_PACKET_RAYS; ++r)
 
+// The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler half of its time.
+Traversal packet[GLINT_PACKET_RAYS];
+float packetEnds[GLINT_PACKET_RAYS];    // updateEnds
+vec3 packetTurned[GLINT_PACKET_RAYS];   // origins, turned as the corners of triangles are
+
 // The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet that needs more rows is
 // given up and finished ray by ray.
 #define GLINT_STACK_ROWS 4
@@ -103,7 +108,7 @@ struct PacketBounds {
     float tMin;
 };
 
-PacketBounds boundsOf(Traversal packet[GLINT_PACKET_RAYS], bvec3 negative) {
+PacketBounds boundsOf(bvec3 negative) {
     vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity), originHigh = vec3(-kInfinity);
     float tMin = kInfinity;
     GLINT_EACH_RAY {
@@ -150,9 +155,9 @@ bool groupEnters(PacketBounds bounds, vec3 nearPlane, vec3 farPlane, float tEnd,
 }
 
 // True in all lanes if some ray enters the box.
-bool someEnter(Traversal packet[GLINT_PACKET_RAYS], float ends[GLINT_PACKET_RAYS], vec3 nearPlane, vec3 farPlane) {
+bool someEnter(vec3 nearPlane, vec3 farPlane) {
     uint entered = 0u;
-    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, ends[r]) ? 1u : 0u;
+    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u : 0u;
     entered |= subgroupShuffleXor(entered, 1u);
     entered |= subgroupShuffleXor(entered, 2u);
     return (entered | subgroupShuffleXor(entered, 4u)) != 0u;
@@ -187,7 +192,7 @@ uint popReachable(inout PacketStack stack, uint end, uint lane) {
 }
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testPacketTriangle(inout Traversal packet[GLINT_PACKET_RAYS], vec3 origins[GLINT_PACKET_RAYS], vec3 corners, uint ids, uint lane,
+void testPacketTriangle(vec3 corners, uint ids, uint lane,
                         uint index, bool present) {
     vec3 v0 = fromLane(corners, lane);
     vec3 v1 = fromLane(corners, lane + 1u);
@@ -195,9 +200,9 @@ void testPacketTriangle(inout Traversal packet[GLINT_PACKET_RAYS], vec3 origins[
     uint id = subgroupShuffle(ids, lane);
     uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
     GLINT_EACH_RAY {
-        precise vec3 a = v0 - origins[r];
-        precise vec3 b = v1 - origins[r];
-        precise vec3 c = v2 - origins[r];
+        precise vec3 a = v0 - packetTurned[r];
+        precise vec3 b = v1 - packetTurned[r];
+        precise vec3 c = v2 - packetTurned[r];
         float t, u, v;
         if (intersectTurned(packet[r].ray, packet[r].frame, a, b, c, t, u, v) && present && primitive != packet[r].ray.source)
             accept(packet[r].ray, packet[r].hit, t, u, v, primitive, id);
@@ -206,21 +211,20 @@ void testPacketTriangle(inout Traversal packet[GLINT_PACKET_RAYS], vec3 origins[
 }
 
 // Two triangles for a load and a trip.
-void testPacketTriangles(inout Traversal packet[GLINT_PACKET_RAYS], uint axis, uint first, uint end, uint lane, inout uint trips) {
-    vec3 origins[GLINT_PACKET_RAYS];
-    GLINT_EACH_RAY origins[r] = turnToZ(packet[r].ray.origin, axis);
+void testPacketTriangles(uint axis, uint first, uint end, uint lane, inout uint trips) {
+    GLINT_EACH_RAY packetTurned[r] = turnToZ(packet[r].ray.origin, axis);
     uint index = first;
     do if (index < end) {
         uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
         vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-        testPacketTriangle(packet, origins, corners, texel.w, 0u, index, true);
-        testPacketTriangle(packet, origins, corners, texel.w, 3u, index + 1u, index + 1u < end);
+        testPacketTriangle(corners, texel.w, 0u, index, true);
+        testPacketTriangle(corners, texel.w, 3u, index + 1u, index + 1u < end);
         index += 2u;
         ++trips;
     } while (index < end);
 }
 
-void testPacketSpheres(inout Traversal packet[GLINT_PACKET_RAYS], uint first, uint end, inout uint trips) {
+void testPacketSpheres(uint first, uint end, inout uint trips) {
     uint index = first;
     do if (index < end) {
         Sphere sphere = loadSphere(index);
@@ -237,12 +241,12 @@ void testPacketSpheres(inout Traversal packet[GLINT_PACKET_RAYS], uint first, ui
 }
 
 // The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has hit needs nothing more.
-uint updateEnds(inout Traversal packet[GLINT_PACKET_RAYS], inout float ends[GLINT_PACKET_RAYS]) {
+uint updateEnds() {
     float farthest = -1.0;
     GLINT_EACH_RAY {
         if (settled(packet[r])) packet[r].ray.tMax = -1.0;
         precise float end = packet[r].ray.tMax * kFarPad;
-        ends[r] = end;
+        packetEnds[r] = end;
         farthest = larger(farthest, end);
     }
     farthest = largestOfLanes(farthest);
@@ -259,16 +263,15 @@ uint keyOf(float distance, uint lane, bool entered) {
 // `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
 // and no more than 30 pass between two looks at the budget (8 children and 2, the 2 kMaxLeafSize of a leaf and 4). The per-lane budget, which
 // leaves room for every lane to take its own way, is far below what a packet could use, and is kept.
-bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root, uint lane, inout uint trips) {
+bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);
     stack.key = uvec4(kNone);
     stack.top = 0u;
-    float ends[GLINT_PACKET_RAYS];
-    uint end = updateEnds(packet, ends);
+    uint end = updateEnds();
     bvec3 negative = signsOf(group);
     uint axis = group & 3u;
-    PacketBounds bounds = boundsOf(packet, negative);
+    PacketBounds bounds = boundsOf(negative);
     uint current = end == 0u ? kNone : root;
     bool complete = true;
     do if (current != kNone) {
@@ -291,21 +294,21 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
                 uint nextKey = subgroupShuffle(key, farther);
                 uint nextChild = subgroupShuffle(child, farther);
                 uint place = nextKey & 7u;
-                bool some = someEnter(packet, ends, fromLane(nearPlane, place), fromLane(farPlane, place));
+                bool some = someEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
                 pushOne(stack, nextKey, nextChild, some, lane);
-                if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 1u : 0u;
+                if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
             } while (farther > 0u);
             trips += count + 2u;
             uint popped = popReachable(stack, end, lane);
             current = full ? kNone : popped;
-            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += ends[r] >= 0.0 ? 8u : 0u;
+            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
         } while (isNode(current));
         uint kind = (current >> kLeafKindShift) & kLeafKindMask;
         uint first = current & kLeafFirstMask;
         uint last = current == kNone ? first : first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-        if (FEATURE_TRIANGLES) testPacketTriangles(packet, axis, kind == kKindTriangle ? first : last, last, lane, trips);
-        if (FEATURE_SPHERES) testPacketSpheres(packet, kind == kKindSphere ? first : last, last, trips);
-        end = updateEnds(packet, ends);
+        if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, trips);
+        if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+        end = updateEnds();
         uint popped = popReachable(stack, end, lane);
         current = current == kNone || end == 0u ? kNone : popped;
         trips += 4u;
@@ -314,7 +317,7 @@ bool walkGroup(inout Traversal packet[GLINT_PACKET_RAYS], uint group, uint root,
 }
 
 // Returns false if some group was given up.
-bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
+bool traversePacket(uint root) {
     uint lane = gl_LocalInvocationID.x & 7u;
     uint groups[GLINT_PACKET_RAYS];
     float tMax[GLINT_PACKET_RAYS];
@@ -330,7 +333,7 @@ bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
     bool complete = true;
     do if (group != kNone) {
         GLINT_EACH_RAY packet[r].ray.tMax = groups[r] == group ? tMax[r] : -1.0;
-        bool walked = walkGroup(packet, group, root, lane, trips);
+        bool walked = walkGroup(group, root, lane, trips);
         complete = complete && walked;
         uint next = kNone;
         GLINT_EACH_RAY {
@@ -349,12 +352,12 @@ bool traversePacket(inout Traversal packet[GLINT_PACKET_RAYS], uint root) {
 
 // As trace() of the per-lane traversal. Returns false for a packet that was given up: what its rays have hit by then is kept, and those
 // that are not settled are to be started again.
-bool tracePacket(inout Traversal packet[GLINT_PACKET_RAYS], Environment environment) {
+bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r])) packet[r].ray.tMax = -1.0;
         if (FEATURE_PLANES) testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
     }
-    return traversePacket(packet, environment.root);
+    return traversePacket(environment.root);
 }
 
 // Path r of this lane: those of a subgroup are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4. Where the dispatch has

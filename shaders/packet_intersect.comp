@@ -10,7 +10,6 @@ void main() {
     uint paths[GLINT_PACKET_RAYS];
     Hit before[GLINT_PACKET_RAYS];
     bool live[GLINT_PACKET_RAYS];
-    Traversal packet[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY {
         bool present;
         paths[r] = packetPath(r, present);
@@ -22,7 +21,7 @@ void main() {
         live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
-    bool complete = tracePacket(packet, loadEnvironment(0u));
+    bool complete = tracePacket(loadEnvironment(0u));
     // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not change, and the walk row
     // only for kernels that read what is in it.
     uint unfinished = 0u;

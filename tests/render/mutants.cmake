@@ -33,6 +33,6 @@ mutant(mirror_sign shade.comp "direction - 2.0 * dot(direction, surface.shadingN
 mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
 mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
-mutant(packet_turn packet.glsl "precise vec3 c = v2 - origins[r];" "precise vec3 c = v2 - packet[r].ray.origin;" packet_intersect)
+mutant(packet_pair packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)

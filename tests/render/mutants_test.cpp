@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(All, MutantTest,
                                          Defect{"straight_penumbra", "spots"}, Defect{"wide_cone", "spots"},
                                          Defect{"diffuse_gain", "spheres"},
                                          Defect{"mirror_sign", kMirrorScene}, Defect{"not_finite", "spheres"},
-                                         Defect{"packet_bounds", "knot"}, Defect{"packet_turn", "knot"}),
+                                         Defect{"packet_bounds", "knot"}, Defect{"packet_pair", "knot"}),
                          [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace
