@@ -62,7 +62,7 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
       code_(replace(render::embeddedKernels(access_), replaced)),
       pipelines_(device, code_, access_, scene.features),
       submission_(device),
-      packets_(render::chooseTraversal(render::Traversal::Auto, device.info(), scene.features).packets) {
+      packets_(render::chooseTraversal(render::Traversal::Auto, device.info(), scene).packets) {
     pipelines_.bind(counters_, paths_.buffer(), buffers_);
 }
 

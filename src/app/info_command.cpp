@@ -37,12 +37,12 @@ std::string arraySize(const PackedScene& packed) {
 }
 
 // What --traversal auto comes to on the device that would be taken; without one, says so.
-std::string traversalText(const SceneFeatures& features) {
+std::string traversalText(const PackedScene& packed) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
-            render::chooseTraversal(render::Traversal::Auto, device, features);
+            render::chooseTraversal(render::Traversal::Auto, device, packed);
         return std::string(choice.packets ? "packet" : "lane") + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";
@@ -100,7 +100,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
-    out << "  traversal     " << traversalText(packed.features) << '\n';
+    out << "  traversal     " << traversalText(packed) << '\n';
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
     return static_cast<int>(ExitCode::Done);
 }

@@ -94,7 +94,7 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed.features)),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf)),
           pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access,

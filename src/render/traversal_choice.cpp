@@ -29,8 +29,8 @@ std::string unknownToPackets(const SceneFeatures& features) {
 
 }  // namespace
 
-TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
-                                const SceneFeatures& features) {
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene) {
+    const SceneFeatures& features = scene.features;
     if (wanted == Traversal::Lane) return {false, "as asked for"};
     const bool able = device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
     if (wanted == Traversal::Packet && !able) {
@@ -45,6 +45,8 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
+    if (scene.triangles.size() + scene.spheres.size() < kFewestForPackets)
+        return {false, "so few primitives that packets do not pay"};
     return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 

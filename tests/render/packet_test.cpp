@@ -22,14 +22,16 @@ gpu::DeviceInfo deviceOf(bool llvmpipe, uint32_t lanes, bool shuffle) {
     return info;
 }
 
-SceneFeatures triangleFeatures() {
-    SceneFeatures features;
-    features.triangles = features.planes = features.mirrors = features.vertexNormals = true;
-    return features;
+PackedScene sceneOf(size_t triangles) {
+    PackedScene scene;
+    scene.triangles.resize(triangles);
+    scene.features.triangles = scene.features.planes = scene.features.mirrors = scene.features.vertexNormals =
+        true;
+    return scene;
 }
 
 TEST(TraversalRule, packetsOnLlvmpipeWithEightLanesThatShuffle) {
-    const SceneFeatures scene = triangleFeatures();
+    const PackedScene scene = sceneOf(1000);
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, true), scene).packets);
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 16, true), scene).packets);
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 4, true), scene).packets);
@@ -40,9 +42,19 @@ TEST(TraversalRule, packetsOnLlvmpipeWithEightLanesThatShuffle) {
     EXPECT_TRUE(chooseTraversal(Traversal::Packet, deviceOf(false, 8, true), scene).packets);
 }
 
+TEST(TraversalRule, fewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
+    const gpu::DeviceInfo device = deviceOf(true, 8, true);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, sceneOf(31)).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, sceneOf(32)).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Packet, device, sceneOf(1)).packets);
+    PackedScene mixed = sceneOf(16);
+    mixed.spheres.resize(16);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, mixed).packets);
+}
+
 TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
     try {
-        chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), triangleFeatures());
+        chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
         FAIL();
     } catch (const Error& e) {
         EXPECT_EQ(e.code(), ExitCode::Device);
@@ -50,19 +62,21 @@ TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
     }
 }
 
-// Each feature alone: those of geometry that the packets' kernel has no code for go to lanes.
+// Features of geometry that the packets' kernel has no code for go to lanes.
 TEST(TraversalRule, scenesThatPacketsDoNotKnowAreTracedByLanes) {
     const gpu::DeviceInfo device = deviceOf(true, 8, true);
-    SceneFeatures discs = triangleFeatures(), polygons = triangleFeatures(), spheres;
-    discs.discs = true;
-    polygons.polygons = true;
-    spheres.spheres = true;
+    PackedScene discs = sceneOf(1000), polygons = sceneOf(1000), full = sceneOf(1000), spheres;
+    discs.features.discs = true;
+    polygons.features.polygons = true;
+    full.features = allFeatures();
+    spheres.spheres.resize(1000);
+    spheres.features.spheres = true;
     EXPECT_NE(chooseTraversal(Traversal::Auto, device, discs).reason.find("discs"), std::string::npos);
     EXPECT_FALSE(chooseTraversal(Traversal::Packet, device, discs).packets);
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, polygons).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, full).packets);
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, spheres).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, allFeatures()).packets);
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, {}).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, PackedScene()).packets);
 }
 
 // ---- the same bits ----
