@@ -12,15 +12,29 @@ void main() {
     traversal.hit = loadHit(path, walkRow.y);
     traversal.trips = 0u;
     traversal.cost = 0u;
+    if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
+        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it is met again. Planes are
+        // not met again.
+        traversal.hit.t = abs(traversal.hit.t);
+        traversal.hit.id = kNone;
+        bool isPlane = FEATURE_PLANES && traversal.hit.primitive >> kPrimitiveKindShift == kKindPlane;
+        if (isPlane) traversal.hit.id = loadPlane(traversal.hit.primitive & kPrimitiveIndexMask).id;
+        walkRow.x = 0u;
+    }
+    uint before = traversal.hit.primitive;
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
-    if (live) {
-        Hit hit = traversal.hit;
+    Hit hit = traversal.hit;
+    // Stores are dear on lavapipe (packet_intersect.comp): a new ray's rows stay as they are where nothing changes.
+    if (live && (MODE_RESUME || hit.primitive != before)) {
         storeRow(kRowHit, path, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
-        storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));
-        storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));
-        if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
     }
+    if (FEATURE_INSTANCES && live && (MODE_RESUME || hit.primitive != before || slot != kNone))
+        storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));
+    if (live && (MODE_RESUME || MODE_AOVS || MODE_COST || slot != kNone)) {
+        storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));
+    }
+    if (live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
 }

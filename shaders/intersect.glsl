@@ -36,10 +36,8 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
 // same roundings, so no ray slips between them. The weights are formed before t: the paper's sum of products of three lengths
 // overflows at 1e15. PBRT's bound on t's error (4th ed., sec. 6.8.7) is left out: it cost 12 to 15 % of the time, refused
 // true grazing hits, and spared no self-hit that the moved origin and the source primitive do not (docs/measurements.md).
-bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+// a, b, c: the corners as seen from the origin, turned.
+bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
     precise vec2 a2 = a.xy - frame.shear.xy * a.z;
     precise vec2 b2 = b.xy - frame.shear.xy * b.z;
     precise vec2 c2 = c.xy - frame.shear.xy * c.z;
@@ -61,6 +59,13 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, 
 
     bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
     return inside && det != 0.0 && tHit > 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    return intersectTurned(ray, frame, a, b, c, t, u, v);
 }
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al., Numerical Recipes, sec. 5.6).

@@ -1,5 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#ifdef GLINT_PACKET
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
 // What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One dispatch for each light, so that the
 // loop trips of a dispatch are those of one ray.
 #define GLINT_ANY_HIT
@@ -8,7 +12,11 @@
 #include "material.glsl"
 #include "passage.glsl"
 #include "tree.glsl"
+#ifdef GLINT_PACKET
+#include "packet.glsl"
+#else
 #include "traversal.glsl"
+#endif
 
 // A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
 const float kShadowEnd = 1.0 - 1.0 / 65536.0;
@@ -65,12 +73,23 @@ vec3 reflected(Material material, Surface surface, vec3 toViewer, LightSample li
     return radiance * light.intensity;
 }
 
-void main() {
-    uint path = pathIndex();
+const bool kFiltered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
+
+// What is left to do for a path once its shadow ray is traced.
+struct LightWork {
+    uint path;
+    bool live;
+    bool facing;    // the light shines on the side that is seen
+    vec3 radiance;  // what it adds if nothing is in between
+};
+
+// Starts the path's shadow ray; returns the slot it goes on from, and in `place` where that is (trace).
+uint begin(uint path, bool present, out LightWork work, out Traversal traversal, out uvec2 place) {
     uvec4 walkRow = loadRow(kRowWalk, path);
     Ray ray = loadRay(path);
     Hit hit = loadHit(path, walkRow.y);
-    bool live = isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
+    work.path = path;
+    work.live = present && isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
     Surface surface = surfaceAt(ray, hit);
     bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
@@ -78,44 +97,69 @@ void main() {
     Crossing crossing;
     if (FEATURE_TRANSMISSION) {
         crossing = crossingAt(loadMedia(path), material.medium, entering);
-        live = live && crossing.counts;
+        work.live = work.live && crossing.counts;
     }
     LightSample light = sampleLight(loadLight(dispatch.lightIndex), surface.position);
-    bool facing = live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
+    work.facing = work.live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
                   dot(surface.shadingNormal, light.direction) > 0.0;
+    work.radiance = reflected(material, surface, -ray.direction, light);
+    if (FEATURE_TRANSMISSION) work.radiance *= fading(crossing.mediumBefore, hit.t);
 
-    Traversal traversal;
     traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);
+                        work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;
-    uvec4 instanceRow = loadInstanceRow(path);
-    bool filtered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
-    if (filtered) {
+    if (kFiltered) {
         bool near = light.tMax < kInfinity;
         traversal.passage = startPassage(crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
         if (MODE_RESUME) traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
     }
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
-    bool occluded = traversal.hit.primitive != kNone;
-    if (occluded || !facing) slot = kNone;
+    place = loadInstanceRow(path).zw;
+    return walkRow.x;
+}
 
-    vec3 radiance = reflected(material, surface, -ray.direction, light);
-    if (FEATURE_TRANSMISSION) radiance *= fading(crossing.mediumBefore, hit.t);
-    if (filtered) {
+void end(LightWork work, Traversal traversal, uint slot) {
+    bool occluded = traversal.hit.primitive != kNone;
+    if (occluded || !work.facing) slot = kNone;
+    vec3 radiance = work.radiance;
+    if (kFiltered) {
         radiance *= lightLeft(traversal.passage);
-        if (live && slot != kNone) storeRow(treeRow(kTreeRowShadow), path, packRow(traversal.passage.depth, 0u));
+        if (work.live && slot != kNone) storeRow(treeRow(kTreeRowShadow), work.path, packRow(traversal.passage.depth, 0u));
     }
-    uvec4 throughput = loadRow(kRowThroughput, path);
-    uvec4 sum = loadRow(kRowRadiance, path);
-    if (facing && slot == kNone && !occluded) {
-        storeRow(kRowRadiance, path, packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
+    uvec4 throughput = loadRow(kRowThroughput, work.path);
+    uvec4 sum = loadRow(kRowRadiance, work.path);
+    if (work.facing && slot == kNone && !occluded) {
+        storeRow(kRowRadiance, work.path, packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
     }
-    if (live) {
+    // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
+    if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
+        uvec4 walkRow = loadRow(kRowWalk, work.path);
         uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
-        storeInstanceRow(path, uvec4(instanceRow.xy, traversal.instance, traversal.worldSlot));
-        storeRow(kRowWalk, path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
-        if (slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+        storeRow(kRowWalk, work.path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
+        if (FEATURE_INSTANCES)
+            storeInstanceRow(work.path, uvec4(loadInstanceRow(work.path).xy, traversal.instance, traversal.worldSlot));
     }
+    if (work.live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+}
+
+void main() {
+#ifdef GLINT_PACKET
+    LightWork works[GLINT_PACKET_RAYS];
+    GLINT_EACH_RAY {
+        bool present;
+        uint path = packetPath(r, present);
+        uvec2 place;
+        begin(path, present, works[r], packet[r], place);
+    }
+    bool complete = tracePacket(loadEnvironment(0u));
+    GLINT_EACH_RAY end(works[r], packet[r], complete ? kNone : 0u);
+#else
+    LightWork work;
+    Traversal traversal;
+    uvec2 place;
+    uint slot = begin(pathIndex(), true, work, traversal, place);
+    slot = trace(traversal, loadEnvironment(0u), slot, place);
+    end(work, traversal, slot);
+#endif
 }

@@ -54,6 +54,9 @@ void storeRay(uint path, Ray ray) {
     storeInstanceRow(path, uvec4(kNone, ray.sourceInstance, kNone, kNone));
 }
 
+// In the sign of a hit row's t, which is else positive: a packet was given up with this hit, and the ray is to be started again.
+const uint kStartAgain = 0x80000000u;
+
 // The best hit so far; before any, t is the end of the ray's interval. `id` is in the walk row.
 Hit loadHit(uint path, uint id) {
     uvec4 row = loadRow(kRowHit, path);

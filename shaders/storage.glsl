@@ -181,6 +181,11 @@ GLINT_READ_ARRAY(22, samplesArray)
 GLINT_LOADER(Sample, GLINT_SAMPLE_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(17, packetCornersArray)
+#define GLINT_ARRAY_NAME packetCornersArray
+GLINT_LOADER(PacketCorner, GLINT_PACKET_CORNER_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };

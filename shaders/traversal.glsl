@@ -62,6 +62,10 @@ uint triangleOf(uint source) {
     return isTriangle ? loadTriangle(source & kPrimitiveIndexMask).id : kNone;
 }
 
+bool isOwnTriangle(Traversal traversal, uint primitive, uint id) {
+    return FEATURE_SPLIT_TRIANGLES ? id == traversal.sourceTriangle : primitive == traversal.ray.source;
+}
+
 bool isInstance(uint child) {
     return FEATURE_INSTANCES && (child >> kLeafKindShift) == ((kLeafFlag >> kLeafKindShift) | kKindInstance);
 }
@@ -70,7 +74,7 @@ bool isInstance(uint child) {
 // one trip, as lavapipe skips work only by not entering a loop.
 uint enterSpace(inout Traversal traversal, uint target, bool enters) {
     uint root = kNone;
-    while (enters) {
+    do if (enters) {
         bool toWorld = target == kNone;
         Instance instance = loadInstance(toWorld ? 0u : target);
         vec3 origin = traversal.world.origin;
@@ -87,7 +91,7 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         root = toWorld ? kNone : instance.root;
         enters = false;
         ++traversal.trips;
-    }
+    } while (enters);
     return root;
 }
 
@@ -142,21 +146,21 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
     if (FEATURE_TRIANGLES) {
         uint index = kind == kKindTriangle ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            bool own = FEATURE_SPLIT_TRIANGLES ? triangle.id == traversal.sourceTriangle : primitive == traversal.ray.source;
-            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) && !own;
+            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+                         !isOwnTriangle(traversal, primitive, triangle.id);
             offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end); while (index < end);
     }
     if (FEATURE_SPHERES) {
         uint index = kind == kKindSphere ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Sphere sphere = loadSphere(index);
             uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
             float t;
@@ -172,11 +176,11 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end); while (index < end);
     }
     if (FEATURE_DISCS) {
         uint index = kind == kKindDisc ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Disc disc = loadDisc(index);
             uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
             float t;
@@ -185,11 +189,11 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end); while (index < end);
     }
     if (FEATURE_POLYGONS) {
         uint index = kind == kKindPolygon ? first : end;
-        while (index < end) {
+        do if (index < end) {
             Polygon polygon = loadPolygon(index);
             uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
             float t;
@@ -199,16 +203,16 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             // This loop's, the edges', and the one that ends theirs.
             traversal.trips += polygon.trips + 2u;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end); while (index < end);
     }
     if (FEATURE_QUADRICS) {
         uint index = kind == kKindQuadric ? first : end;
-        while (index < end) {
+        do if (index < end) {
             testQuadric(traversal, index);
             ++index;
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
-        }
+        } while (index < end);
     }
 }
 
@@ -231,8 +235,8 @@ uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
-    while (current != kNone && traversal.trips < dispatch.tripBudget) {
-        while (isNode(current) && traversal.trips < dispatch.tripBudget) {
+    do if (current != kNone && traversal.trips < dispatch.tripBudget) {
+        do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
             Node node = loadNode(current);
             precise float tEnd = traversal.ray.tMax * kFarPad;
             float near0, near1;
@@ -251,7 +255,7 @@ uint traverse(inout Traversal traversal, uint root) {
             current = both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : (empty ? kNone : popped)));
             ++traversal.trips;
             if (MODE_COST) traversal.cost += 2u;
-        }
+        } while (isNode(current) && traversal.trips < dispatch.tripBudget);
         if (current != kNone && !isNode(current) && !isInstance(current)) {
             testLeaf(traversal, current);
             bool done = top == base || settled(traversal);
@@ -269,14 +273,14 @@ uint traverse(inout Traversal traversal, uint root) {
             base = enters ? top : (leaves ? 0u : base);
         }
         ++traversal.trips;
-    }
+    } while (current != kNone && traversal.trips < dispatch.tripBudget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
 
 // The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped, kNone at the end.
 uint walk(inout Traversal traversal, uint slot) {
-    while (slot != kNone && traversal.trips < dispatch.tripBudget) {
+    do if (slot != kNone && traversal.trips < dispatch.tripBudget) {
         Node node = loadNode(slot >> 1);
         bool second = (slot & 1u) != 0u;
         uint child = second ? node.child1 : node.child0;
@@ -298,18 +302,16 @@ uint walk(inout Traversal traversal, uint slot) {
         }
         ++traversal.trips;
         if (MODE_COST) ++traversal.cost;
-    }
+    } while (slot != kNone && traversal.trips < dispatch.tripBudget);
     return slot;
 }
 
-// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
-// `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when finished, else the slot to resume from.
-uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
+// Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without direction.
+bool prepare(inout Traversal traversal, Environment environment) {
     vec3 size = abs(traversal.ray.direction);
     bool valid = isFinite(traversal.ray.origin) && isFinite(traversal.ray.direction) &&
                  max(size.x, max(size.y, size.z)) > 0.0;
     if (!valid) traversal.ray.tMax = -1.0;
-    bool sound = traversal.ray.tMax > traversal.ray.tMin;
     traversal.instance = kNone;
     traversal.idBase = 0u;
     traversal.mirrored = false;
@@ -322,6 +324,13 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     }
     traversal.sourceTriangle = triangleOf(traversal.ray.source);
     traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
+    return traversal.ray.tMax > traversal.ray.tMin;
+}
+
+// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
+// `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when finished, else the slot to resume from.
+uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
+    bool sound = prepare(traversal, environment);
     if (MODE_RESUME) {
         if (FEATURE_INSTANCES) {
             traversal.worldSlot = place.y;

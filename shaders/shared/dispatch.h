@@ -73,6 +73,7 @@
     X(14, polygonVertices, PolygonVertex)    \
     X(15, quadrics, Quadric)                 \
     X(16, instances, Instance)               \
+    X(17, packetCorners, PacketCorner)       \
     X(18, textures, Texture)                 \
     X(19, texels, Texel)                     \
     X(20, vertexAttributes, VertexAttribute) \

@@ -195,6 +195,9 @@
     U4(tableX, tableY, scatter, key)           \
     V3U(weight, seed)
 
+// One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
+#define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4) V3U(corner, child)
+
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
     X(Triangle, GLINT_TRIANGLE_ROWS)                \
@@ -216,7 +219,8 @@
     X(Texel, GLINT_TEXEL_ROWS)                      \
     X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
     X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)         \
-    X(Sample, GLINT_SAMPLE_ROWS)
+    X(Sample, GLINT_SAMPLE_ROWS)                    \
+    X(PacketCorner, GLINT_PACKET_CORNER_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -357,6 +361,9 @@ GLINT_CONST_UINT(kTextureTrips, 16u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);
+
+// Children of a node of the packets' tree, and lanes of the subgroups that walk it.
+GLINT_CONST_UINT(kPacketWidth, 8u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

@@ -97,6 +97,12 @@ void addDevice(CLI::App& command, DeviceChoice& device) {
                      "run the Vulkan validation layer; its messages are errors");
 }
 
+void addTraversal(CLI::App& command, DeviceChoice& device) {
+    addText(command, "--traversal", "auto|lane|packet",
+            "how the device finds hits: ray by ray, or packets of rays (default auto: see glint info)",
+            [&](const Text& t) { device.traversal = parseTraversal(t); });
+}
+
 void addBackend(CLI::App& command, Backend& backend) {
     addText(command, "--backend", "gpu|cpu",
             "gpu (default), or cpu: the double-precision reference, needs no Vulkan",
@@ -124,6 +130,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addSampling(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
+    addTraversal(command, c.device);
     addText(command, "--aov", "LIST",
             "layers, with commas: color alpha depth position normal uv object primitive material bounces "
             "cost; an EXR holds "
@@ -184,6 +191,7 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
     addMinContribution(command, c.common);
     addSampling(command, c.common);
     addDevice(command, c.device);
+    addTraversal(command, c.device);
     addProgress(command, c.progress);
 }
 
@@ -203,6 +211,7 @@ void addTrace(CLI::App& app, TraceCommand& c) {
     addMethods(command, c.scene);
     addBackend(command, c.backend);
     addDevice(command, c.device);
+    addTraversal(command, c.device);
 }
 
 void addDiff(CLI::App& app, DiffCommand& c) {
@@ -266,6 +275,8 @@ void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
     if (backend == Backend::Gpu) return;
     if (!device.selector.empty()) throw Error(ExitCode::Usage, "--device: needs --backend gpu");
     if (device.validation) throw Error(ExitCode::Usage, "--validation: needs --backend gpu");
+    if (device.traversal != render::Traversal::Auto)
+        throw Error(ExitCode::Usage, "--traversal: needs --backend gpu");
 }
 
 int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ostream& err) {

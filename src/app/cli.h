@@ -10,6 +10,7 @@
 
 #include "bvh/builder.h"
 #include "core/progress.h"
+#include "render/traversal_choice.h"
 #include "scene/methods.h"
 #include "scene/picture.h"
 #include "scene/scene.h"
@@ -49,6 +50,7 @@ struct SceneOptions {
 struct DeviceChoice {
     std::string selector;
     bool validation = false;
+    render::Traversal traversal = render::Traversal::Auto;
 };
 
 struct RenderCommand {

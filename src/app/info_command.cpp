@@ -6,6 +6,7 @@
 #include "app/common.h"
 #include "core/error.h"
 #include "gpu/device.h"
+#include "render/traversal_choice.h"
 #include "scene/camera_frame.h"
 #include "shared/dispatch.h"
 
@@ -36,6 +37,19 @@ std::string arraySize(const PackedScene& packed) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
     return text;
+}
+
+// What --traversal auto comes to on the device that would be taken; without one, says so.
+std::string traversalText(const PackedScene& packed) {
+    try {
+        const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+        const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
+        const render::TraversalChoice choice =
+            render::chooseTraversal(render::Traversal::Auto, device, packed);
+        return std::string(choice.packets ? "packet" : "lane") + " (" + choice.reason + ")";
+    } catch (const Error&) {
+        return "no device to choose for";
+    }
 }
 
 void printGeometry(const PackedScene& packed, std::ostream& out) {
@@ -123,6 +137,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
+    out << "  traversal     " << traversalText(packed) << '\n';
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
     out << "  tests         triangles " << nameOf(packed.methods.triangles) << ", spheres "
         << nameOf(packed.methods.spheres) << '\n';

@@ -174,6 +174,13 @@ double parseNotNegative(const std::string& option, const std::string& text) {
 
 }  // namespace
 
+render::Traversal parseTraversal(const std::string& text) {
+    if (text == "auto") return render::Traversal::Auto;
+    if (text == "lane") return render::Traversal::Lane;
+    if (text == "packet") return render::Traversal::Packet;
+    refuse("--traversal", "auto, lane or packet", text);
+}
+
 ProgressMode parseProgress(const std::string& text) {
     try {
         return parseProgressMode(text);

@@ -21,6 +21,7 @@ Backend parseBackend(const std::string& text);
 BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
+render::Traversal parseTraversal(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);        // >= 0, finite
 double parseMinContribution(const std::string& text);  // the same

@@ -22,6 +22,7 @@ namespace {
 struct Outcome {
     Picture picture;
     std::string device, driver;
+    std::string traversal;  // empty on the host
     render::StageTimes times;
     std::vector<std::filesystem::path> files;
     double writeSeconds = 0, totalSeconds = 0;
@@ -79,10 +80,13 @@ render::RenderSettings settingsOf(const RenderCommand& command, const LoadedScen
 
 // Faults that the validation layer finds are reported once the picture is written.
 void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded,
-                    const render::RenderSettings& settings, Outcome& outcome) {
+                    const render::RenderSettings& settings, render::Traversal traversal, Outcome& outcome) {
     outcome.device = device.info().name;
     outcome.driver = device.info().driver;
-    render::Renderer renderer(device, loaded.packed);
+    render::Options options;
+    options.traversal = traversal;
+    render::Renderer renderer(device, loaded.packed, options);
+    outcome.traversal = renderer.traversal().packets ? "packet" : "lane";
     outcome.picture = renderer.render(cameraOf(loaded), settings);
     outcome.times = renderer.times();
 }
@@ -134,6 +138,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["backend"] = command.backend == Backend::Cpu ? "cpu" : "gpu";
     json["device"] = outcome.device;
     json["driver"] = outcome.driver;
+    if (!outcome.traversal.empty()) json["traversal"] = outcome.traversal;
     json["files"] = nlohmann::json::array();
     for (const auto& file : outcome.files) json["files"].push_back(file.string());
     json["complete"] = outcome.picture.complete;
@@ -239,7 +244,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
             renderOnHost(loaded, settings, outcome);
         } else {
             device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation});
-            renderOnDevice(*device, loaded, settings, outcome);
+            renderOnDevice(*device, loaded, settings, command.device.traversal, outcome);
         }
     }
     if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);

@@ -83,6 +83,12 @@ Rays raysOf(const TraceCommand& command, const LoadedScene& loaded, std::ostream
     return result;
 }
 
+render::Options optionsOf(const TraceCommand& command) {
+    render::Options options;
+    options.traversal = command.device.traversal;
+    return options;
+}
+
 void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, const Rays& rays,
                    std::ostream& out, std::ostream& err) {
     const gpu::Device device({command.device.selector, command.device.validation});
@@ -90,7 +96,7 @@ void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, const
     std::transform(rays.rays.begin(), rays.rays.end(), inputs.begin(), toDevice);
     std::vector<render::RayHit> hits;
     {
-        render::Renderer renderer(device, loaded.packed);
+        render::Renderer renderer(device, loaded.packed, optionsOf(command));
         hits = renderer.trace(inputs, command.any);
     }
     out << kHeader;
@@ -149,7 +155,7 @@ void tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded, 
     settings.data = true;
     PixelData data;
     {
-        render::Renderer renderer(device, loaded.packed);
+        render::Renderer renderer(device, loaded.packed, optionsOf(command));
         data = renderer.render(cameraOf(loaded), settings).data[0];
     }
     out << kHeader;

@@ -42,7 +42,9 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     options.samples = samplesOf(loaded);
     options.cancelled = interrupted;
     checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
-    render::Renderer renderer(device, loaded.packed);
+    render::Options tracing;
+    tracing.traversal = command.device.traversal;
+    render::Renderer renderer(device, loaded.packed, tracing);
     verify::Report report;
     {
         Progress progress("verify " + path.filename().string(), command.progress, err, isTerminal(err));

@@ -25,7 +25,8 @@ struct DeviceLimits {
     uint32_t maxStorageBuffersPerStage = 0;
     uint32_t maxStorageImagesPerStage = 0;
     uint32_t subgroupSize = 0;
-    double timestampPeriod = 0;  // nanoseconds a tick; 0: no timestamps on the compute queue
+    bool subgroupShuffle = false;  // compute shaders can shuffle, by index and by exclusive or
+    double timestampPeriod = 0;    // nanoseconds a tick; 0: no timestamps on the compute queue
 };
 
 struct DeviceInfo {

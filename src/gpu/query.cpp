@@ -77,6 +77,9 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     vk.vkGetPhysicalDeviceProperties2(device.handle, &properties);
     device.info.limits.maxAllocationSize = allocation.maxMemoryAllocationSize;
     device.info.limits.subgroupSize = subgroup.subgroupSize;
+    device.info.limits.subgroupShuffle =
+        (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0 &&
+        (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
     if (knowsDriver) {
         device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
         device.info.llvmpipe = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;

@@ -8,9 +8,11 @@
 
 namespace glint::render {
 
-// One entry for each kernel; `any` is intersect.comp with any-hit rays.
+// One entry for each kernel; `any` is intersect.comp with any-hit rays. The last three are for packets of
+// rays (shaders/packet.glsl).
 struct KernelCode {
-    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, adapt;
+    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect,
+        packetIntersectAny, packetLight, adapt;
 };
 
 // The kernels that read arrays with `access`.

@@ -18,13 +18,21 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.shade;
         case KernelId::Adapt:
             return code.adapt;
+        case KernelId::PacketIntersect:
+            return code.packetIntersect;
+        case KernelId::PacketIntersectAny:
+            return code.packetIntersectAny;
+        case KernelId::PacketLight:
+            return code.packetLight;
     }
     return {};
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate", "intersect", "intersect (any hit)",
-                                        "light",    "shade",     "adapt"};
+    static const char* const names[] = {
+        "generate", "intersect",           "intersect (any hit)",          "light",
+        "shade",    "intersect (packets)", "intersect (any hit, packets)", "light (packets)",
+        "adapt"};
     return names[static_cast<int>(id)];
 }
 
@@ -65,6 +73,11 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
               shared::kSphereGeometric == static_cast<uint32_t>(SphereMethod::Geometric));
 
 }  // namespace
+
+KernelId packetKernel(KernelId id) {
+    if (id == KernelId::Light) return KernelId::PacketLight;
+    return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
+}
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
                      const SceneFeatures& features, const Methods& methods)

@@ -11,7 +11,20 @@
 
 namespace glint::render {
 
-enum class KernelId { Generate, Intersect, IntersectAny, Light, Shade, Adapt };
+enum class KernelId {
+    Generate,
+    Intersect,
+    IntersectAny,
+    Light,
+    Shade,
+    PacketIntersect,
+    PacketIntersectAny,
+    PacketLight,
+    Adapt
+};
+
+// The kernel that does for packets what `id` does for single rays, which must trace some.
+KernelId packetKernel(KernelId id);
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {

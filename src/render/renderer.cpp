@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "bvh/packet_tree.h"
 #include "core/stopwatch.h"
 #include "render/film.h"
 #include "render/path_state.h"
@@ -102,6 +103,7 @@ struct Renderer::State {
     const PackedScene& scene;
     Options options;
     gpu::Access access;
+    TraversalChoice traversal;
     uint32_t tripBudget;
     SceneFeatures features;  // of the pipelines
     SceneBuffers buffers;
@@ -122,6 +124,7 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         !opts.leaveOut || looksUpTextures(packed.features))),
@@ -130,7 +133,9 @@ struct Renderer::State {
                     packed.methods),
           submission(dev) {
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access);
+        buffers =
+            SceneBuffers(device, scene, access,
+                         traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>());
         environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
@@ -144,7 +149,9 @@ struct Renderer::State {
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
     void submit();
     // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
-    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups);
+    // With `packets`, it is the one for packets that starts.
+    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
+                   bool packets);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
@@ -226,8 +233,12 @@ void Renderer::State::submit() {
 }
 
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
-                                uint32_t groups) {
-    record(id, modes, dispatch, groups);
+                                uint32_t groups, bool packets) {
+    if (packets) {
+        record(packetKernel(id), modes, dispatch, (groups + kPacketRays - 1) / kPacketRays);
+    } else {
+        record(id, modes, dispatch, groups);
+    }
     submit();
     modes.resume = true;
     while (counter()[shared::kCounterUnfinished] != 0) {
@@ -260,11 +271,12 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     const uint32_t groups = slice.groups();
     record(KernelId::Generate, modes, dispatch, groups);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
-        traceRays(KernelId::Intersect, modes, dispatch, groups);
+        const bool packets = traversal.packets && dispatch.bounce == 0;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets);
         if (cancelled()) return false;
         for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
              ++dispatch.lightIndex) {
-            traceRays(KernelId::Light, modes, dispatch, groups);
+            traceRays(KernelId::Light, modes, dispatch, groups, packets);
             if (cancelled()) return false;
         }
         record(KernelId::Shade, modes, dispatch, groups);
@@ -430,8 +442,10 @@ void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
     Slice slice;
     slice.region = {0, 0, 1, 1};
+    slice.tileCount = groups;
     const shared::Dispatch dispatch = dispatchFor(slice);
-    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups);
+    traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups,
+              options.traversal == Traversal::Packet && traversal.packets);
     const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
     for (uint32_t i = 0; i < count; ++i) {
         hits[i].hit = found[i].u[3] != shared::kNone;
@@ -455,6 +469,9 @@ const StageTimes& Renderer::times() const {
 }
 gpu::Access Renderer::access() const {
     return state_->access;
+}
+const TraversalChoice& Renderer::traversal() const {
+    return state_->traversal;
 }
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
@@ -498,8 +515,12 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setEnvironment(environment);
-    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Intersect, KernelId::Shade};
-    if (s.scene.environment.lightCount > 0) kernels.push_back(KernelId::Light);
+    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
+    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
+        if (id == KernelId::Light && s.scene.environment.lightCount == 0) continue;
+        if (s.traversal.packets) kernels.push_back(packetKernel(id));
+        if (!s.traversal.packets || s.scene.features.mirrors) kernels.push_back(id);
+    }
     if (modes.adaptive) kernels.push_back(KernelId::Adapt);
     s.compile(modes, kernels);
 

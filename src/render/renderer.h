@@ -14,6 +14,7 @@
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "render/kernels.h"
+#include "render/traversal_choice.h"
 #include "scene/picture.h"
 
 namespace glint::render {
@@ -24,7 +25,8 @@ struct Options {
                                   // picture does not depend on it)
     uint32_t tripBudget = 0;      // 0: derived from the device; else loop trips of a ray in one dispatch
     bool leaveOut = true;         // false: the full pipeline, with the code of every feature
-    std::optional<gpu::Access> access;    // empty: by the device, see chooseAccess
+    std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
+    Traversal traversal = Traversal::Auto;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
 };
 
@@ -93,6 +95,7 @@ class Renderer {
 
     const StageTimes& times() const;  // of construction and all renders since
     gpu::Access access() const;
+    const TraversalChoice& traversal() const;
     uint64_t deviceBytes() const;
 
   private:

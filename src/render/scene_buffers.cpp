@@ -13,11 +13,16 @@ constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
 constexpr uint32_t kSamplesBinding = 22;
 
-// Calls visit(binding, name, bytes) for each array of the scene; the camera, which is not part of it, comes
-// later, by setCamera. A template, so that `requires` may ask.
-template <typename Packed, typename Visit>
-void visitArrays(const Packed& scene, const Visit& visit) {
-    const shared::Camera camera;
+// Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
+struct Others {
+    shared::Camera camera;
+    std::vector<shared::PacketCorner> packetCorners;
+    std::vector<shared::Sample> samples;
+};
+
+// Calls visit(binding, name, bytes) for each array. A template, so that `requires` may ask who has it.
+template <typename Packed, typename More, typename Visit>
+void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
     const auto bytesOf = [](const auto& array) {
         using Array = std::remove_cvref_t<decltype(array)>;
         if constexpr (requires { array.data(); }) {
@@ -30,7 +35,7 @@ void visitArrays(const Packed& scene, const Visit& visit) {
     if constexpr (requires { scene.field; })          \
         visit(BINDING, #field, bytesOf(scene.field)); \
     else                                              \
-        visit(BINDING, #field, bytesOf(camera));
+        visit(BINDING, #field, bytesOf(others.field));
     GLINT_SCENE_ARRAYS(GLINT_VISIT)
 #undef GLINT_VISIT
 }
@@ -39,18 +44,21 @@ void visitArrays(const Packed& scene, const Visit& visit) {
 
 uint64_t largestArray(const PackedScene& scene) {
     uint64_t largest = 0;
-    visitArrays(scene, [&](uint32_t, const char*, std::span<const std::byte> data) {
+    visitArrays(scene, Others{}, [&](uint32_t, const char*, std::span<const std::byte> data) {
         largest = std::max<uint64_t>(largest, data.size());
     });
     return largest;
 }
 
-SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access) {
-    visitArrays(scene, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
-        if (data.empty()) return;
-        buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
-        gpu::upload(device, buffers_[binding], data);
-    });
+SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
+                           const std::vector<shared::PacketCorner>& packetCorners) {
+    visitArrays(scene, Others{{}, packetCorners, {}},
+                [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+                    if (data.empty()) return;
+                    buffers_[binding] =
+                        gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
+                    gpu::upload(device, buffers_[binding], data);
+                });
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "bvh/packed_scene.h"
 #include "gpu/compute.h"
@@ -16,7 +17,9 @@ uint64_t largestArray(const PackedScene& scene);
 class SceneBuffers {
   public:
     SceneBuffers() = default;
-    SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access);
+    // `packetCorners`: what packetTree made of the scene, empty where no kernel of packets will run.
+    SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
+                 const std::vector<shared::PacketCorner>& packetCorners = {});
 
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;

@@ -32,6 +32,17 @@ TEST_F(GpuRender, SameBytesOnEveryRun) {
     EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
 }
 
+TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
+    for (const std::string traversal : {"lane", "packet"}) {
+        const Ran ran = runGlint({"render", "a.json", "--traversal", traversal, "--stats", "json", "-o",
+                                  traversal + ".exr", "--aov", "color,depth,uv,primitive,bounces"});
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        EXPECT_NE(ran.out.find("\"traversal\": \"" + traversal + "\""), std::string::npos) << ran.out;
+    }
+    EXPECT_FALSE(readBytes("lane.exr").empty());
+    EXPECT_EQ(readBytes("lane.exr"), readBytes("packet.exr"));
+}
+
 TEST_F(GpuRender, CropIsThePartOfTheWhole) {
     render({"-o", "whole.pfm"});
     render({"-o", "part.pfm", "--crop", "5,7,41,32"});

@@ -55,6 +55,10 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
         Options options;
         options.access = gpu::Access::TexelBuffer;
         options.kernels = &code;
+        options.traversal =
+            code.packetIntersect.data() == embeddedKernels(gpu::Access::TexelBuffer).packetIntersect.data()
+                ? Traversal::Lane  // which the other mutants are of
+                : Traversal::Packet;
         Renderer renderer(device(), case_.packed, options);
         verifyOptions_.width = case_.width;
         verifyOptions_.height = case_.height;
@@ -91,7 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"mirror_sign", kMirrorScene}, Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"},
         Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"texel_corner", "textures"},
         Defect{"upside_down", "textures"}, Defect{"late_checker", "checker"},
-        Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"not_finite", "spheres"}),
+        Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"packet_bounds", "knot"},
+        Defect{"packet_pair", "knot"}, Defect{"quadric_disc", "quadrics"}, Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 }  // namespace

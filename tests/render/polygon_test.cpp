@@ -238,6 +238,7 @@ TEST_F(PolygonTest, moreEdgesThanLavapipeAllows) {
     Options options;
     options.access = gpu::Access::TexelBuffer;
     options.kernels = &naive;
+    options.traversal = Traversal::Lane;
     options.tripBudget = 1u << 30;
     Renderer ignorant(device(), packed, options);
     EXPECT_LT(found(ignorant.trace(rays, false)), 64)

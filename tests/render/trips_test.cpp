@@ -31,6 +31,7 @@ class TripTest : public RenderTest {
         Options options;
         options.access = gpu::Access::TexelBuffer;
         options.kernels = &code;
+        options.traversal = Traversal::Lane;
         options.tripBudget = 1u << 30;
         return options;
     }

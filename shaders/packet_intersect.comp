@@ -1,0 +1,42 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+// The closest hit of each live path, packet by packet: intersect.comp for subgroups of 8 lanes.
+#include "path.glsl"
+#include "packet.glsl"
+
+void main() {
+    uint paths[GLINT_PACKET_RAYS];
+    Hit before[GLINT_PACKET_RAYS];
+    bool live[GLINT_PACKET_RAYS];
+    GLINT_EACH_RAY {
+        bool present;
+        paths[r] = packetPath(r, present);
+        packet[r].ray = loadRay(paths[r]);
+        before[r] = loadHit(paths[r], kNone);
+        packet[r].hit = before[r];
+        packet[r].trips = 0u;
+        packet[r].cost = 0u;
+        live[r] = present && isAlive(packet[r].ray);
+        packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
+    }
+    bool complete = tracePacket(loadEnvironment(0u));
+    // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not change, and the walk row
+    // only for kernels that read what is in it.
+    uint unfinished = 0u;
+    GLINT_EACH_RAY {
+        Hit hit = packet[r].hit;
+        bool goesOn = live[r] && !complete && !settled(packet[r]);
+        if (live[r] && (goesOn || hit.primitive != before[r].primitive)) {
+            uint t = floatBitsToUint(hit.t) | (goesOn ? kStartAgain : 0u);
+            storeRow(kRowHit, paths[r], uvec4(t, floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
+        }
+        if (MODE_AOVS || MODE_COST) {
+            uvec4 walkRow = loadRow(kRowWalk, paths[r]);
+            if (live[r]) storeRow(kRowWalk, paths[r], uvec4(kNone, hit.id, walkRow.z + packet[r].cost, walkRow.w));
+        }
+        unfinished += goesOn ? 1u : 0u;
+    }
+    if (unfinished > 0u) atomicAdd(counters[kCounterUnfinished], unfinished);
+}

@@ -1,0 +1,55 @@
+#include "render/traversal_choice.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include "core/error.h"
+#include "shared/dispatch.h"
+
+namespace glint::render {
+
+namespace {
+
+// What packets know or need not know. Any other feature, also one that comes to the list later, is traced by
+// lanes.
+constexpr std::string_view kKnown[] = {"triangles",      "spheres",     "anchoredSpheres",   "planes",
+                                       "vertexNormals",  "pointLights", "directionalLights", "spotLights",
+                                       "specular",       "mirrors",     "parallelCamera",    "splitTriangles",
+                                       "environmentMap", "thinLens"};
+
+std::string unknownToPackets(const SceneFeatures& features) {
+    std::string unknown;
+#define GLINT_CHECK(ID, NAME, field)                                                                   \
+    if (features.field && std::find(std::begin(kKnown), std::end(kKnown), #field) == std::end(kKnown)) \
+        unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+    GLINT_FEATURES(GLINT_CHECK)
+#undef GLINT_CHECK
+    return unknown;
+}
+
+}  // namespace
+
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene) {
+    const SceneFeatures& features = scene.features;
+    if (wanted == Traversal::Lane) return {false, "as asked for"};
+    const bool able = device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+    if (wanted == Traversal::Packet && !able) {
+        throw Error(ExitCode::Device,
+                    "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +
+                        " lanes that can shuffle; \"" + device.name + "\" has " +
+                        std::to_string(device.limits.subgroupSize) + " lanes: use --traversal auto or lane");
+    }
+    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
+    if (const std::string name = unknownToPackets(features); !name.empty())
+        return {false, "packets do not know " + name};
+    if (scene.methods != Methods{}) return {false, "packets know no other tests than the default ones"};
+    if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
+    if (wanted == Traversal::Packet) return {true, "as asked for"};
+    if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
+    if (scene.triangles.size() + scene.spheres.size() < kFewestForPackets)
+        return {false, "so few primitives that packets do not pay"};
+    return {true, "llvmpipe, subgroups of 8 lanes"};
+}
+
+}  // namespace glint::render

@@ -1,0 +1,38 @@
+// Which kernels find hits: one lane a ray, or packets of coherent rays.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "bvh/packed_scene.h"
+#include "gpu/device.h"
+
+namespace glint::render {
+
+// Rays of a lane in packet_intersect.comp (GLINT_PACKET_RAYS there).
+inline constexpr uint32_t kPacketRays = 4;
+
+// Below, the packets' kernels take longer to compile than they save: 9 samples of scenes/spheres.json, whose
+// tree is one leaf of three, take 0.78 s of processor time by lanes and 0.96 s by packets, a Cornell box of
+// 36 triangles traces 2.6 times as fast.
+inline constexpr size_t kFewestForPackets = 32;
+
+enum class Traversal {
+    Auto,   // by the device and the scene
+    Lane,   // each lane walks the binary tree with a ray of its own
+    Packet  // the lanes of a subgroup walk an 8-wide tree together, for camera rays and their shadow rays
+};
+
+struct TraversalChoice {
+    bool packets = false;
+    std::string reason;  // one phrase
+};
+
+// What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
+// spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
+// and from kFewestForPackets triangles and spheres on.
+// Throws Error(Device) if packets are asked for where the device cannot run them; a scene they cannot take is
+// traced by lanes.
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene);
+
+}  // namespace glint::render

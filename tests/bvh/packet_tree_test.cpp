@@ -1,0 +1,109 @@
+#include "bvh/packet_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "bvh/flatten.h"
+#include "trees.h"
+
+namespace glint {
+namespace {
+
+using namespace test;
+using shared::kLeafFlag;
+using shared::kNone;
+using shared::kPacketWidth;
+
+bool contains(const Box& outer, const Box& inner) {
+    return glm::all(glm::lessThanEqual(outer.lo, inner.lo)) &&
+           glm::all(glm::lessThanEqual(inner.hi, outer.hi));
+}
+
+using Leaves = std::multimap<uint32_t, Box>;
+
+Leaves leavesOf(const std::vector<shared::Node>& nodes) {
+    Leaves leaves;
+    for (const shared::Node& node : nodes) {
+        if (node.child0 != kNone && (node.child0 & kLeafFlag))
+            leaves.insert({node.child0, {node.lo0, node.hi0}});
+        if (node.child1 != kNone && (node.child1 & kLeafFlag))
+            leaves.insert({node.child1, {node.lo1, node.hi1}});
+    }
+    return leaves;
+}
+
+// Visits the wide tree from its root; counts how often each node is met.
+struct Visit {
+    const std::vector<shared::PacketCorner>& corners;
+    Leaves leaves = {};
+    std::vector<uint32_t> met = std::vector<uint32_t>(corners.size() / (2 * kPacketWidth), 0u);
+
+    void node(uint32_t index, const Box* around) {
+        ASSERT_LT(index, met.size());
+        ++met[index];
+        for (uint32_t i = 0; i < kPacketWidth; ++i) {
+            const shared::PacketCorner& lower = corners[size_t{index} * 2 * kPacketWidth + i];
+            const Box box = {lower.corner,
+                             corners[size_t{index} * 2 * kPacketWidth + kPacketWidth + i].corner};
+            if (lower.child == kNone) {
+                EXPECT_TRUE(box.empty());
+                continue;
+            }
+            EXPECT_TRUE(around == nullptr || contains(*around, box));
+            if (lower.child & kLeafFlag) {
+                leaves.insert({lower.child, box});
+            } else {
+                node(lower.child, &box);
+            }
+        }
+    }
+};
+
+TEST(PacketTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
+    for (const BoxSet& set : hardSets()) {
+        if (set.boxes.empty()) continue;
+        SCOPED_TRACE(set.name);
+        const std::vector<shared::Node> nodes = flattenBvh(buildBvh(set.boxes), {});
+        const std::vector<shared::PacketCorner> corners = packetTree(nodes);
+        ASSERT_EQ(corners.size() % (2 * kPacketWidth), 0u);
+        Visit visit{corners};
+        visit.node(0, nullptr);
+        EXPECT_TRUE(std::all_of(visit.met.begin(), visit.met.end(), [](uint32_t n) { return n == 1; }));
+        const Leaves expected = leavesOf(nodes);
+        ASSERT_EQ(visit.leaves.size(), expected.size());
+        for (auto a = visit.leaves.begin(); a != visit.leaves.end(); ++a) {
+            const auto [first, last] = expected.equal_range(a->first);
+            EXPECT_TRUE(std::any_of(first, last, [&](const auto& leaf) {
+                return leaf.second.lo == a->second.lo && leaf.second.hi == a->second.hi;
+            }));
+        }
+    }
+}
+
+// 4096 boxes in leaves of one are 4095 binary nodes; 8-wide ones, were all full, (4096 - 1) / 7 = 585.
+TEST(PacketTree, nodesAreNearlyFull) {
+    BvhOptions options;
+    options.maxLeafSize = 1;
+    const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(4096, 3), options), {});
+    ASSERT_EQ(nodes.size(), 4095u);
+    const size_t wide = packetTree(nodes).size() / (2 * kPacketWidth);
+    EXPECT_GE(wide, 585u);
+    EXPECT_LE(wide, 2 * 585u);
+}
+
+TEST(PacketTree, ofNothingIsEmptyAndOfOneLeafIsOneNode) {
+    EXPECT_TRUE(packetTree({}).empty());
+    const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(1, 1)), {});
+    ASSERT_EQ(nodes.size(), 1u);
+    const auto corners = packetTree(nodes);
+    ASSERT_EQ(corners.size(), 2 * kPacketWidth);
+    EXPECT_EQ(corners[0].child, nodes[0].child0);
+    EXPECT_EQ(std::count_if(corners.begin(), corners.begin() + kPacketWidth,
+                            [](const auto& c) { return c.child != kNone; }),
+              1);
+}
+
+}  // namespace
+}  // namespace glint

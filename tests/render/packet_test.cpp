@@ -1,0 +1,253 @@
+// Packets of rays: where they are chosen, and that they find what lanes find, to the bit.
+#include <cmath>
+
+#include "core/error.h"
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+// ---- the rule ----
+
+gpu::DeviceInfo deviceOf(bool llvmpipe, uint32_t lanes, bool shuffle) {
+    gpu::DeviceInfo info;
+    info.name = "a device";
+    info.llvmpipe = llvmpipe;
+    info.limits.subgroupSize = lanes;
+    info.limits.subgroupShuffle = shuffle;
+    return info;
+}
+
+PackedScene sceneOf(size_t triangles) {
+    PackedScene scene;
+    scene.triangles.resize(triangles);
+    scene.features.triangles = scene.features.planes = scene.features.mirrors = scene.features.vertexNormals =
+        true;
+    return scene;
+}
+
+TEST(TraversalRule, packetsOnLlvmpipeWithEightLanesThatShuffle) {
+    const PackedScene scene = sceneOf(1000);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, true), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 16, true), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 4, true), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, false), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(false, 32, true), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(false, 8, true), scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Lane, deviceOf(true, 8, true), scene).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Packet, deviceOf(false, 8, true), scene).packets);
+}
+
+TEST(TraversalRule, fewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
+    const gpu::DeviceInfo device = deviceOf(true, 8, true);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, sceneOf(31)).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, sceneOf(32)).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Packet, device, sceneOf(1)).packets);
+    PackedScene mixed = sceneOf(16);
+    mixed.spheres.resize(16);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, mixed).packets);
+}
+
+TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
+    try {
+        chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ExitCode::Device);
+        EXPECT_NE(std::string(e.what()).find("\"a device\" has 32 lanes"), std::string::npos) << e.what();
+    }
+}
+
+// Features of geometry that the packets' kernel has no code for go to lanes.
+TEST(TraversalRule, scenesThatPacketsDoNotKnowAreTracedByLanes) {
+    const gpu::DeviceInfo device = deviceOf(true, 8, true);
+    PackedScene discs = sceneOf(1000), polygons = sceneOf(1000), full = sceneOf(1000), spheres;
+    discs.features.discs = true;
+    polygons.features.polygons = true;
+    full.features = allFeatures();
+    spheres.spheres.resize(1000);
+    spheres.features.spheres = true;
+    EXPECT_NE(chooseTraversal(Traversal::Auto, device, discs).reason.find("discs"), std::string::npos);
+    EXPECT_FALSE(chooseTraversal(Traversal::Packet, device, discs).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, polygons).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, full).packets);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, spheres).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, PackedScene()).packets);
+}
+
+// ---- the same bits ----
+
+Options with(Traversal traversal) {
+    Options options;
+    options.traversal = traversal;
+    return options;
+}
+
+class PacketTest : public RenderTest {
+  protected:
+    void SetUp() override {
+        const gpu::DeviceLimits& limits = device().info().limits;
+        if (limits.subgroupSize != shared::kPacketWidth || !limits.subgroupShuffle)
+            GTEST_SKIP() << "this device runs no packets: subgroups of " << limits.subgroupSize << " lanes";
+    }
+    static void expectSameTrace(const PackedScene& packed, const std::vector<RayInput>& rays,
+                                uint32_t tripBudget = 0) {
+        Options packets = with(Traversal::Packet);
+        packets.tripBudget = tripBudget;
+        Renderer lane(device(), packed, with(Traversal::Lane)), packet(device(), packed, packets);
+        ASSERT_TRUE(packet.traversal().packets);
+        EXPECT_TRUE(sameBits(packet.trace(rays, false), lane.trace(rays, false), rays));
+        const std::vector<RayHit> a = packet.trace(rays, true), b = lane.trace(rays, true);
+        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
+        EXPECT_TRUE(tripBudget == 0 || packet.times().resumes > 0);
+    }
+};
+
+class PacketSceneTest : public PacketTest, public testing::WithParamInterface<std::string> {};
+
+// Sizes that leave packets and tiles part empty.
+TEST_P(PacketSceneTest, drawsWhatLanesDraw) {
+    for (const glm::ivec2 size : {glm::ivec2(96, 72), glm::ivec2(65, 23), glm::ivec2(1, 1)}) {
+        const Case c = fileCase(GetParam(), size.x, size.y);
+        EXPECT_TRUE(
+            sameBits(draw(device(), c, with(Traversal::Packet)), draw(device(), c, with(Traversal::Lane))));
+    }
+}
+
+TEST_P(PacketSceneTest, drawsTheSameThroughStorageBuffers) {
+    const Case c = fileCase(GetParam(), 64, 48);
+    Options storage = with(Traversal::Packet);
+    storage.access = gpu::Access::StorageBuffer;
+    EXPECT_TRUE(sameBits(draw(device(), c, storage), draw(device(), c, with(Traversal::Lane))));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
+
+Case crowd(uint32_t triangles) {
+    Scene scene = emptyScene();
+    Random random(7);
+    for (uint32_t i = 0; i < triangles; ++i) {
+        const dvec3 at = random.box(2);
+        addTriangle(scene, at, at + random.box(0.5), at + random.box(0.5));
+        if (i % 4 == 0) addSphere(scene, random.box(2), random.uniform(0.02, 0.3));
+    }
+    addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
+    return makeCase(scene, 8, 8);
+}
+
+// Nothing is coherent here: every packet has rays of all octants and axes, from everywhere.
+TEST_F(PacketTest, findsTheSameForAnyRays) {
+    const Case c = crowd(3000);
+    Random random(11);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 5000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
+    expectSameTrace(c.packed, rays);
+}
+
+// Along axes and diagonals, where signs, inverses and the largest component are in doubt; from points that
+// many boxes have sides in; and intervals that hold nothing.
+TEST_F(PacketTest, findsTheSameForSpecialRays) {
+    Scene scene = emptyScene();
+    addGrid(scene, 24);
+    addGrid(scene, 24, {0, 0, -0.25});
+    addSphere(scene, {0.5, 0.5, 0.25}, 0.25);
+    const Case c = makeCase(scene, 8, 8);
+    std::vector<RayInput> rays;
+    for (int x = -1; x <= 1; ++x) {
+        for (int y = -1; y <= 1; ++y) {
+            for (int z = -1; z <= 1; ++z) {
+                for (int i = 0; i < 49; ++i) {
+                    const vec3 from(static_cast<float>(i % 7) / 6.0f, static_cast<float>(i / 7) / 6.0f, 0.5f);
+                    rays.push_back(rayOf(from - vec3(x, y, z), vec3(x, y, z)));
+                    rays.push_back(rayOf(from, vec3(x, y, -0.0f)));
+                    if (i % 5 == 0) rays.back().tMax = 0;
+                    if (i % 9 == 0) rays.back().tMin = 0.75f;
+                }
+            }
+        }
+    }
+    expectSameTrace(c.packed, rays);
+}
+
+// The picture of one ray in a packet whose others have nothing to do.
+TEST_F(PacketTest, findsTheSameForAnyNumberOfRays) {
+    const Case c = crowd(200);
+    Random random(13);
+    std::vector<RayInput> rays;
+    for (const size_t count : {1u, 7u, 8u, 9u, 31u, 32u, 33u, 64u, 65u, 257u}) {
+        while (rays.size() < count) rays.push_back(rayTowards(random.box(3), random.box(2)));
+        expectSameTrace(c.packed, rays);
+    }
+}
+
+// Packets that run out of trips are finished by lanes.
+TEST_F(PacketTest, packetsThatGiveUpLoseNothing) {
+    const Case c = crowd(1000);
+    Random random(17);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 1000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
+    for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(c.packed, rays, budget);
+}
+
+// Triangles across the x axis at 1, 1/2, 1/4...: a node holds the seven largest and all that is smaller,
+// which is entered first, while seven more wait at each level than the stack's 32 entries can hold. 60
+// triangles take too few trips to give up for those.
+TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
+    constexpr uint32_t kTriangles = 60;
+    Scene scene = emptyScene();
+    for (uint32_t i = 0; i < kTriangles; ++i) {
+        const double s = std::ldexp(1.0, -static_cast<int>(i));
+        addTriangle(scene, {s, -s, -s}, {s, s, -s}, {s, 0, s});
+    }
+    const Case c = makeCase(scene, 8, 8);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 64; ++i)
+        rays.push_back(
+            rayOf(vec3(0), {1, 0.01f * static_cast<float>(i % 8), 0.01f * static_cast<float>(i / 8)}));
+    Renderer packet(device(), c.packed, with(Traversal::Packet));
+    const std::vector<RayHit> hits = packet.trace(rays, false);
+    EXPECT_GT(packet.times().resumes, 0u) << "no packet ran out of stack: the test shows nothing";
+    for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kTriangles - 1);
+    expectSameTrace(c.packed, rays);
+}
+
+// Equal t: the lowest id wins, in whatever order the tree is walked.
+TEST_F(PacketTest, tiesGoToTheLowestId) {
+    Scene scene = emptyScene();
+    for (int i = 0; i < 5; ++i) addGrid(scene, 16);
+    const Case c = makeCase(scene, 8, 8);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 1024; ++i) {
+        const vec3 at((static_cast<float>(i % 32) + 0.5f) / 32.0f,
+                      (static_cast<float>(i / 32) + 0.37f) / 32.0f, 1);
+        rays.push_back(rayOf(at, {0, 0, -1}));
+    }
+    const std::vector<RayHit> hits = Renderer(device(), c.packed, with(Traversal::Packet)).trace(rays, false);
+    for (size_t i = 0; i < hits.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
+        EXPECT_EQ(hits[i].data.object, 0u) << text(rays[i]);
+    }
+    expectSameTrace(c.packed, rays);
+}
+
+TEST_F(PacketTest, verifyPasses) {
+    for (const char* name : {"knot", "triangles", "spheres"}) {
+        const Case c = fileCase(name, 64, 48);
+        Renderer renderer(device(), c.packed, with(Traversal::Packet));
+        ASSERT_TRUE(renderer.traversal().packets) << name;
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+        EXPECT_EQ(report.unexplained, 0u) << name;
+        EXPECT_TRUE(report.passed(options)) << name;
+    }
+}
+
+}  // namespace
+}  // namespace glint::render::test
