@@ -66,7 +66,8 @@ void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
                                             glm::dot(dvec3(f.toObjectZ), n)});
             break;
         case shared::kUvAxial:
-            surface.uv = {latitudeLongitude(own).x, own.y};
+            // Ends are at 0 and next to 1, so that rounding does not turn a repeated image over on a cap.
+            surface.uv = {latitudeLongitude(own).x, std::clamp(own.y, 0.0, 1 - 0x1p-24)};
             break;
         default:
             surface.uv = latitudeLongitude(own);
