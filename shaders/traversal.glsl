@@ -136,7 +136,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
         uint index = kind == kKindTriangle ? first : end;
         while (index < end) {
             Triangle triangle = loadTriangle(index);
-            uint primitive = (kKindTriangle << kPrimitiveKindShift) | (index - triangle.sinceFirst);
+            uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
             bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) && primitive != traversal.ray.source;
             offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);

@@ -19,11 +19,9 @@
     V3U(hi1, reserved)
 
 // id: the global primitive number (objects in file order, faces in file order), the tie-break for equal t.
-// sinceFirst: a triangle that is split for the BVH has several entries; how many places before this one the
-// first of them stands, which is the one that hits name and rays have as their source.
 #define GLINT_TRIANGLE_ROWS(V3F, V3U, U4) \
     V3U(v0, id)                           \
-    V3U(v1, sinceFirst)                   \
+    V3U(v1, reserved1)                    \
     V3U(v2, reserved2)
 
 // What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded

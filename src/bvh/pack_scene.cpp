@@ -402,16 +402,6 @@ SceneFeatures allFeatures() {
     return f;
 }
 
-// Of triangles with several entries: without it a ray that starts on one entry would hit the others.
-void nameFirstEntries(uint32_t ids, std::vector<shared::Triangle>& triangles) {
-    std::vector<uint32_t> first(ids, shared::kNone);
-    for (uint32_t i = 0; i < triangles.size(); ++i) {
-        uint32_t& slot = first[triangles[i].id];
-        slot = std::min(slot, i);
-        triangles[i].sinceFirst = i - slot;
-    }
-}
-
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxDepth,
                   const PackOptions& pack, PackedScene& packed, Materials& materials) {
     const unsigned threads = pack.threads;
@@ -444,7 +434,6 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     }
     bvh.nodes = {};
     LeafOrderWriter(scene, numbers, frame, primitives, bvh.order, packed, materials).write(threads);
-    if (built.splitTriangles > 0) nameFirstEntries(numbers.total(), packed.triangles);
 }
 
 bool anyTransmits(const Scene& scene) {

@@ -124,8 +124,6 @@ bool testPrimitive(const PackedScene& scene, PreparedRay ray, uint32_t kind, uin
                    Search& search, Hit& hit) {
     Root root;
     uint32_t id = 0, part = 0;
-    // Of a triangle that is split for the BVH, the entry that stands for all.
-    if (kind == shared::kKindTriangle) index -= scene.triangles[index].sinceFirst;
     while (intersectPrimitive(scene, ray, kind, index, source, search.best.t, root, id, part)) {
         if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         const uint32_t primitive =

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <random>
 
 #include "bvh/build_tree.h"
@@ -118,21 +117,6 @@ TEST(BuildTree, QualityNeverCostsMore) {
         EXPECT_LE(normal, fast);
         EXPECT_LE(high, normal);
     }
-}
-
-// All entries of a split triangle name one of them, and nothing else does.
-TEST(BuildTree, EntriesOfASplitTriangleNameTheFirst) {
-    const PackedScene packed = packScene(beams());
-    ASSERT_GT(packed.statistics.splitTriangles, 0u);
-    std::map<uint32_t, uint32_t> firstOfId;
-    uint32_t repeated = 0;
-    for (uint32_t i = 0; i < packed.triangles.size(); ++i) {
-        const shared::Triangle& triangle = packed.triangles[i];
-        const uint32_t expected = firstOfId.try_emplace(triangle.id, i).first->second;
-        ASSERT_EQ(i - triangle.sinceFirst, expected);
-        repeated += triangle.sinceFirst > 0;
-    }
-    EXPECT_EQ(repeated, packed.statistics.splitTriangles);
 }
 
 TEST(BuildTree, DoesNotDependOnThreads) {
