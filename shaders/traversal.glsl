@@ -16,6 +16,7 @@
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
+    uint sourceTriangle;  // with split triangles: the id of the one that the ray starts on, in any of its places
     Hit hit;
     // With instances: where the ray is, kNone for the world; what primitives' ids count from there and whether corners are exchanged; the ray as it is in the world; how
     // much wider the world's boxes are; and, of an unfinished walk within an instance, the slot where it goes on in the world.
@@ -55,6 +56,12 @@ void accept(inout Traversal traversal, float t, float u, float v, uint primitive
     }
 }
 
+// The id of a source that is a triangle.
+uint triangleOf(uint source) {
+    bool isTriangle = FEATURE_SPLIT_TRIANGLES && source >> kPrimitiveKindShift == kKindTriangle;
+    return isTriangle ? loadTriangle(source & kPrimitiveIndexMask).id : kNone;
+}
+
 bool isInstance(uint child) {
     return FEATURE_INSTANCES && (child >> kLeafKindShift) == ((kLeafFlag >> kLeafKindShift) | kKindInstance);
 }
@@ -72,6 +79,7 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         traversal.ray.origin = origin;
         traversal.ray.direction = direction;
         traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
+        traversal.sourceTriangle = triangleOf(traversal.ray.source);
         traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
         traversal.instance = target;
         traversal.idBase = toWorld ? 0u : instance.idBase;
@@ -138,7 +146,8 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             Triangle triangle = loadTriangle(index);
             uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
             float t, u, v;
-            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) && primitive != traversal.ray.source;
+            bool own = FEATURE_SPLIT_TRIANGLES ? triangle.id == traversal.sourceTriangle : primitive == traversal.ray.source;
+            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) && !own;
             offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
             ++index;
             ++traversal.trips;
@@ -311,6 +320,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
         traversal.world = traversal.ray;
         if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kNone;
     }
+    traversal.sourceTriangle = triangleOf(traversal.ray.source);
     traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
     if (MODE_RESUME) {
         if (FEATURE_INSTANCES) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes arcade.obj: two storeys of a hall with columns, arches, slanting beams, railings and a flight of stairs, turned by 0.6
-radians about y so that hardly a wall stands along an axis. Long thin triangles askew are what bounding boxes fit worst.
+radians about y so that hardly a wall stands along an axis. Parts overlap a little, so that no two faces coincide. Long thin triangles askew are what bounding boxes fit worst.
 Run in this folder; the result is committed."""
 import math
 
@@ -65,33 +65,33 @@ def arch(p, q, y, width, depth, steps):
 
 
 def storey(y, columns=8):
-    box((0, y - 0.1, 0), (20, 0.1, 9))
+    box((0, y - 0.1, 0), (20.05, 0.1, 9.05))
     for i in range(columns):
         x = -17.5 + 5 * i
         for z in (-4, 4):
-            column(x, z, y, y + 3, 0.3, 24)
+            column(x, z, y - 0.05, y + 3.05, 0.3, 24)
             box((x, y + 3.1, z), (0.45, 0.1, 0.45))
-            box((x, y + 0.1, z), (0.45, 0.1, 0.45))
+            box((x, y + 0.09, z), (0.45, 0.1, 0.45))
             if i + 1 < columns:
-                arch((x + 0.3, z), (x + 4.7, z), y + 3.2, 0.4, 0.5, 16)
+                arch((x + 0.3, z), (x + 4.7, z), y + 3.19, 0.4, 0.5, 16)
         box((x, y + 4.7, 0), (0.12, 0.15, 8.5))
         for side in (-1, 1):
             box((x + 1.2 * side, y + 4.2, 0), (0.06, 0.06, 9.2), ((0.25 * side, "x"),))
         for k in range(6):
-            for angle, length in ((0.5, 0.55), (-0.8, 0.75)):
-                box((x + 0.4 * k, y + 0.55, -7.6), (0.02, length, 0.02), ((angle, "z"),))
-    box((0, y + 1.2, -7.6), (20, 0.03, 0.03))
+            for angle, length, half in ((0.5, 0.55, 0.02), (-0.8, 0.75, 0.016)):
+                box((x + 0.4 * k, y + 0.55, -7.6), (half, length, half), ((angle, "z"),))
+    box((0, y + 1.2, -7.6), (20, 0.025, 0.028))
 
 
 def main():
     storey(0)
     storey(5)
-    box((0, 5, -8.9), (20, 5, 0.1))
-    box((0, 10.1, 0), (20, 0.1, 9))
+    box((0, 5, -8.9), (20.02, 5.04, 0.1))
+    box((0, 10.1, 0), (20.07, 0.1, 9.07))
     for side in (-1, 1):
-        box((20 * side, 5, 0), (0.1, 5, 9))
+        box((20 * side, 5, 0), (0.1, 5.03, 9.02))
     for k in range(24):
-        box((-10 + 0.3 * k, 0.1 + 0.2 * k, 6.5), (0.15, 0.1, 1.2))
+        box((-10 + 0.3 * k, 0.1 + 0.2 * k, 6.5), (0.16, 0.11, 1.2))
     for side in (-1, 1):
         box((-6.4, 3.2, 6.5 + 1.1 * side), (4.4, 0.03, 0.03), ((math.atan(0.2 / 0.3), "z"),))
 

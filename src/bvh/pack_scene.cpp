@@ -361,6 +361,7 @@ SceneFeatures featuresOf(const PackedScene& packed, Used&& used) {
     f.discs = !packed.discs.empty();
     f.polygons = !packed.polygons.empty();
     f.instances = !packed.instances.empty();
+    f.splitTriangles = packed.statistics.splitTriangles > 0;
     f.quadrics = !packed.quadrics.empty();
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);

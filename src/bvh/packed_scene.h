@@ -39,6 +39,7 @@ struct SceneFeatures {
     bool uvs = false;        // triangles with texture coordinates of their own
     bool checkers = false;   // some material has a checker
     bool alphaMask = false;  // some material's image cuts holes
+    bool splitTriangles = false;  // some triangles stand in the tree more than once
     bool thinLens = false;   // it moves with the sample
     bool operator==(const SceneFeatures&) const = default;
 };

@@ -70,13 +70,19 @@ bool isSource(uint32_t kind, uint32_t index, uint32_t source) {
     return source == (kind << shared::kPrimitiveKindShift | index);
 }
 
+// By id: a triangle that was split for the tree stands in it more than once.
+bool isSameTriangle(const PackedScene& scene, const shared::Triangle& triangle, uint32_t source) {
+    return source != kNone && source >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
+           scene.triangles[source & shared::kPrimitiveIndexMask].id == triangle.id;
+}
+
 bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
                         uint32_t source, double tMax, Root& root, uint32_t& id, uint32_t& part) {
     switch (kind) {
         case shared::kKindTriangle: {
             const shared::Triangle& triangle = scene.triangles[index];
             id = triangle.id;
-            if (isSource(kind, index, source)) return false;
+            if (isSameTriangle(scene, triangle, source)) return false;
             if (scene.methods.triangles != TriangleMethod::Watertight)
                 return textbookTriangle(scene.methods.triangles, triangle, ray, tMax, root);
             return intersectTriangle(triangle, ray, tMax, root);

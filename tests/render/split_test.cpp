@@ -86,6 +86,18 @@ TEST_F(SplitTest, raysDoNotHitTheTriangleTheyStartOn) {
     for (size_t i = 0; i < a.data.size(); ++i)
         other += a.data[i].pathHash != b.data[i].pathHash || a.data[i].shadowBits != b.data[i].shadowBits;
     EXPECT_EQ(other, 0u);
+// A ray that starts on a triangle must not meet it in another of its places.
+TEST_F(SplitTest, samePictureAsWithout) {
+    scene_.camera.eye = {0, 0, 14};
+    scene_.maxDepth = 4;
+    scene_.materials[0].mirror = Color(0.5);
+    scene_.lights = {PointLight{{3, 8, 9}}, PointLight{{-6, 2, 3}}};
+    Case whole{scene_, packScene(scene_, 0, BuildQuality::Fast), {}, 96, 72};
+    Case split{scene_, packScene(scene_), {}, 96, 72};
+    ASSERT_GT(split.packed.statistics.splitTriangles, 300u);
+    for (Case* c : {&whole, &split})
+        c->camera = packCamera(scene_.camera, c->width, c->height, c->packed.origin);
+    EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
 }
 
 TEST_F(SplitTest, sameHitsAsWithout) {

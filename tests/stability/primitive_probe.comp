@@ -15,8 +15,8 @@ void main() {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
     Ray ray = Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
-                  uintBitsToFloat(loadRow(kRowHit, path).x), kNone);
-    RayFrame frame = makeFrame(ray.direction);
+                  uintBitsToFloat(loadRow(kRowHit, path).x), kNone, kNone);
+    RayFrame frame = makeFrame(ray.origin, ray.direction, 0.0);
     uint kind = dispatch.lightIndex;
     float t = 0.0;
     float u = 0.0;
