@@ -1,6 +1,5 @@
 // Scenes whose triangles were split for the BVH: the same hits as without, and no leak at the cuts or edges.
 #include "support.h"
-#include "verify/verify.h"
 
 namespace glint::render::test {
 namespace {
@@ -61,31 +60,6 @@ TEST_F(SplitTest, beamsAreClosed) {
     EXPECT_EQ(misses(renderer.trace(rays, false)), 0u);
 }
 
-// A triangle that stands several times in the tree is one surface: a ray that starts on it never hits it
-// again. Shadows and reflections are those of the unsplit scene, up to pixels on edges, and verify agrees.
-TEST_F(SplitTest, raysDoNotHitTheTriangleTheyStartOn) {
-    scene_.ambient = Color(0.1);
-    scene_.lights = {PointLight{{6, 30, 8}, Color(1), false}, DirectionalLight{{0.3, -0.2, -1}, Color(0.5)}};
-    scene_.materials[0].mirror = Color(0.4);
-    scene_.camera.eye = {2, 1, 14};
-    const Case c = makeCase(scene_, 96, 72);
-    ASSERT_GT(c.packed.statistics.splitTriangles, 300u);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    options.maxExplainedShare = 0.02;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
-    EXPECT_EQ(report.unexplained, 0u);
-    EXPECT_TRUE(report.passed(options)) << report.explained();
-    const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast);
-    Case unsplit = c;
-    unsplit.packed = whole;
-    const Picture a = draw(renderer, c), b = draw(device(), unsplit);
-    size_t other = 0;
-    for (size_t i = 0; i < a.data.size(); ++i)
-        other += a.data[i].pathHash != b.data[i].pathHash || a.data[i].shadowBits != b.data[i].shadowBits;
-    EXPECT_EQ(other, 0u);
 // A ray that starts on a triangle must not meet it in another of its places.
 TEST_F(SplitTest, samePictureAsWithout) {
     scene_.camera.eye = {0, 0, 14};
