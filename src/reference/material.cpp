@@ -66,12 +66,18 @@ void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
                                             glm::dot(dvec3(f.toObjectZ), n)});
             break;
         case shared::kUvAxial:
-            // Ends are at 0 and next to 1, so that rounding does not turn a repeated image over on a cap.
-            surface.uv = {latitudeLongitude(own).x, std::clamp(own.y, 0.0, 1 - 0x1p-24)};
+            surface.uv = {latitudeLongitude(own).x, own.y};
+            keepHeight(scene, surface);
             break;
         default:
             surface.uv = latitudeLongitude(own);
     }
+}
+
+void keepHeight(const PackedScene& scene, Surface& surface) {
+    if (surface.object >= scene.objectFrames.size()) return;
+    if (scene.objectFrames[surface.object].uvKind != shared::kUvAxial) return;
+    surface.uv.y = std::clamp(surface.uv.y, 0.0, 1 - 0x1p-24);
 }
 
 shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
