@@ -20,7 +20,8 @@ inline constexpr size_t kMaxKappaPixels = 4096;
 struct Sensitivity {
     double kappa = 0;
     // The share of pixels that the reference itself sees otherwise for rays moved so: other primitives, or a
-    // colour off by more than the tolerance. The mean over the moves.
+    // colour off by more than the tolerance. The mean over the moves. Coincident surfaces do not count, or a
+    // device that breaks ties the wrong way would be excused.
     double changed = 0;
 };
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
