@@ -37,6 +37,8 @@ vec2 latLong(vec3 d) {
     return vec2(u, v);
 }
 
+const float kBelowOne = 0.99999994;  // by one float
+
 // Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures. A loop of one trip at most: lavapipe skips
 // work only by not entering a loop.
 vec2 objectUv(uint object, vec3 position, vec3 outward) {
@@ -52,7 +54,9 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
         vec2 around = latLong(axial || round_ ? vec3(u, v, w) : direction);
-        uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? v : around.y);
+        // A cap lies at 0 or 1 up to rounding: a repeated image would begin anew on one pixel of it and not on the next.
+        float height = clamp(v, 0.0, kBelowOne);
+        uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
         index = kNone;
     }
     return uv;

@@ -94,10 +94,11 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     std::snprintf(line, sizeof(line),
                   "    %llu pixels; differing: %llu edge, %llu tie (%.4f %% explained, at most %.2f %%), "
                   "%llu unexplained\n"
+                  "    the reference sees %.4f %% of the pixels otherwise for rays moved by 2^-24\n"
                   "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
                   number(report.pixels), number(report.edges), number(report.ties), share,
-                  100 * options.maxExplainedShare, number(report.unexplained), report.rmse,
-                  report.rmseSamePath, report.maxSamePath);
+                  100 * report.allowedShare(options), number(report.unexplained), 100 * report.predictedShare,
+                  report.rmse, report.rmseSamePath, report.maxSamePath);
     out << line;
     std::snprintf(line, sizeof(line),
                   "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g (99th percentile of the pixels)\n",

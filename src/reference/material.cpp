@@ -67,10 +67,17 @@ void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
             break;
         case shared::kUvAxial:
             surface.uv = {latitudeLongitude(own).x, own.y};
+            keepHeight(scene, surface);
             break;
         default:
             surface.uv = latitudeLongitude(own);
     }
+}
+
+void keepHeight(const PackedScene& scene, Surface& surface) {
+    if (surface.object >= scene.objectFrames.size()) return;
+    if (scene.objectFrames[surface.object].uvKind != shared::kUvAxial) return;
+    surface.uv.y = std::clamp(surface.uv.y, 0.0, 1 - 0x1p-24);
 }
 
 shared::Material materialAt(const PackedScene& scene, const Surface& surface) {

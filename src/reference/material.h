@@ -10,6 +10,10 @@ namespace glint::reference {
 // Texture coordinates and vertex colour of the hit that the rest of `surface` describes.
 void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface);
 
+// Keeps the height on a body of revolution within 0 and the last float before 1: its ends lie there, and
+// rounding must not turn a repeated image over on a cap. Leaves other coordinates as they are.
+void keepHeight(const PackedScene& scene, Surface& surface);
+
 // The surface's material, its colours times those of textures and vertices, rounded to fp32.
 shared::Material materialAt(const PackedScene& scene, const Surface& surface);
 

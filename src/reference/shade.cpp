@@ -364,6 +364,7 @@ Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     const double reach = std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit));
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
+    keepHeight(scene_, moved);
     return moved;
 }
 

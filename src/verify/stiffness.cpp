@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -15,6 +16,13 @@ double greatestChange(const glm::dvec3& a, const glm::dvec3& b) {
     return std::isfinite(change) ? change : std::numeric_limits<double>::max();
 }
 
+// Other first hits at one t, to within gamma_16 on either side as in explain.cpp. Under jitter the reference
+// tosses a coin there; the device has a rule, and must follow it.
+bool isTie(const reference::PixelRecord& a, const reference::PixelRecord& b) {
+    if (!a.hit || !b.hit || a.hit->id == b.hit->id) return false;
+    return std::abs(a.hit->t - b.hit->t) <= 2 * 16 * kFloatUnit * std::max(a.hit->t, b.hit->t);
+}
+
 }  // namespace
 
 double percentile99(std::vector<float> values) {
@@ -26,28 +34,40 @@ double percentile99(std::vector<float> values) {
 
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds) {
+    return sensitivityOf(tracer, camera, width, height, 0, seeds).kappa;
+}
+
+Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
+                          int height, double tolerance, int seeds) {
     const double pixels = static_cast<double>(width) * height;
     const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxKappaPixels))));
     const size_t columns = static_cast<size_t>((width + step - 1) / step);
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
+    std::vector<int> otherwise(rows);
     parallelFor(rows, [&](size_t row) {
         for (size_t column = 0; column < columns; ++column) {
             const int x = std::min(static_cast<int>(column) * step + step / 2, width - 1);
             const int y = std::min(static_cast<int>(row) * step + step / 2, height - 1);
             const reference::Ray ray = tracer.cameraRay(camera, x + 0.5, y + 0.5);
-            const glm::dvec3 still = tracer.trace(ray).color;
+            const reference::PixelRecord still = tracer.trace(ray);
             double change = 0;
             for (int seed = 1; seed <= seeds; ++seed) {
                 const reference::Jitter jitter = {
                     static_cast<uint64_t>(seed) + 977u * (row * columns + column), 1};
-                change = std::max(change, greatestChange(still, tracer.trace(ray, jitter).color));
+                const reference::PixelRecord moved = tracer.trace(ray, jitter);
+                const double here = greatestChange(still.color, moved.color);
+                const bool other = here > tolerance || still.pathHash != moved.pathHash;
+                otherwise[row] += other && !isTie(still, moved);
+                change = std::max(change, here);
             }
             changes[row * columns + column] =
                 static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
         }
     });
-    return percentile99(std::move(changes)) / kFloatUnit;
+    const double tried = static_cast<double>(changes.size()) * seeds;
+    const int sum = std::accumulate(otherwise.begin(), otherwise.end(), 0);
+    return {percentile99(std::move(changes)) / kFloatUnit, tried > 0 ? sum / tried : 0};
 }
 
 StiffnessClass classOf(double kappa) {

@@ -17,6 +17,15 @@ inline constexpr double kFloatUnit = 0x1p-24;  // the relative error of one roun
 //
 // Pictures of more than kMaxKappaPixels are sampled on a regular grid of about as many.
 inline constexpr size_t kMaxKappaPixels = 4096;
+struct Sensitivity {
+    double kappa = 0;
+    // The share of pixels that the reference itself sees otherwise for rays moved so: other primitives, or a
+    // colour off by more than the tolerance. The mean over the moves. Coincident surfaces do not count, or a
+    // device that breaks ties the wrong way would be excused.
+    double changed = 0;
+};
+Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
+                          int height, double tolerance, int seeds = 4);
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
 

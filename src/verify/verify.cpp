@@ -184,7 +184,10 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         keepWorst(report, options.worstCount);
     }
     report.p99 = percentile99(differences);
-    report.kappa = conditionNumber(reference::Tracer(scene), camera, options.width, options.height);
+    const Sensitivity sensitivity =
+        sensitivityOf(reference::Tracer(scene), camera, options.width, options.height, options.tolerance);
+    report.kappa = sensitivity.kappa;
+    report.predictedShare = sensitivity.changed;
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
     report.rmseSamePath =
         samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;

@@ -22,6 +22,7 @@ verify::Report cleanReport() {
     report.maxSamePath = 2.5e-6;
     report.p99 = 3e-6;
     report.kappa = 32;
+    report.predictedShare = 0.0005;
     return report;
 }
 
@@ -30,6 +31,7 @@ TEST(VerifyReport, Ok) {
         reportText(cleanReport()),
         "a.json: ok\n"
         "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 0 unexplained\n"
+        "    the reference sees 0.0500 % of the pixels otherwise for rays moved by 2^-24\n"
         "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
         "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n");
 }
@@ -43,6 +45,18 @@ TEST(VerifyReport, ExplainedPixelsUpToTheShare) {
     ++report.ties;
     EXPECT_TRUE(reportText(report).starts_with(
         "a.json: FAILED: too many pixels differ, though rounding explains each\n"));
+}
+
+// Twice what the reference sees otherwise by itself, if that is more.
+TEST(VerifyReport, TheLimitGrowsWithThePrediction) {
+    verify::Report report = cleanReport();
+    report.predictedShare = 0.03;
+    report.edges = 60;
+    EXPECT_TRUE(reportText(report).starts_with(
+        "a.json: ok\n    1000 pixels; differing: 60 edge, 0 tie (6.0000 % explained, at most 6.00 %), 0 "
+        "unexplained\n    the reference sees 3.0000 % of the pixels otherwise for rays moved by 2^-24\n"));
+    ++report.edges;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: too many pixels differ"));
 }
 
 TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
@@ -66,6 +80,7 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
         reportText(report),
         "a.json: FAILED: pixels differ for no reason that rounding explains\n"
         "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 1 unexplained\n"
+        "    the reference sees 0.0500 % of the pixels otherwise for rays moved by 2^-24\n"
         "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
         "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n"
         "    pixel 12,34: difference 0.5, unexplained\n"

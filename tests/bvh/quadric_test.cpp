@@ -47,6 +47,21 @@ TEST(QuadricExtent, LeaningParaboloidBulgesBelowItsVertex) {
     EXPECT_NEAR(e.hi.y, 1, 1e-14);
 }
 
+// They keep their transforms and are no instances: the region that the local frame is chosen by holds them,
+// too.
+TEST(QuadricExtent, TransformedQuadricsHaveARegion) {
+    Scene scene;
+    Affine map;
+    map.linear = glm::dmat3(2);
+    map.offset = {1e6, 0, 0};
+    Material material;
+    scene.materials = {material};
+    scene.objects = {objectOf(EllipsoidShape{{0, 0, 0}, {1, 2, 3}}, map)};
+    scene.camera.eye = {1e6, 0, 20};
+    EXPECT_NEAR(chooseOrigin(scene).x, 1e6, 16);
+    EXPECT_EQ(packScene(scene).quadrics.size(), 1u);
+}
+
 // Points of each surface from a parametrisation, under a random map.
 TEST(QuadricBox, HoldsTheSurface) {
     std::mt19937 engine(5);

@@ -183,6 +183,92 @@ TEST_F(TextureTest, coordinatesOfFlatObjects) {
     }
 }
 
+// The image's middle column faces +z, its right quarter +x, on what stands along y; heights go from 0 to 1
+// from the base (the vertex of a paraboloid). All coordinates are the object's own, before its transform. By
+// the device and the reference.
+struct QuadricUv {
+    Shape shape;
+    dvec3 from, towards;
+    dvec2 uv;
+    std::optional<Affine> transform = {};
+};
+
+std::vector<QuadricUv> quadricUvs() {
+    const Shape cylinder = CylinderShape{{0, -1, 0}, {0, 3, 0}, 2, true};
+    const Shape ellipsoid = EllipsoidShape{{0, 0, 0}, {1, 2, 3}};
+    // Radius 1 about (1, 1, 1) in a box about it twice as large.
+    const Shape ball = QuadricShape{{1, 1, 1, 0, 0, 0, -2, -2, -2, 2}, {-1, -1, -1}, {3, 3, 3}};
+    const double half = std::sqrt(0.5);  // of 1, at 45 degrees
+    const Affine moved{glm::dmat3(3.0, 0, 0, 0, 2, 0, 0, 0, 1), {0, 0, -20}};
+    return {{cylinder, {0, 0, 9}, {0, 0, -1}, {0.5, 0.25}},
+            {cylinder, {9, 1, 0}, {-1, 0, 0}, {0.75, 0.5}},
+            {cylinder, {-9, 2, 0}, {1, 0, 0}, {0.25, 0.75}},
+            {cylinder, {9, 1, 9}, {-1, 0, -1}, {0.625, 0.5}},
+            {cylinder, {1, 9, 0}, {0, -1, 0}, {0.75, 1}},
+            {cylinder, {-1, -9, 0}, {0, 1, 0}, {0.25, 0}},
+            {cylinder, {0, 2, 9}, {0, 0, -1}, {0.5, 0.5}, moved},
+            // Along x, longitude counts from -y, by way of -z.
+            {CylinderShape{{0, 0, 0}, {4, 0, 0}, 1}, {1, -9, 0}, {0, 1, 0}, {0.5, 0.25}},
+            {CylinderShape{{0, 0, 0}, {4, 0, 0}, 1}, {3, 0, -9}, {0, 0, 1}, {0.75, 0.75}},
+            {ConeShape{{0, 0, 0}, {0, 4, 0}, 1}, {9, 1, 0}, {-1, 0, 0}, {0.75, 0.25}},
+            {HyperboloidShape{{0, 0, 0}, {0, 4, 0}, 2, 1}, {0, 2, 9}, {0, 0, -1}, {0.5, 0.5}},
+            {ParaboloidShape{{0, 4, 0}, {0, 0, 0}, 1}, {9, 3, 0}, {-1, 0, 0}, {0.75, 0.25}},
+            {ellipsoid, {0, 0, 9}, {0, 0, -1}, {0.5, 0.5}},
+            {ellipsoid, {0, 2 * half, 9}, {0, 0, -1}, {0.5, 0.75}},
+            {ellipsoid, {half, 0, 9}, {0, 0, -1}, {0.625, 0.5}},
+            {ball, {9, 1, 1}, {-1, 0, 0}, {0.75, 0.5}},
+            {ball, {1, 9, 1}, {0, -1, 0}, {0.5, 1}}};
+}
+
+TEST_F(TextureTest, coordinatesOfQuadrics) {
+    for (const QuadricUv& c : quadricUvs()) {
+        Scene scene = emptyScene();
+        const uint32_t material = addTextured(scene, {CheckerTexture{}});
+        scene.objects.push_back({"/objects/0", c.shape, material, c.transform});
+        scene.camera.eye = c.from;
+        const PackedScene packed = packScene(scene);
+        Renderer renderer(device(), packed);
+        const auto hits =
+            renderer.trace({rayOf(glm::vec3(c.from), glm::vec3(glm::normalize(c.towards)))}, false);
+        ASSERT_TRUE(hits[0].hit);
+        EXPECT_NEAR(hits[0].data.u, c.uv.x, 2e-6) << c.shape.index();
+        EXPECT_NEAR(hits[0].data.v, c.uv.y, 2e-6) << c.shape.index();
+        const reference::Tracer tracer(packed);
+        reference::Ray ray;
+        ray.origin = c.from;
+        ray.direction = glm::normalize(c.towards);
+        const auto hit = tracer.closest(ray);
+        ASSERT_TRUE(hit.has_value());
+        const dvec2 uv = tracer.surface(ray, *hit).uv;
+        EXPECT_NEAR(uv.x, c.uv.x, 1e-6) << c.shape.index();
+        EXPECT_NEAR(uv.y, c.uv.y, 1e-6) << c.shape.index();
+    }
+}
+
+// A cap shows one end of a repeated image, whatever rounding makes of its height.
+TEST_F(TextureTest, capsShowOneEndOfTheImage) {
+    Scene scene = emptyScene();
+    const Texture rows{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
+    const dvec3 base(0.3, 0.1, -0.7), axis = glm::normalize(dvec3(0.37, 1, 0.21)), top = base + 1.7 * axis;
+    scene.objects.push_back({"/objects/0", CylinderShape{base, top, 1, true}, addTextured(scene, rows), {}});
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    std::vector<RayInput> rays;
+    Random random(5);
+    for (int i = 0; i < 2000; ++i) {
+        const dvec3 aside = glm::cross(axis, random.direction());
+        rays.push_back(rayTowards(top + 5.0 * axis + 0.9 * aside, top + 0.9 * aside));
+        rays.push_back(rayTowards(base - 5.0 * axis + 0.9 * aside, base + 0.9 * aside));
+    }
+    const std::vector<RayHit> hits = renderer.trace(rays, false);
+    for (size_t i = 0; i < hits.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit);
+        EXPECT_NEAR(hits[i].data.v, i % 2 == 0 ? 1 : 0, 1e-6);
+        EXPECT_GE(hits[i].data.v, 0);
+        EXPECT_LT(hits[i].data.v, 1);
+    }
+}
+
 // Opaque below, open above: for camera rays, in a mirror and for shadows, on flat things and for the far side
 // of a ball.
 class MaskTest : public TextureTest {
