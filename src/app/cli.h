@@ -80,6 +80,18 @@ struct VerifyCommand {
     ProgressMode progress = ProgressMode::Auto;
 };
 
+struct ReportCommand {
+    std::vector<std::filesystem::path> scenes;
+    std::filesystem::path folder;
+    int width = 160;  // pixels
+    int repeats = 5;
+    int truthSamples = 256;
+    Backend truth = Backend::Cpu;
+    std::optional<int> budget;  // seconds
+    DeviceChoice device;
+    ProgressMode progress = ProgressMode::Auto;
+};
+
 struct TraceCommand {
     SceneOptions scene;
     std::string rays;  // a file, "-" for standard input, empty for --pixel
@@ -97,6 +109,7 @@ struct DiffCommand {
 int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err);
 int runView(const ViewCommand& command, std::ostream& out, std::ostream& err);
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err);
+int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err);
 int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err);
 int runDiff(const DiffCommand& command, std::ostream& out);
 int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err);

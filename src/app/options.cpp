@@ -136,10 +136,10 @@ std::vector<std::string> parseAovs(const std::string& text) {
     return names;
 }
 
-Backend parseBackend(const std::string& text) {
+Backend parseBackend(const std::string& text, const std::string& option) {
     if (text == "gpu") return Backend::Gpu;
     if (text == "cpu") return Backend::Cpu;
-    refuse("--backend", "gpu or cpu", text);
+    refuse(option, "gpu or cpu", text);
 }
 
 TriangleMethod parseIntersector(const std::string& text) {

@@ -17,7 +17,7 @@ Size parseSize(const std::string& text);                      // "640x480"
 Region parseCrop(const std::string& text);                    // "x0,y0,x1,y1", not empty
 std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
 std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
-Backend parseBackend(const std::string& text);
+Backend parseBackend(const std::string& text, const std::string& option = "--backend");
 BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
