@@ -87,7 +87,8 @@ struct ReportCommand {
     int repeats = 5;
     int truthSamples = 256;
     Backend truth = Backend::Cpu;
-    std::optional<int> budget;  // seconds
+    std::optional<int> budget;      // seconds
+    std::vector<std::string> only;  // how the names of families start; empty: all
     DeviceChoice device;
     ProgressMode progress = ProgressMode::Auto;
 };

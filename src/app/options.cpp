@@ -136,6 +136,21 @@ std::vector<std::string> parseAovs(const std::string& text) {
     return names;
 }
 
+std::vector<std::string> parseFamilies(const std::string& text) {
+    static const std::vector<std::string_view> known = {
+        "grid", "jittered", "lowDiscrepancy", "default", "triangles", "spheres", "offset",
+        "slab", "nothing",  "storage",        "texel",   "depth",     "cut"};
+    std::vector<std::string> names;
+    for (const std::string& part : split(text, ',')) {
+        const std::string name = trimmed(part);
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ExitCode::Usage, "--only: unknown setting " + quoted(name) + " (" +
+                                             suggestion(name, known, "known") + ")");
+        names.push_back(name);
+    }
+    return names;
+}
+
 Backend parseBackend(const std::string& text, const std::string& option) {
     if (text == "gpu") return Backend::Gpu;
     if (text == "cpu") return Backend::Cpu;

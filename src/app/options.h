@@ -21,6 +21,8 @@ Backend parseBackend(const std::string& text, const std::string& option = "--bac
 BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
+// "depth,offset": words that names of the settings of `glint report` start with.
+std::vector<std::string> parseFamilies(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);        // >= 0, finite
 double parseMinContribution(const std::string& text);  // the same

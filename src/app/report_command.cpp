@@ -127,6 +127,11 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
     limits.truth = command.truth;
     limits.late = [&] { return command.budget && watch.seconds() >= *command.budget; };
     limits.cancelled = interrupted;
+    limits.wanted = [&](const Configuration& c) {
+        return command.only.empty() ||
+               std::any_of(command.only.begin(), command.only.end(),
+                           [&](const std::string& start) { return c.family.starts_with(start); });
+    };
     limits.worked = [&](double amount) { progress->update(std::min(1.0, (worked += amount) / work)); };
     std::vector<std::unique_ptr<SceneSweep>> sweeps;
     for (const fs::path& path : command.scenes) {

@@ -70,16 +70,17 @@ void addMethods(const SceneFeatures& features, bool hasTree, std::optional<gpu::
     addBoth(other, *otherAccess == gpu::Access::StorageBuffer ? "storage buffers" : "texel buffers", batch);
 }
 
-// 0, 1, 2, ... and past 4 in steps of about a half.
+// 0, 1, 2, ..., past 4 in steps of about a half, and the whole.
 std::vector<int> depthsUpTo(int maxDepth) {
     std::vector<int> depths;
     for (int depth = 0; depth < maxDepth; depth = depth < 4 ? depth + 1 : depth + depth / 2)
         depths.push_back(depth);
+    depths.push_back(maxDepth);
     return depths;
 }
 
-void addSamplers(std::initializer_list<int> counts, Batch& batch) {
-    for (const int spp : counts) {
+void addSamplers(Batch& batch) {
+    for (const int spp : {1, 4, 16, 64}) {
         for (const Sampler sampler : kSamplers) {
             Configuration c;
             c.family = nameOf(sampler);
@@ -98,6 +99,7 @@ std::string keyOf(const Configuration& c) {
     key += std::string(nameOf(c.methods.slabs)) + ' ' + nameOf(c.methods.offsets);
     key += " depth=" + (c.maxDepth ? std::to_string(*c.maxDepth) : std::string("scene"));
     key += " cut=" + number(c.minContribution) + (c.leaveOut ? " pruned" : " full");
+    if (c.family == kDefaultAmongMethods) key += " among methods";
     if (!c.access) return key + " auto";
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
@@ -105,12 +107,9 @@ std::string keyOf(const Configuration& c) {
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess) {
     std::vector<Batch> batches(3);
-    batches[0].name = "samplers and methods";
-    addSamplers({1, 4}, batches[0]);
-    addMethods(features, hasTree, otherAccess, batches[0]);
-    batches[1].name = "many samples";
-    addSamplers({16, 64}, batches[1]);
-    batches[2].name = "depths and cuts";
+    addSamplers(batches[0]);
+    addBoth({}, kDefaultAmongMethods, batches[1]);
+    addMethods(features, hasTree, otherAccess, batches[1]);
     if (!features.mirrors && !features.transmission) return batches;
     for (const int depth : depthsUpTo(maxDepth)) {
         Configuration c;

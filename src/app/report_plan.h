@@ -26,18 +26,20 @@ struct Configuration {
     std::optional<gpu::Access> access;  // empty: by the device
 };
 
+// The default, measured once more in turns with the methods that it is compared with.
+inline constexpr const char* kDefaultAmongMethods = "default methods";
+
 // All that decides picture and time, as text, e.g. "grid 4 watertight robust gamma7 errorBox depth=scene
 // cut=0 pruned auto".
 std::string keyOf(const Configuration& configuration);
 
 // Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike.
 struct Batch {
-    std::string name;
     std::vector<Configuration> configurations;
 };
 
-// Most important first: quick pictures of all samplers and every method that loses; many samples; depths and
-// cuts. `otherAccess`: the way of loading that the device would not choose.
+// Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
+// that the device would not choose.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess);
 

@@ -231,13 +231,6 @@ std::string truncationDiagram(const SceneReport& scene) {
     if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
     add("depth", "greatest depth", [](const Measured& m) { return std::to_string(m.depth); });
     add("cut", "least contribution", [](const Measured& m) { return shortNumber(m.minContribution); });
-    Series whole;
-    whole.label = "all of it (depth " + std::to_string(scene.maxDepth) + "): rounding alone";
-    for (const Measured* m : familyOf(scene, "lowDiscrepancy")) {
-        if (m->spp == 4 && m->arithmetic)
-            whole.points.push_back({m->wall.median, m->arithmetic->all.rmse, "", whole.label});
-    }
-    drawing.add(std::move(whole));
     return drawing.draw();
 }
 

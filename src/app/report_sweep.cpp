@@ -14,6 +14,8 @@ namespace {
 // Rounding does not grow with the number of samples, so the double-precision picture of the very same
 // samples is made for few of them alone.
 constexpr int kMaxArithmeticSamples = 16;
+// Longer runs need no warming up: what is compiled on first use is timed apart.
+constexpr int kMaxWarmUpSamples = 4;
 // A configuration that has run for so long has been measured well enough with fewer runs, but two at least.
 constexpr double kLongRunSeconds = 3;
 constexpr int kLeastRepeats = 2;
@@ -27,6 +29,15 @@ SceneOptions sizedTo(const std::filesystem::path& path, const Size& size) {
 
 gpu::Access otherThan(gpu::Access access) {
     return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
+}
+
+// Without what a renderer is told anew for each picture.
+Configuration machineKind(Configuration c) {
+    c.family.clear();
+    c.sampler = Sampler::Grid;
+    c.spp = 1;
+    c.maxDepth.reset();
+    return c;
 }
 
 glm::dvec3 colorOf(const Picture& picture, size_t i) {
@@ -77,6 +88,8 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     const render::Renderer probe(device_, loaded_.packed);
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherThan(probe.access()));
+    for (Batch& batch : batches_)
+        std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
 }
 
 SceneSweep::~SceneSweep() = default;
@@ -145,11 +158,7 @@ const SceneSweep::Truth* SceneSweep::converged() {
 }
 
 SceneSweep::Machine& SceneSweep::machineOf(const Configuration& c) {
-    Configuration kind = c;  // without what a renderer is told anew for each picture
-    kind.sampler = Sampler::Grid;
-    kind.spp = 1;
-    kind.maxDepth.reset();
-    std::unique_ptr<Machine>& machine = machines_[keyOf(kind)];
+    std::unique_ptr<Machine>& machine = machines_[keyOf(machineKind(c))];
     if (machine) return *machine;
     machine = std::make_unique<Machine>();
     machine->scene = loaded_.packed;
@@ -190,15 +199,14 @@ bool SceneSweep::renderOnce(Run& run, bool timed) {
     const render::StageTimes before = renderer.times();
     const Stopwatch watch;
     const Picture picture = renderer.render(camera_, settings);
-    const double seconds = watch.seconds();
     if (!picture.complete) return false;
     const render::StageTimes& after = renderer.times();
+    const double compile = after.compile - before.compile;
+    const double seconds = watch.seconds() - compile;
     limits_.worked(c.spp);
-    if (!timed) {
-        run.measured.compile = after.compile - before.compile;
-        run.measured.upload = after.upload;
-        return true;
-    }
+    run.measured.compile += compile;
+    run.measured.upload = after.upload;
+    if (!timed) return true;
     run.spent += seconds;
     run.wall.push_back(seconds);
     run.device.push_back(after.device - before.device);
@@ -224,7 +232,7 @@ bool SceneSweep::warmUp(const Batch& batch, SceneReport& report, std::vector<Run
         run.measured.spp = c.spp;
         run.measured.depth = c.maxDepth.value_or(loaded_.scene.maxDepth);
         run.measured.minContribution = c.minContribution;
-        if (!renderOnce(run, false)) return false;
+        if (c.spp <= kMaxWarmUpSamples && !renderOnce(run, false)) return false;
         runs.push_back(std::move(run));
     }
     return true;
@@ -254,7 +262,7 @@ bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
         run.measured.repeats = static_cast<int>(run.wall.size());
         report.measured.push_back(std::move(run.measured));
     }
-    machines_.clear();
+    std::erase_if(machines_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });
     return true;
 }
 

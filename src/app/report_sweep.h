@@ -18,6 +18,7 @@ struct SweepLimits {
     Backend truth = Backend::Cpu;
     std::function<bool()> late;  // no configuration is started any more
     std::function<bool()> cancelled;
+    std::function<bool(const Configuration&)> wanted;
     std::function<void(double)> worked;  // samples times pictures done, for progress
 };
 

@@ -75,9 +75,10 @@ std::string methodTable(const SceneReport& scene) {
     std::string out = header({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
                               "other path, pixels", "RMSE, all", "> 1/255 %", "> 1e-3 %", "bias"});
     for (const Measured& m : scene.measured) {
-        if (m.spp != 1 || !m.arithmetic || m.family == "depth" || m.family == "cut") continue;
+        if (m.spp != 1 || !m.arithmetic || m.family == "depth" || m.family == "cut" || isSampler(m.family))
+            continue;
         const ArithmeticError& a = *m.arithmetic;
-        out += row({m.family == "lowDiscrepancy" ? "default methods" : m.family,
+        out += row({m.family,
                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
                         milliseconds(m.wall.high) + ")",
                     milliseconds(m.compile), shortNumber(a.samePath.rmse), shortNumber(a.samePath.max),
@@ -92,11 +93,9 @@ std::string truncationTable(const SceneReport& scene) {
     if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
     std::string out = header({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "max", "> 1/255 %", "bias"});
     for (const Measured& m : scene.measured) {
-        const bool whole = m.family == "lowDiscrepancy" && m.spp == 4;
-        if ((m.family != "depth" && m.family != "cut" && !whole) || !m.arithmetic) continue;
-        const std::string name = whole               ? "whole tree, depth " + std::to_string(scene.maxDepth)
-                                 : m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
-                                                     : "depth " + std::to_string(m.depth);
+        if ((m.family != "depth" && m.family != "cut") || !m.arithmetic) continue;
+        const std::string name = m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
+                                                   : "depth " + std::to_string(m.depth);
         const ErrorMeasures& e = m.arithmetic->all;
         out += row({name,
                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
@@ -160,7 +159,8 @@ std::string defaultOnFront(const SceneReport& scene, const std::string& sampler,
 
 std::string shortNumber(double value) {
     char text[32];
-    std::snprintf(text, sizeof(text), "%.3g", value);
+    const bool whole = std::abs(value) >= 1000 && std::abs(value) < 1e6;
+    std::snprintf(text, sizeof(text), whole ? "%.0f" : "%.3g", value);
     return text;
 }
 
@@ -176,7 +176,7 @@ std::vector<const Measured*> familyOf(const SceneReport& scene, const std::strin
 std::vector<std::string> familiesOf(const SceneReport& scene) {
     std::vector<std::string> families;
     for (const Measured& m : scene.measured) {
-        if (m.family == "depth" || m.family == "cut") continue;
+        if (m.family == "depth" || m.family == "cut" || isSampler(m.family)) continue;
         if (std::find(families.begin(), families.end(), m.family) == families.end())
             families.push_back(m.family);
     }

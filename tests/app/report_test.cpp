@@ -94,12 +94,12 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
         }
     }
     EXPECT_EQ(keys.size(), count);
-    // 3 samplers x 4 counts; 2 spheres' forms, 2 offsets, 2 pads, full and access, each at 2 counts; no
-    // mirrors, so no depth.
-    EXPECT_EQ(count, 12u + 16u);
+    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full and access, each at 2
+    // counts; no mirrors, so no depth.
+    EXPECT_EQ(count, 12u + 18u);
     features.mirrors = true;
-    // Depths 0 1 2 3 4, and three cuts.
-    EXPECT_EQ(planScene(features, true, 5, std::nullopt)[2].configurations.size(), 8u);
+    // Depths 0 1 2 3 4 and the whole, and three cuts.
+    EXPECT_EQ(planScene(features, true, 5, std::nullopt)[2].configurations.size(), 9u);
 }
 
 Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
@@ -231,7 +231,7 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
 // nothing.
 TEST(ReportWriting, ConclusionInWords) {
     const std::string words = conclusionOf(sampleReport().scenes[0]);
-    EXPECT_NE(words.find("For an error of 0.01 the cheapest is lowDiscrepancy, 4 spp: 4e+03 ms."),
+    EXPECT_NE(words.find("For an error of 0.01 the cheapest is lowDiscrepancy, 4 spp: 4000 ms."),
               std::string::npos)
         << words;
     EXPECT_NE(words.find("Nothing measured reaches an error of 0.001."), std::string::npos) << words;
@@ -252,6 +252,8 @@ TEST(ReportArguments, AreChecked) {
         {{"report", "a.json", "-o", "x", "--truth", "x"}, "--truth: expected gpu or cpu, got \"x\""},
         {{"report", "a.json", "-o", "x", "--budget", "-1"},
          "--budget: expected a whole number from 0 to 10000000, got \"-1\""},
+        {{"report", "a.json", "-o", "x", "--only", "grod"},
+         "--only: unknown setting \"grod\" (did you mean \"grid\"?)"},
         {{"report", "a.json", "-o", "x", "--size", "3"},
          "--size: expected a whole number from 4 to 4096, got \"3\""},
     };

@@ -29,14 +29,14 @@ TEST_P(Usage, OneLineAndExitCode2) {
 const Case kCommands[] = {
     {"unknown",
      {"paint"},
-     "unknown command \"paint\" (there are: render, view, verify, trace, diff, info, devices); see glint "
+     "unknown command \"paint\" (there are: render, view, verify, report, trace, diff, info, devices); see glint "
      "--help"},
     {"misspelt",
      {"rendr", "a.json"},
      "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
     {"empty",
      {""},
-     "unknown command \"\" (there are: render, view, verify, trace, diff, info, devices); see glint --help"},
+     "unknown command \"\" (there are: render, view, verify, report, trace, diff, info, devices); see glint --help"},
     {"file", {"a.json"}, "\"a.json\" is no command; did you mean: glint render a.json"},
     {"optionFirst",
      {"--size", "3x3", "render", "a.json"},
