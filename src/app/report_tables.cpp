@@ -176,7 +176,7 @@ std::vector<const Measured*> familyOf(const SceneReport& scene, const std::strin
 std::vector<std::string> familiesOf(const SceneReport& scene) {
     std::vector<std::string> families;
     for (const Measured& m : scene.measured) {
-        if (m.family == "depth" || m.family == "cut" || isSampler(m.family)) continue;
+        if (m.family == "depth" || m.family == "cut") continue;
         if (std::find(families.begin(), families.end(), m.family) == families.end())
             families.push_back(m.family);
     }

@@ -219,6 +219,7 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     expectWellFormed(truncationDiagram(data.scenes[0]));
     EXPECT_NE(page.find("<svg "), std::string::npos);
     EXPECT_NE(page.find("bowl, &quot;red&quot; &amp; &lt;blue&gt;: error against time"), std::string::npos);
+    EXPECT_NE(precisionDiagram(data.scenes[0]).find("grid (1, 4, 16, 64)"), std::string::npos);
     EXPECT_NE(page.find("offset: none"), std::string::npos) << "losers are shown";
     for (const char* foreign : {"<script", "src=", "href=", "@import", "url("})
         EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
