@@ -10,6 +10,8 @@
 // never missed (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with gamma_7 in place of his gamma_3). The same factor on the
 // interval's end keeps a box whose primitive is hit at exactly that t.
 const float kFarPad = 1.00000083446503;
+// The other two are for `glint report`: Ize's own, and none.
+float farPad() { return SLAB_PAD == kSlabPlain ? 1.0 : (SLAB_PAD == kSlabGamma3 ? 1.00000035762791 : kFarPad); }
 
 // True if the box may hold a hit in the ray's interval that ends at tEnd = tMax * kFarPad. Both planes are chosen by the sign of the
 // direction, not by min and max, so that an empty box (lo > hi) is never hit.
@@ -26,7 +28,7 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
     float far = t1.x;
     far = t1.y < far ? t1.y : far;
     far = t1.z < far ? t1.z : far;
-    precise float padded = far * kFarPad;
+    precise float padded = far * farPad();
     far = padded < tEnd ? padded : tEnd;
     tNear = near;
     return near <= far;

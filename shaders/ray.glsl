@@ -88,7 +88,13 @@ float nextTowards(float x, float sense) {
 
 // A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most `error` on each axis
 // (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6).
+// The other two are for `glint report`: a distance that knows nothing of the scene's size, and none.
 vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
+    if (ORIGIN_OFFSET == kOffsetNone) return p;
+    if (ORIGIN_OFFSET == kOffsetFixed) {
+        precise vec3 shifted = p + 1e-4 * n;
+        return shifted;
+    }
     precise float d = dot(abs(n), error);
     precise vec3 offset = d * n;
     precise vec3 moved = p + offset;

@@ -238,7 +238,7 @@ uint traverse(inout Traversal traversal, uint root) {
     do if (current != kNone && traversal.trips < dispatch.tripBudget) {
         do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
             Node node = loadNode(current);
-            precise float tEnd = traversal.ray.tMax * kFarPad;
+            precise float tEnd = traversal.ray.tMax * farPad();
             float near0, near1;
             bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, tEnd, near0);
             bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, tEnd, near1);
@@ -284,7 +284,7 @@ uint walk(inout Traversal traversal, uint slot) {
         Node node = loadNode(slot >> 1);
         bool second = (slot & 1u) != 0u;
         uint child = second ? node.child1 : node.child0;
-        precise float tEnd = traversal.ray.tMax * kFarPad;
+        precise float tEnd = traversal.ray.tMax * farPad();
         float near;
         bool entered = intersectBox(traversal.ray, traversal.frame, second ? node.lo1 : node.lo0,
                                     second ? node.hi1 : node.hi0, tEnd, near);

@@ -50,11 +50,13 @@
     X(73, SCATTERED, scattered)   \
     X(74, ADAPTIVE, adaptive)
 
-// X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle... and
-// kSphere... below.
+// X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle..., kSphere...,
+// kSlab... and kOffset... below.
 #define GLINT_CHOICES(X)          \
     X(70, INTERSECTOR, triangles) \
-    X(71, SPHERE_FORM, spheres)
+    X(71, SPHERE_FORM, spheres)   \
+    X(77, SLAB_PAD, slabs)        \
+    X(78, ORIGIN_OFFSET, offsets)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                \
@@ -137,6 +139,12 @@ GLINT_CONST_UINT(kTrianglePlanar3d, 3u);
 GLINT_CONST_UINT(kSphereRobust, 0u);
 GLINT_CONST_UINT(kSphereAlgebraic, 1u);
 GLINT_CONST_UINT(kSphereGeometric, 2u);
+GLINT_CONST_UINT(kSlabGamma7, 0u);
+GLINT_CONST_UINT(kSlabGamma3, 1u);
+GLINT_CONST_UINT(kSlabPlain, 2u);
+GLINT_CONST_UINT(kOffsetErrorBox, 0u);
+GLINT_CONST_UINT(kOffsetFixed, 1u);
+GLINT_CONST_UINT(kOffsetNone, 2u);
 // Rows that only some pictures have come after these, and after that of the instances. First those of
 // MODE_LEDGER, then those of scenes with transmission.
 GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,

@@ -24,7 +24,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault, 4 no usable device,\n"
     "5 difference found, 130 interrupted.";
 
-constexpr const char* kLaterCommands[] = {"report", "bench"};
+constexpr const char* kLaterCommands[] = {"bench"};
 
 using Text = std::string;
 
@@ -195,6 +195,40 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
     addProgress(command, c.progress);
 }
 
+void addReport(CLI::App& app, ReportCommand& c) {
+    CLI::App& command =
+        *app.add_subcommand("report", "error against run time, for many settings of each scene");
+    command
+        .add_option_function<std::vector<Text>>(
+            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
+            "scenes or models")
+        ->type_name("")
+        ->required();
+    addText(command, "-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
+            [&](const Text& t) {
+                if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
+                c.folder = t;
+            })
+        ->required();
+    addText(command, "--size", "WIDTH", "of the pictures in pixels (default 160); the height follows",
+            [&](const Text& t) { c.width = parseWhole("--size", t, 4, 4096); });
+    addText(command, "--repeats", "N", "runs of each setting (default 5)",
+            [&](const Text& t) { c.repeats = parseWhole("--repeats", t, 1, 1000); });
+    addText(command, "--truth-spp", "N", "samples for each pixel of the converged picture (default 256)",
+            [&](const Text& t) { c.truthSamples = parseWhole("--truth-spp", t, 1, kMaxSamplesPerPixel); });
+    addText(command, "--truth", "cpu|gpu",
+            "who draws the converged picture: the double-precision reference (default) or the device",
+            [&](const Text& t) { c.truth = parseBackend(t, "--truth"); });
+    addText(command, "--budget", "SECONDS", "after which no further setting is started",
+            [&](const Text& t) { c.budget = parseWhole("--budget", t, 0, 10'000'000); });
+    addText(command, "--only", "LIST",
+            "with commas, the settings to measure: grid, jittered, lowDiscrepancy, default, "
+            "triangles, spheres, offset, slab, nothing, storage, texel, depth, cut",
+            [&](const Text& t) { c.only = parseFamilies(t); });
+    addDevice(command, c.device);
+    addProgress(command, c.progress);
+}
+
 void addTrace(CLI::App& app, TraceCommand& c) {
     CLI::App& command = *app.add_subcommand("trace", "trace single rays and print what they hit as CSV");
     addScene(command, c.scene);
@@ -241,6 +275,7 @@ struct Commands {
     RenderCommand render;
     ViewCommand view;
     VerifyCommand verify;
+    ReportCommand report;
     TraceCommand trace;
     DiffCommand diff;
     SceneOptions info;
@@ -256,6 +291,7 @@ void addCommands(CLI::App& app, Commands& c) {
     addRender(app, c.render);
     addView(app, c.view);
     addVerify(app, c.verify);
+    addReport(app, c.report);
     addTrace(app, c.trace);
     addDiff(app, c.diff);
     CLI::App& info = *app.add_subcommand("info", "what a scene holds, and what its pipeline leaves out");
@@ -283,10 +319,9 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
     const auto chosen = [&](const char* name) { return app.got_subcommand(name); };
     for (const char* later : kLaterCommands) {
         if (!chosen(later)) continue;
-        throw Error(
-            ExitCode::Usage,
-            std::string(later) +
-                ": not in this version (there are render, view, verify, trace, diff, info and devices)");
+        throw Error(ExitCode::Usage, std::string(later) +
+                                         ": not in this version (there are render, view, verify, report, "
+                                         "trace, diff, info and devices)");
     }
     if (chosen("render")) {
         checkDeviceOptions(c.render.backend, c.render.device);
@@ -300,6 +335,7 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
     }
     if (chosen("view")) return runView(c.view, out, err);
     if (chosen("verify")) return runVerify(c.verify, out, err);
+    if (chosen("report")) return runReport(c.report, out, err);
     if (chosen("diff")) return runDiff(c.diff, out);
     if (chosen("info")) return runInfo(c.info, out, err);
     if (chosen("devices")) return runDevices(out);

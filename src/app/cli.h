@@ -82,6 +82,19 @@ struct VerifyCommand {
     ProgressMode progress = ProgressMode::Auto;
 };
 
+struct ReportCommand {
+    std::vector<std::filesystem::path> scenes;
+    std::filesystem::path folder;
+    int width = 160;  // pixels
+    int repeats = 5;
+    int truthSamples = 256;
+    Backend truth = Backend::Cpu;
+    std::optional<int> budget;      // seconds
+    std::vector<std::string> only;  // how the names of families start; empty: all
+    DeviceChoice device;
+    ProgressMode progress = ProgressMode::Auto;
+};
+
 struct TraceCommand {
     SceneOptions scene;
     std::string rays;  // a file, "-" for standard input, empty for --pixel
@@ -99,6 +112,7 @@ struct DiffCommand {
 int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err);
 int runView(const ViewCommand& command, std::ostream& out, std::ostream& err);
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err);
+int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err);
 int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err);
 int runDiff(const DiffCommand& command, std::ostream& out);
 int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err);

@@ -136,10 +136,25 @@ std::vector<std::string> parseAovs(const std::string& text) {
     return names;
 }
 
-Backend parseBackend(const std::string& text) {
+std::vector<std::string> parseFamilies(const std::string& text) {
+    static const std::vector<std::string_view> known = {
+        "grid", "jittered", "lowDiscrepancy", "default", "triangles", "spheres", "offset",
+        "slab", "nothing",  "storage",        "texel",   "depth",     "cut"};
+    std::vector<std::string> names;
+    for (const std::string& part : split(text, ',')) {
+        const std::string name = trimmed(part);
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ExitCode::Usage, "--only: unknown setting " + quoted(name) + " (" +
+                                             suggestion(name, known, "known") + ")");
+        names.push_back(name);
+    }
+    return names;
+}
+
+Backend parseBackend(const std::string& text, const std::string& option) {
     if (text == "gpu") return Backend::Gpu;
     if (text == "cpu") return Backend::Cpu;
-    refuse("--backend", "gpu or cpu", text);
+    refuse(option, "gpu or cpu", text);
 }
 
 TriangleMethod parseIntersector(const std::string& text) {

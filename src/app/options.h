@@ -17,11 +17,13 @@ Size parseSize(const std::string& text);                      // "640x480"
 Region parseCrop(const std::string& text);                    // "x0,y0,x1,y1", not empty
 std::pair<int, int> parsePixel(const std::string& text);      // "x,y"
 std::vector<std::string> parseAovs(const std::string& text);  // "color, depth": known names, each once
-Backend parseBackend(const std::string& text);
+Backend parseBackend(const std::string& text, const std::string& option = "--backend");
 BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
 render::Traversal parseTraversal(const std::string& text);
+// "depth,offset": words that names of the settings of `glint report` start with.
+std::vector<std::string> parseFamilies(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);        // >= 0, finite
 double parseMinContribution(const std::string& text);  // the same

@@ -26,7 +26,7 @@ Region boundsOfChunk(const Scene& scene, const PrimitiveNumbers& numbers, const 
     Region region;
     numbers.visitChunk(chunk, [&](uint32_t object, uint32_t begin, uint32_t end) {
         const Object& o = scene.objects[object];
-        if (o.transform && !takesTransform(o.shape)) {
+        if (kindOf(o) == shared::kKindInstance) {
             for (const glm::dvec3& corner : instances->corners(scene, object)) region.include(corner);
             return;
         }

@@ -70,7 +70,11 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
               shared::kTriangleProjection == static_cast<uint32_t>(TriangleMethod::Projection) &&
               shared::kTrianglePlanar3d == static_cast<uint32_t>(TriangleMethod::Planar3d) &&
               shared::kSphereAlgebraic == static_cast<uint32_t>(SphereMethod::Algebraic) &&
-              shared::kSphereGeometric == static_cast<uint32_t>(SphereMethod::Geometric));
+              shared::kSphereGeometric == static_cast<uint32_t>(SphereMethod::Geometric) &&
+              shared::kSlabGamma3 == static_cast<uint32_t>(SlabPad::Gamma3) &&
+              shared::kSlabPlain == static_cast<uint32_t>(SlabPad::None) &&
+              shared::kOffsetFixed == static_cast<uint32_t>(OriginOffset::Fixed) &&
+              shared::kOffsetNone == static_cast<uint32_t>(OriginOffset::None));
 
 }  // namespace
 

@@ -11,6 +11,11 @@ namespace glint {
 // The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.
 enum class TriangleMethod : uint32_t { Watertight, Barycentric, Projection, Planar3d };
 enum class SphereMethod : uint32_t { Robust, Algebraic, Geometric };
+// By how much the far planes of boxes are moved away: 1 + 2 gamma_7, 1 + 2 gamma_3, not at all; and how far
+// from a surface rays start that leave it: by the error box of the point, by 1e-4, not at all. Of the device
+// alone, and for `glint report` alone, which shows what the defaults are worth (docs/accuracy.md).
+enum class SlabPad : uint32_t { Gamma7, Gamma3, None };
+enum class OriginOffset : uint32_t { ErrorBox, Fixed, None };
 
 inline constexpr std::array<std::string_view, 4> kTriangleMethodNames{"watertight", "barycentric",
                                                                       "projection", "planar3d"};
@@ -19,6 +24,8 @@ inline constexpr std::array<std::string_view, 3> kSphereMethodNames{"robust", "a
 struct Methods {
     TriangleMethod triangles = TriangleMethod::Watertight;
     SphereMethod spheres = SphereMethod::Robust;
+    SlabPad slabs = SlabPad::Gamma7;
+    OriginOffset offsets = OriginOffset::ErrorBox;
     bool operator==(const Methods&) const = default;
 };
 

@@ -62,5 +62,24 @@ TEST_F(GpuProcess, InterruptEndsVerify) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
+TEST_F(GpuProcess, InterruptedReportIsAReport) {
+    Child child({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "1", "--only", "grid",
+                 "--progress", "plain"});
+    ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_TRUE(
+        child.err().ends_with("glint: interrupted: out/report.json holds what was finished; the same "
+                              "command goes on\n"))
+        << child.err();
+    const auto bytes = readBytes("out/report.json");
+    const std::string json(bytes.begin(), bytes.end());
+    EXPECT_NE(json.find("\"complete\": false"), std::string::npos) << json;
+    EXPECT_TRUE(std::filesystem::exists("out/report.html"));
+    const Ran again = runGlint({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "1",
+                                "--only", "grid", "--budget", "0"});
+    EXPECT_EQ(again.code, 0) << again.err;
+}
+
 }  // namespace
 }  // namespace glint::app::test

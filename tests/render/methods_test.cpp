@@ -129,5 +129,63 @@ TEST_F(MethodsTest, onlyTheRobustSphereHoldsUnderTheEye) {
     EXPECT_GT(errorOf(SphereMethod::Geometric), 1e-4);
 }
 
+// Pictures of the device alone, green channel.
+size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) {
+    PackedScene packed = c.packed;
+    packed.methods.offsets = offset;
+    Renderer renderer(device, packed);
+    RenderSettings settings;
+    settings.width = c.width;
+    settings.height = c.height;
+    const Picture picture = renderer.render(c.camera, settings);
+    size_t lit = 0;
+    for (size_t i = 0; i < picture.done.size(); ++i) lit += picture.color.pixels[4 * i + 1] > 0 ? 1 : 0;
+    return lit;
+}
+
+// Between a floor and a lid 1e-5 above it, light from above: all is dark. A shadow ray that starts 1e-4 above
+// the floor has left the lid behind.
+TEST_F(MethodsTest, aFixedOffsetLeaksThroughAThinGap) {
+    const Case c = textCase(R"({"camera": {"eye": [0, 5e-6, 0], "target": [0, 0, -5e-6], "fovY": 60},
+        "lights": [{"type": "directional", "direction": [0, -1, 0]}], "materials": {"m": {"diffuse": 0.5}},
+        "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m"},
+                    {"type": "disc", "center": [0, 1e-5, 0], "normal": [0, 1, 0], "radius": 1, "material": "m"}]})",
+                            16, 12);
+    EXPECT_EQ(litPixels(device(), c, OriginOffset::ErrorBox), 0u);
+    EXPECT_GT(litPixels(device(), c, OriginOffset::Fixed), 96u) << "more than half of 192 show the floor";
+}
+
+// Two triangles in one place: a shadow ray is spared the one that it starts on, and must be above the other.
+TEST_F(MethodsTest, withoutAnOffsetASurfaceShadesItself) {
+    const Case c = textCase(R"({"camera": {"eye": [0.1, 0.2, 5], "fovY": 40},
+        "lights": [{"type": "directional", "direction": [0.2, -0.3, -1]}], "materials": {"m": {"diffuse": 0.5}},
+        "objects": [{"type": "triangle", "vertices": [[-7, -5, 0.7], [5, -6, 0.3], [0.3, 9, -0.9]], "material": "m"},
+                    {"type": "triangle", "vertices": [[-7, -5, 0.7], [5, -6, 0.3], [0.3, 9, -0.9]], "material": "m"}]})",
+                            32, 24);
+    EXPECT_EQ(litPixels(device(), c, OriginOffset::ErrorBox), 32u * 24u);
+    const size_t lit = litPixels(device(), c, OriginOffset::None);
+    EXPECT_GT(lit, 32u * 24u / 10);
+    EXPECT_LT(lit, 32u * 24u * 9 / 10) << "the hit point is below the plane about as often as above";
+}
+
+// Pads widen boxes, which hold the same primitives.
+TEST_F(MethodsTest, padsDoNotChangeWhatIsHitAwayFromEdges) {
+    Random random(5);
+    Scene scene = emptyScene();
+    for (int i = 0; i < 40; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
+    PackedScene packed = packScene(scene);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 2000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
+    const auto expected = Renderer(device(), packed).trace(rays, false);
+    for (const SlabPad pad : {SlabPad::Gamma3, SlabPad::None}) {
+        packed.methods.slabs = pad;
+        const auto hits = Renderer(device(), packed).trace(rays, false);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(hits[i].kindAndIndex, expected[i].kindAndIndex) << text(rays[i]);
+            EXPECT_EQ(hits[i].t, expected[i].t);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace glint::render::test

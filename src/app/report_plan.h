@@ -1,0 +1,79 @@
+// What `glint report` measures: configurations in order of importance, and what is known of each.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/report_measures.h"
+#include "app/report_statistics.h"
+#include "bvh/packed_scene.h"
+#include "gpu/compute.h"
+#include "scene/methods.h"
+#include "scene/scene.h"
+
+namespace glint::app {
+
+struct Configuration {
+    std::string family;  // the curve it belongs to: the sampler's name of the default, else what differs
+    Sampler sampler = Sampler::LowDiscrepancy;
+    int spp = 4;
+    Methods methods;
+    std::optional<int> maxDepth;  // empty: the scene's
+    double minContribution = 0;
+    bool leaveOut = true;
+    std::optional<gpu::Access> access;  // empty: by the device
+};
+
+// The default, measured once more in turns with the methods that it is compared with.
+inline constexpr const char* kDefaultAmongMethods = "default methods";
+
+// All that decides picture and time, as text, e.g. "grid 4 watertight robust gamma7 errorBox depth=scene
+// cut=0 pruned auto".
+std::string keyOf(const Configuration& configuration);
+
+// Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike.
+struct Batch {
+    std::vector<Configuration> configurations;
+};
+
+// Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
+// that the device would not choose.
+std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
+                             std::optional<gpu::Access> otherAccess);
+
+struct Measured {
+    std::string key, family, sampler;
+    int spp = 0, depth = 0;
+    double minContribution = 0;
+    std::optional<ArithmeticError> arithmetic;  // not of many samples
+    ErrorMeasures total;                        // against the converged picture
+    Quartiles wall, device;                     // seconds; device: 0 without timestamps
+    double compile = 0, upload = 0, readback = 0;
+    uint64_t rays = 0;  // camera and later rays of the paths; not shadow rays
+    int repeats = 0;
+};
+
+struct SceneReport {
+    std::string path, name, hash;  // hash: of the scene file's bytes
+    int width = 0, height = 0, maxDepth = 0;
+    double kappa = 0;
+    std::string stiffness;
+    std::string defaultSampler;  // the scene's
+    std::vector<Measured> measured;
+    std::vector<std::string> leftOut;  // keys
+
+    const Measured* find(const std::string& key) const;
+};
+
+struct ReportData {
+    std::string version, device, driver, api;
+    unsigned cores = 0;
+    int repeats = 0, truthSamples = 0;
+    std::string truthBackend;  // "reference" or "device"
+    std::vector<SceneReport> scenes;
+    bool complete = true;
+};
+
+}  // namespace glint::app

@@ -1,0 +1,237 @@
+// The diagrams: logarithmic axes, drawn by hand so that they need nothing but an SVG reader.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "app/report_write.h"
+
+namespace glint::app {
+
+namespace {
+
+constexpr double kWidth = 860, kHeight = 460;
+constexpr double kLeft = 80, kRight = 600, kTop = 40, kBottom = 400;  // of the axes
+constexpr double kLegendLeft = 620, kLegendStep = 17;
+
+// Told apart with most kinds of colour blindness: Okabe, Ito, "Color Universal Design", 2008.
+constexpr std::array<const char*, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                             "#e69f00", "#56b4e9", "#555555"};
+
+struct Point {
+    double x = 0, y = 0;
+    std::string mark, tip;  // mark: a letter in place of the dot
+};
+
+struct Series {
+    std::string label;
+    std::vector<Point> points;
+    bool line = true;
+};
+
+std::string text(double x, double y, const std::string& anchor, const std::string& content,
+                 const std::string& more = "") {
+    char head[128];
+    std::snprintf(head, sizeof(head), "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"", x, y, anchor.c_str());
+    return head + (more.empty() ? "" : " " + more) + ">" + escapeMarkup(content) + "</text>\n";
+}
+
+std::string line(double x0, double y0, double x1, double y1, const char* style) {
+    char out[192];
+    std::snprintf(out, sizeof(out), "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" %s/>\n", x0, y0,
+                  x1, y1, style);
+    return out;
+}
+
+// A range of positive numbers on a logarithmic axis, with room at both ends.
+class LogAxis {
+  public:
+    LogAxis(double from, double to) : from_(from), to_(to) {}
+
+    void include(double value) {
+        const double l = std::log10(value);
+        low_ = std::min(low_, l);
+        high_ = std::max(high_, l);
+    }
+    void addRoom() {
+        const double room = std::max(0.08 * (high_ - low_), 0.15);
+        low_ -= room;
+        high_ += room;
+    }
+    double at(double value) const {
+        return from_ + (std::log10(value) - low_) / (high_ - low_) * (to_ - from_);
+    }
+    // 1, and 2 and 5 if there are few decades.
+    std::vector<double> ticks() const {
+        std::vector<double> values;
+        const bool few = high_ - low_ < 2.5;
+        for (int decade = static_cast<int>(std::floor(low_)); decade <= static_cast<int>(high_) + 1;
+             ++decade) {
+            for (const double digit : {1.0, 2.0, 5.0}) {
+                const double l = decade + std::log10(digit);
+                if ((few || digit == 1) && l >= low_ && l <= high_)
+                    values.push_back(digit * std::pow(10.0, decade));
+            }
+        }
+        return values;
+    }
+
+  private:
+    double from_, to_;
+    double low_ = 1e300, high_ = -1e300;
+};
+
+class Drawing {
+  public:
+    Drawing(std::string title, std::string xLabel, std::string yLabel)
+        : title_(std::move(title)), xLabel_(std::move(xLabel)), yLabel_(std::move(yLabel)) {}
+
+    void add(Series series) {
+        std::erase_if(series.points, [](const Point& p) { return !(p.x > 0) || !(p.y > 0); });
+        if (!series.points.empty()) series_.push_back(std::move(series));
+    }
+    void setFront(std::vector<Point> front) { front_ = std::move(front); }
+
+    std::string draw() {
+        if (series_.empty()) return "";
+        for (const Series& series : series_) {
+            for (const Point& p : series.points) {
+                x_.include(p.x);
+                y_.include(p.y);
+            }
+        }
+        x_.addRoom();
+        y_.addRoom();
+        char head[256];
+        std::snprintf(
+            head, sizeof(head),
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%g\" height=\"%g\" viewBox=\"0 0 %g %g\" "
+            "font-family=\"sans-serif\" font-size=\"12\">\n",
+            kWidth, kHeight, kWidth, kHeight);
+        std::string out = head;
+        out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" + axes();
+        if (front_.size() > 1)
+            out += path(front_, "stroke=\"#bbbbbb\" stroke-width=\"7\" stroke-opacity=\"0.6\"");
+        double legend = kTop + 8;
+        if (front_.size() > 1) {
+            out += line(kLegendLeft, legend - 4, kLegendLeft + 18, legend - 4,
+                        "stroke=\"#bbbbbb\" stroke-width=\"7\"");
+            out += text(kLegendLeft + 26, legend, "start", "front: nothing is better");
+            legend += kLegendStep;
+        }
+        for (size_t i = 0; i < series_.size(); ++i, legend += kLegendStep) out += drawSeries(i, legend);
+        return out + "</svg>\n";
+    }
+
+  private:
+    std::string axes() const {
+        const char* grid = "stroke=\"#e4e4e4\"";
+        std::string out = text(kLeft, 22, "start", title_, "font-size=\"15\" font-weight=\"bold\"");
+        for (const double v : x_.ticks()) {
+            out += line(x_.at(v), kTop, x_.at(v), kBottom, grid);
+            out += text(x_.at(v), kBottom + 16, "middle", shortNumber(v));
+        }
+        for (const double v : y_.ticks()) {
+            out += line(kLeft, y_.at(v), kRight, y_.at(v), grid);
+            out += text(kLeft - 6, y_.at(v) + 4, "end", shortNumber(v));
+        }
+        out += "<path d=\"M80 40V400H600\" fill=\"none\" stroke=\"black\"/>\n";
+        out += text((kLeft + kRight) / 2, kBottom + 40, "middle", xLabel_);
+        return out + text(0, 0, "middle", yLabel_, "transform=\"translate(20 220) rotate(-90)\"");
+    }
+
+    std::string path(const std::vector<Point>& points, const std::string& style) const {
+        std::string d;
+        for (const Point& p : points) {
+            char step[64];
+            std::snprintf(step, sizeof(step), "%c%.1f %.1f", d.empty() ? 'M' : 'L', x_.at(p.x), y_.at(p.y));
+            d += step;
+        }
+        return "<path d=\"" + d + "\" fill=\"none\" stroke-linejoin=\"round\" " + style + "/>\n";
+    }
+
+    std::string mark(double x, double y, const std::string& letter, const char* color) const {
+        char out[160];
+        if (!letter.empty())
+            return text(x, y + 4, "middle", letter,
+                        std::string("font-weight=\"bold\" fill=\"") + color + "\"");
+        std::snprintf(out, sizeof(out), "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x, y,
+                      color);
+        return out;
+    }
+
+    std::string drawSeries(size_t index, double legend) const {
+        const Series& series = series_[index];
+        const char* color = kColors[index % kColors.size()];
+        std::string out;
+        if (series.line && series.points.size() > 1)
+            out += path(series.points, std::string("stroke=\"") + color + "\" stroke-width=\"1.5\"");
+        for (const Point& p : series.points) {
+            out += "<g><title>" + escapeMarkup(p.tip) + "</title>" +
+                   mark(x_.at(p.x), y_.at(p.y), p.mark, color) + "</g>\n";
+        }
+        const std::string& letter = series.line ? std::string() : series.points.front().mark;
+        out += mark(kLegendLeft + 9, legend - 4, letter, color);
+        return out + text(kLegendLeft + 26, legend, "start", series.label);
+    }
+
+    std::string title_, xLabel_, yLabel_;
+    LogAxis x_{kLeft, kRight}, y_{kBottom, kTop};
+    std::vector<Series> series_;
+    std::vector<Point> front_;
+};
+
+Point totalPoint(const Measured& m, const std::string& mark) {
+    return {m.wall.median, m.total.rmse, mark,
+            m.family + ", " + std::to_string(m.spp) + " spp: " + shortNumber(m.wall.median) + " s, error " +
+                shortNumber(m.total.rmse)};
+}
+
+}  // namespace
+
+std::string precisionDiagram(const SceneReport& scene) {
+    Drawing drawing(scene.name + ": error against time", "seconds for the picture (median, wall clock)",
+                    "RMSE against the converged picture");
+    char letter = 'a';
+    for (const std::string& family : familiesOf(scene)) {
+        Series series;
+        const auto points = familyOf(scene, family);
+        const bool sampler = !points.empty() && family == points.front()->sampler;
+        series.label = sampler ? family + " (1, 4, 16, 64)" : family;
+        series.line = sampler;
+        const std::string mark = sampler ? "" : std::string(1, letter);
+        if (!sampler) ++letter;
+        for (const Measured* m : points) series.points.push_back(totalPoint(*m, mark));
+        drawing.add(std::move(series));
+    }
+    std::vector<Point> front;
+    for (const Measured* m : frontOf(scene))
+        if (m->total.rmse > 0) front.push_back(totalPoint(*m, ""));
+    drawing.setFront(std::move(front));
+    return drawing.draw();
+}
+
+std::string truncationDiagram(const SceneReport& scene) {
+    Drawing drawing(scene.name + ": what is left out of the tree of rays, at 4 samples",
+                    "seconds for the picture (median, wall clock)",
+                    "RMSE against the whole tree, same samples");
+    const auto add = [&](const std::string& family, const std::string& label,
+                         const std::function<std::string(const Measured&)>& mark) {
+        Series series;
+        series.label = label;
+        for (const Measured* m : familyOf(scene, family)) {
+            if (!m->arithmetic) continue;
+            series.points.push_back({m->wall.median, m->arithmetic->all.rmse, mark(*m),
+                                     label + " " + mark(*m) + ": " + shortNumber(m->wall.median) +
+                                         " s, error " + shortNumber(m->arithmetic->all.rmse)});
+        }
+        drawing.add(std::move(series));
+    };
+    if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
+    add("depth", "greatest depth", [](const Measured& m) { return std::to_string(m.depth); });
+    add("cut", "least contribution", [](const Measured& m) { return shortNumber(m.minContribution); });
+    return drawing.draw();
+}
+
+}  // namespace glint::app

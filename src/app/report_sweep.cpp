@@ -1,0 +1,269 @@
+#include "app/report_sweep.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/file_io.h"
+#include "scene/sampling.h"
+#include "verify/stiffness.h"
+
+namespace glint::app {
+
+namespace {
+
+// Rounding does not grow with the number of samples, so the double-precision picture of the very same
+// samples is made for few of them alone.
+constexpr int kMaxArithmeticSamples = 16;
+// Longer runs need no warming up: what is compiled on first use is timed apart.
+constexpr int kMaxWarmUpSamples = 4;
+// A configuration that has run for so long has been measured well enough with fewer runs, but two at least.
+constexpr double kLongRunSeconds = 3;
+constexpr int kLeastRepeats = 2;
+
+SceneOptions sizedTo(const std::filesystem::path& path, const Size& size) {
+    SceneOptions options;
+    options.scene = path;
+    if (size.width > 0) options.size = size;
+    return options;
+}
+
+gpu::Access otherThan(gpu::Access access) {
+    return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
+}
+
+// Without what a renderer is told anew for each picture.
+Configuration machineKind(Configuration c) {
+    c.family.clear();
+    c.sampler = Sampler::Grid;
+    c.spp = 1;
+    c.maxDepth.reset();
+    return c;
+}
+
+glm::dvec3 colorOf(const Picture& picture, size_t i) {
+    const float* p = &picture.color.pixels[i * 4];
+    return {p[0], p[1], p[2]};
+}
+
+}  // namespace
+
+// A renderer with the scene that it refers to.
+struct SceneSweep::Machine {
+    PackedScene scene;
+    std::unique_ptr<render::Renderer> renderer;
+};
+
+struct SceneSweep::Run {
+    Configuration configuration;
+    Machine* machine = nullptr;
+    Measured measured;
+    std::vector<double> wall, device;
+    double spent = 0;
+
+    bool enough(int repeats) const {
+        const int done = static_cast<int>(wall.size());
+        return done >= repeats || (done >= kLeastRepeats && spent > kLongRunSeconds);
+    }
+};
+
+std::string hashOf(const std::vector<uint8_t>& bytes) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (const uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& path, int width,
+                       SweepLimits limits, std::ostream& err)
+    : device_(device), path_(path), limits_(std::move(limits)), loaded_(loadAndPack(sizedTo(path, {}), err)) {
+    ImageSettings& image = loaded_.scene.image;
+    image.height =
+        std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * image.height / image.width)));
+    image.width = width;
+    image.filter = Filter::Box;  // the same for all, and its samples all count alike
+    image.filterRadius = defaultRadius(Filter::Box);
+    image.adaptive.reset();
+    camera_ = cameraOf(loaded_);
+    const render::Renderer probe(device_, loaded_.packed);
+    batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
+                         loaded_.scene.maxDepth, otherThan(probe.access()));
+    for (Batch& batch : batches_)
+        std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
+}
+
+SceneSweep::~SceneSweep() = default;
+
+SceneReport SceneSweep::emptyReport() const {
+    SceneReport report;
+    report.path = path_.generic_string();
+    report.name = path_.stem().string();
+    report.hash = hashOf(readFile(path_));
+    report.width = loaded_.scene.image.width;
+    report.height = loaded_.scene.image.height;
+    report.maxDepth = loaded_.scene.maxDepth;
+    report.defaultSampler = nameOf(loaded_.scene.image.sampler);
+    return report;
+}
+
+double SceneSweep::work(const Batch& batch, const SceneReport& report) const {
+    double sum = 0;
+    for (const Configuration& c : batch.configurations)
+        if (report.find(keyOf(c)) == nullptr) sum += c.spp * (limits_.repeats + 1.0);
+    return sum;
+}
+
+PackedSamples SceneSweep::samplesOf(Sampler sampler, int spp, uint32_t seed) const {
+    ImageSettings image = loaded_.scene.image;
+    image.sampler = sampler;
+    image.samplesPerPixel = spp;
+    image.seed = seed;
+    return packSamples(image, loaded_.scene.camera.lensRadius > 0);
+}
+
+const SceneSweep::Truth* SceneSweep::truthOf(Sampler sampler, int spp, uint32_t seed) {
+    const auto key = std::make_tuple(sampler, spp, seed);
+    if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
+    const ImageSettings& image = loaded_.scene.image;
+    reference::RenderOptions options;
+    options.samples = samplesOf(sampler, spp, seed);
+    options.cancelled = limits_.cancelled;
+    const reference::RenderResult result =
+        reference::render(loaded_.packed, camera_, image.width, image.height, options);
+    if (!result.complete) return nullptr;
+    Truth truth;
+    for (const reference::PixelResult& pixel : result.pixels) {
+        truth.colors.push_back(pixel.color);
+        truth.paths.push_back(pixel.pathHash);
+    }
+    return &truths_.emplace(key, std::move(truth)).first->second;
+}
+
+const SceneSweep::Truth* SceneSweep::converged() {
+    // Another seed: a picture must not be close to the truth because it shares its samples.
+    const uint32_t seed = loaded_.scene.image.seed + 1;
+    if (limits_.truth == Backend::Cpu) return truthOf(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
+    if (deviceTruth_) return deviceTruth_.get();
+    render::Renderer renderer(device_, loaded_.packed);
+    render::RenderSettings settings;
+    settings.width = loaded_.scene.image.width;
+    settings.height = loaded_.scene.image.height;
+    settings.samples = samplesOf(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
+    settings.cancelled = limits_.cancelled;
+    const Picture picture = renderer.render(camera_, settings);
+    if (!picture.complete) return nullptr;
+    deviceTruth_ = std::make_unique<Truth>();
+    for (size_t i = 0; i < picture.done.size(); ++i) deviceTruth_->colors.push_back(colorOf(picture, i));
+    return deviceTruth_.get();
+}
+
+SceneSweep::Machine& SceneSweep::machineOf(const Configuration& c) {
+    std::unique_ptr<Machine>& machine = machines_[keyOf(machineKind(c))];
+    if (machine) return *machine;
+    machine = std::make_unique<Machine>();
+    machine->scene = loaded_.packed;
+    machine->scene.methods = c.methods;
+    machine->scene.environment.minContribution = static_cast<float>(c.minContribution);
+    render::Options options;
+    options.leaveOut = c.leaveOut;
+    options.access = c.access;
+    machine->renderer = std::make_unique<render::Renderer>(device_, machine->scene, options);
+    return *machine;
+}
+
+bool SceneSweep::judge(Run& run, const Picture& picture) {
+    const Configuration& c = run.configuration;
+    const Truth* truth = converged();
+    if (truth == nullptr) return false;
+    run.measured.total = measureError(picture.color, truth->colors);
+    if (c.spp > kMaxArithmeticSamples) return true;
+    const Truth* same = truthOf(c.sampler, c.spp, loaded_.scene.image.seed);
+    if (same == nullptr) return false;
+    std::vector<uint32_t> paths;
+    for (const PixelData& data : picture.data) paths.push_back(data.pathHash);
+    run.measured.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
+    return true;
+}
+
+bool SceneSweep::renderOnce(Run& run, bool timed) {
+    const Configuration& c = run.configuration;
+    render::RenderSettings settings;
+    settings.width = loaded_.scene.image.width;
+    settings.height = loaded_.scene.image.height;
+    settings.samples = samplesOf(c.sampler, c.spp, loaded_.scene.image.seed);
+    settings.data = true;  // the error by paths and the time come from one run
+    settings.ledger = c.minContribution > 0;
+    settings.maxDepth = c.maxDepth;
+    settings.cancelled = limits_.cancelled;
+    render::Renderer& renderer = *run.machine->renderer;
+    const render::StageTimes before = renderer.times();
+    const Stopwatch watch;
+    const Picture picture = renderer.render(camera_, settings);
+    if (!picture.complete) return false;
+    const render::StageTimes& after = renderer.times();
+    const double compile = after.compile - before.compile;
+    const double seconds = watch.seconds() - compile;
+    limits_.worked(c.spp);
+    run.measured.compile += compile;
+    run.measured.upload = after.upload;
+    if (!timed) return true;
+    run.spent += seconds;
+    run.wall.push_back(seconds);
+    run.device.push_back(after.device - before.device);
+    run.measured.readback = after.readback - before.readback;
+    run.measured.rays = after.pathRays - before.pathRays;
+    return run.wall.size() > 1 || judge(run, picture);
+}
+
+bool SceneSweep::warmUp(const Batch& batch, SceneReport& report, std::vector<Run>& runs) {
+    for (const Configuration& c : batch.configurations) {
+        const std::string key = keyOf(c);
+        if (report.find(key) != nullptr) continue;
+        if (limits_.late()) {
+            report.leftOut.push_back(key);
+            continue;
+        }
+        Run run;
+        run.configuration = c;
+        run.machine = &machineOf(c);
+        run.measured.key = key;
+        run.measured.family = c.family;
+        run.measured.sampler = nameOf(c.sampler);
+        run.measured.spp = c.spp;
+        run.measured.depth = c.maxDepth.value_or(loaded_.scene.maxDepth);
+        run.measured.minContribution = c.minContribution;
+        if (c.spp <= kMaxWarmUpSamples && !renderOnce(run, false)) return false;
+        runs.push_back(std::move(run));
+    }
+    return true;
+}
+
+bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
+    std::vector<Run> runs;
+    if (!warmUp(batch, report, runs)) return false;
+    if (report.stiffness.empty() && !runs.empty()) {
+        report.kappa = verify::conditionNumber(reference::Tracer(loaded_.packed), camera_,
+                                               loaded_.scene.image.width, loaded_.scene.image.height);
+        report.stiffness = verify::className(verify::classOf(report.kappa));
+    }
+    for (int round = 0; round < limits_.repeats; ++round) {
+        for (Run& run : runs) {
+            if (limits_.cancelled()) return false;
+            if (run.enough(limits_.repeats)) {
+                limits_.worked(run.configuration.spp);
+            } else if (!renderOnce(run, true)) {
+                return false;
+            }
+        }
+    }
+    for (Run& run : runs) {
+        run.measured.wall = quartilesOf(run.wall);
+        run.measured.device = quartilesOf(run.device);
+        run.measured.repeats = static_cast<int>(run.wall.size());
+        report.measured.push_back(std::move(run.measured));
+    }
+    std::erase_if(machines_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });
+    return true;
+}
+
+}  // namespace glint::app

@@ -1,0 +1,70 @@
+// Measures the configurations of one scene.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "app/common.h"
+#include "app/report_plan.h"
+#include "core/stopwatch.h"
+#include "reference/render.h"
+
+namespace glint::app {
+
+struct SweepLimits {
+    int repeats = 5;
+    int truthSamples = 256;
+    Backend truth = Backend::Cpu;
+    std::function<bool()> late;  // no configuration is started any more
+    std::function<bool()> cancelled;
+    std::function<bool(const Configuration&)> wanted;
+    std::function<void(double)> worked;  // samples times pictures done, for progress
+};
+
+class SceneSweep {
+  public:
+    // `path`: of the scene; `width`: of the pictures, in pixels, the height follows the scene's proportions.
+    SceneSweep(const gpu::Device& device, const std::filesystem::path& path, int width, SweepLimits limits,
+               std::ostream& err);
+    ~SceneSweep();
+
+    const std::vector<Batch>& batches() const { return batches_; }
+    // What `worked` sums up to for the configurations of a batch that `report` lacks.
+    double work(const Batch& batch, const SceneReport& report) const;
+    // Sizes, names, hash; without measurements.
+    SceneReport emptyReport() const;
+    // Adds what `report` lacks of the batch. False if cancelled, and then what was not finished is missing.
+    bool measure(const Batch& batch, SceneReport& report);
+
+  private:
+    struct Truth {
+        std::vector<glm::dvec3> colors;
+        std::vector<uint32_t> paths;
+    };
+    struct Run;
+    struct Machine;
+
+    PackedSamples samplesOf(Sampler sampler, int spp, uint32_t seed) const;
+    const Truth* truthOf(Sampler sampler, int spp, uint32_t seed);  // null: cancelled
+    const Truth* converged();
+    Machine& machineOf(const Configuration& configuration);
+    bool renderOnce(Run& run, bool timed);
+    bool judge(Run& run, const Picture& picture);
+    bool warmUp(const Batch& batch, SceneReport& report, std::vector<Run>& runs);
+
+    const gpu::Device& device_;
+    std::filesystem::path path_;
+    SweepLimits limits_;
+    LoadedScene loaded_;
+    shared::Camera camera_;
+    std::vector<Batch> batches_;
+    std::map<std::tuple<Sampler, int, uint32_t>, Truth> truths_;
+    std::unique_ptr<Truth> deviceTruth_;
+    std::map<std::string, std::unique_ptr<Machine>> machines_;
+};
+
+// FNV-1a over the bytes, 64 bits, in hexadecimal.
+std::string hashOf(const std::vector<uint8_t>& bytes);
+
+}  // namespace glint::app

@@ -1,0 +1,228 @@
+// Tables and words of a report.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "app/report_write.h"
+#include "verify/stiffness.h"
+
+namespace glint::app {
+
+namespace {
+
+constexpr const char* kSamplers[] = {"grid", "jittered", "lowDiscrepancy"};
+
+std::string row(const std::vector<std::string>& cells) {
+    std::string line = "|";
+    for (const std::string& cell : cells) line += " " + cell + " |";
+    return line + "\n";
+}
+
+std::string header(const std::vector<std::string>& cells) {
+    std::string line = row(cells) + "|";
+    for (size_t i = 0; i < cells.size(); ++i) line += "---|";
+    return line + "\n";
+}
+
+std::string milliseconds(double seconds) {
+    return shortNumber(seconds * 1e3);
+}
+
+bool isSampler(const std::string& family) {
+    return std::find(std::begin(kSamplers), std::end(kSamplers), family) != std::end(kSamplers);
+}
+
+std::string nameOf(const Measured& m) {
+    const std::string name = m.family + ", " + std::to_string(m.spp) + " spp";
+    return isSampler(m.family) ? name : name + " lowDiscrepancy";
+}
+
+std::string samplingTable(const SceneReport& scene) {
+    std::string out = header(
+        {"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "max", "> 1/255 %", "Mrays/s"});
+    for (const char* sampler : kSamplers) {
+        for (const Measured* m : familyOf(scene, sampler)) {
+            const double rate = m->wall.median > 0 ? static_cast<double>(m->rays) / m->wall.median / 1e6 : 0;
+            out +=
+                row({sampler, std::to_string(m->spp),
+                     milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
+                         milliseconds(m->wall.high) + ")",
+                     milliseconds(m->device.median), shortNumber(m->total.rmse), shortNumber(m->total.relMse),
+                     shortNumber(m->total.max), shortNumber(m->total.percentVisible), shortNumber(rate)});
+        }
+    }
+    return out;
+}
+
+std::string slopeLine(const SceneReport& scene) {
+    std::string out = "Slopes of error against samples:";
+    for (const char* sampler : kSamplers) {
+        std::vector<double> x, y;
+        for (const Measured* m : familyOf(scene, sampler)) {
+            x.push_back(m->spp);
+            y.push_back(m->total.rmse);
+        }
+        const auto slope = logSlope(x, y);
+        out += std::string(" ") + sampler + " " + (slope ? shortNumber(*slope) : "not measured") + ",";
+    }
+    return out +
+           " where -1/2 is expected of random samples, -3/4 of stratified ones at edges, -1 of smooth "
+           "pictures.\n";
+}
+
+// At one sample, where a pixel is one path: rounding alone, by method.
+std::string methodTable(const SceneReport& scene) {
+    std::string out = header({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
+                              "other path, pixels", "RMSE, all", "> 1/255 %", "> 1e-3 %", "bias"});
+    for (const Measured& m : scene.measured) {
+        if (m.spp != 1 || !m.arithmetic || m.family == "depth" || m.family == "cut" || isSampler(m.family))
+            continue;
+        const ArithmeticError& a = *m.arithmetic;
+        out += row({m.family,
+                    milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
+                        milliseconds(m.wall.high) + ")",
+                    milliseconds(m.compile), shortNumber(a.samePath.rmse), shortNumber(a.samePath.max),
+                    std::to_string(a.otherPath.pixels), shortNumber(a.all.rmse),
+                    shortNumber(a.all.percentVisible), shortNumber(a.all.percentSmall),
+                    shortNumber(a.all.bias)});
+    }
+    return out;
+}
+
+std::string truncationTable(const SceneReport& scene) {
+    if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
+    std::string out = header({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "max", "> 1/255 %", "bias"});
+    for (const Measured& m : scene.measured) {
+        if ((m.family != "depth" && m.family != "cut") || !m.arithmetic) continue;
+        const std::string name = m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
+                                                   : "depth " + std::to_string(m.depth);
+        const ErrorMeasures& e = m.arithmetic->all;
+        out += row({name,
+                    milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
+                        milliseconds(m.wall.high) + ")",
+                    shortNumber(e.rmse), shortNumber(e.max), shortNumber(e.percentVisible),
+                    shortNumber(e.bias)});
+    }
+    return "\n" + out;
+}
+
+std::string stabilityTable(const ReportData& data) {
+    std::string out =
+        header({"scene", "kappa", "class", "expected kappa u", "measured p99", "RMSE, same path"});
+    for (const SceneReport& scene : data.scenes) {
+        for (const Measured* m : familyOf(scene, "lowDiscrepancy")) {
+            if (m->spp != 1 || !m->arithmetic) continue;
+            out += row({scene.name, shortNumber(scene.kappa), scene.stiffness,
+                        shortNumber(scene.kappa * verify::kFloatUnit), shortNumber(m->arithmetic->all.p99),
+                        shortNumber(m->arithmetic->samePath.rmse)});
+        }
+    }
+    return out;
+}
+
+// The quickest that is good enough, in words; of the samplers, which took turns.
+std::string cheapestFor(const SceneReport& scene, double wanted) {
+    const Measured* best = nullptr;
+    for (const Measured& m : scene.measured) {
+        if (m.total.rmse > wanted || !isSampler(m.family)) continue;
+        if (best == nullptr || m.wall.median < best->wall.median) best = &m;
+    }
+    if (best == nullptr) return "Nothing measured reaches an error of " + shortNumber(wanted) + ". ";
+    return "For an error of " + shortNumber(wanted) + " the cheapest is " + nameOf(*best) + ": " +
+           shortNumber(best->wall.median * 1e3) + " ms. ";
+}
+
+// What beats `m`: as exact, and quicker by more than the runs scatter. Only of settings that took turns with
+// it: between batches a busy machine drifts by more than methods differ.
+const Measured* clearlyBetter(const SceneReport& scene, const Measured& m) {
+    const Measured* best = nullptr;
+    for (const Measured& other : scene.measured) {
+        if (isSampler(other.family) != isSampler(m.family)) continue;
+        if (other.total.rmse > m.total.rmse || other.wall.high >= m.wall.low) continue;
+        if (best == nullptr || other.wall.median < best->wall.median) best = &other;
+    }
+    return best;
+}
+
+std::string defaultOnFront(const SceneReport& scene, const std::string& sampler, const std::string& subject) {
+    std::string on, beaten;
+    for (const Measured* m : familyOf(scene, sampler)) {
+        const Measured* better = clearlyBetter(scene, *m);
+        std::string& list = better == nullptr ? on : beaten;
+        list += (list.empty() ? "" : ", ") + std::to_string(m->spp);
+        if (better != nullptr) list += " (by " + nameOf(*better) + ")";
+    }
+    if (on.empty() && beaten.empty()) return "";
+    std::string out = subject + " is ";
+    out += on.empty() ? "on the front nowhere"
+                      : "on the front, within the scatter of the times, at " + on + " spp";
+    return out + (beaten.empty() ? ". " : "; beaten at " + beaten + ". ");
+}
+
+}  // namespace
+
+std::string shortNumber(double value) {
+    char text[32];
+    const bool whole = std::abs(value) >= 1000 && std::abs(value) < 1e6;
+    std::snprintf(text, sizeof(text), whole ? "%.0f" : "%.3g", value);
+    return text;
+}
+
+std::vector<const Measured*> familyOf(const SceneReport& scene, const std::string& family) {
+    std::vector<const Measured*> points;
+    for (const Measured& m : scene.measured)
+        if (m.family == family) points.push_back(&m);
+    std::stable_sort(points.begin(), points.end(),
+                     [](const Measured* a, const Measured* b) { return a->spp < b->spp; });
+    return points;
+}
+
+std::vector<std::string> familiesOf(const SceneReport& scene) {
+    std::vector<std::string> families;
+    for (const Measured& m : scene.measured) {
+        if (m.family == "depth" || m.family == "cut") continue;
+        if (std::find(families.begin(), families.end(), m.family) == families.end())
+            families.push_back(m.family);
+    }
+    return families;
+}
+
+std::vector<const Measured*> frontOf(const SceneReport& scene) {
+    std::vector<WorkPoint> points;
+    for (const Measured& m : scene.measured) points.push_back({m.wall.median, m.total.rmse});
+    std::vector<const Measured*> front;
+    for (const size_t i : paretoFront(points)) front.push_back(&scene.measured[i]);
+    return front;
+}
+
+std::string conclusionOf(const SceneReport& scene) {
+    if (scene.measured.empty()) return "Nothing was measured.";
+    std::string out = cheapestFor(scene, 1e-2) + cheapestFor(scene, 1e-3);
+    out += defaultOnFront(scene, "grid", "The default (grid sampler, default methods)");
+    out += defaultOnFront(scene, "lowDiscrepancy", "lowDiscrepancy with the default methods");
+    out += defaultOnFront(scene, kDefaultAmongMethods, "Among the methods the default");
+    std::string front;
+    for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + nameOf(*m);
+    return out + "The front by medians: " + front + ".";
+}
+
+std::string toMarkdown(const ReportData& data) {
+    std::string out = "device: " + data.device + ", " + data.driver + ", Vulkan " + data.api + "; " +
+                      std::to_string(data.cores) + " cores; glint " + data.version + "\n";
+    out += "converged pictures: " + data.truthBackend + ", " + std::to_string(data.truthSamples) +
+           " lowDiscrepancy samples of another seed\n";
+    for (const SceneReport& scene : data.scenes) {
+        out += "\n## " + scene.name + "\n\n" + std::to_string(scene.width) + " x " +
+               std::to_string(scene.height) + " pixels, greatest depth " + std::to_string(scene.maxDepth) +
+               ", kappa " + shortNumber(scene.kappa) + " (" + scene.stiffness + ")\n\n";
+        out += samplingTable(scene) + "\n" + slopeLine(scene) + "\n" + methodTable(scene) +
+               truncationTable(scene) + "\n" + conclusionOf(scene) + "\n";
+        if (!scene.leftOut.empty()) {
+            out += "\nLeft out for want of time:\n";
+            for (const std::string& key : scene.leftOut) out += "- " + key + "\n";
+        }
+    }
+    return out + "\n## Stability\n\n" + stabilityTable(data);
+}
+
+}  // namespace glint::app

@@ -1,0 +1,91 @@
+// `glint report` from end to end, on a scene of few pixels.
+#include <nlohmann/json.hpp>
+
+#include "core/interrupt.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+class GpuReport : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        // No mirrors and no triangles: few configurations.
+        writeText("a.json", sceneText(16, 12, R"("background": 0.5, "ambient": 0.1,
+  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
+  "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},
+  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"}])"));
+    }
+    // One kind of pipeline, as compiling takes most of the time.
+    Ran report(std::vector<std::string> more = {}) {
+        std::vector<std::string> args = {"report",      "a.json", "-o",        "out",
+                                         "--size",      "16",     "--repeats", "2",
+                                         "--truth-spp", "64",     "--only",    "lowDiscrepancy"};
+        args.insert(args.end(), more.begin(), more.end());
+        return runGlint(args);
+    }
+    static nlohmann::json readJson() {
+        const auto bytes = readBytes("out/report.json");
+        return nlohmann::json::parse(bytes.begin(), bytes.end());
+    }
+};
+
+TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
+    const Ran ran = report();
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json first = readJson();
+    const nlohmann::json& scene = first["scenes"][0];
+    EXPECT_EQ(scene["width"], 16);
+    EXPECT_EQ(scene["height"], 12);
+    EXPECT_EQ(scene["configurations"].size(), 4u) << "1, 4, 16 and 64 samples";
+    for (const nlohmann::json& c : scene["configurations"]) {
+        EXPECT_EQ(c["repeats"], 2) << c["key"];
+        EXPECT_GT(c["wallSeconds"]["median"].get<double>(), 0) << c["key"];
+        EXPECT_GE(c["rays"].get<uint64_t>(), 192u * c["spp"].get<uint64_t>()) << c["key"];
+        EXPECT_EQ(c["total"]["pixels"], 192) << c["key"];
+        EXPECT_EQ(c["arithmetic"].is_null(), c["spp"] == 64) << c["key"];
+        // A sphere and a light by the default methods: what is left against double is rounding, a few units
+        // of 2^-24 in colours below 1.
+        if (c["spp"] == 1 && c["family"] == "lowDiscrepancy") {
+            EXPECT_LT(c["arithmetic"]["samePath"]["max"].get<double>(), 1e-5);
+            EXPECT_GT(c["arithmetic"]["samePath"]["max"].get<double>(), 0);
+        }
+    }
+    const Ran again = report();
+    EXPECT_EQ(again.code, 0);
+    EXPECT_EQ(again.out, ran.out) << "times to the last digit: nothing was run again";
+    EXPECT_EQ(readJson(), first);
+    EXPECT_TRUE(std::filesystem::exists("out/report.html"));
+    EXPECT_TRUE(std::filesystem::exists("out/report.csv"));
+    EXPECT_TRUE(std::filesystem::exists("out/a.precision.svg"));
+
+    writeText("a.json", sceneText(16, 12, "\"background\": 0.25"));
+    EXPECT_EQ(report({"--budget", "0"}).code, 0);
+    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u) << "another scene under the same name";
+}
+
+TEST_F(GpuReport, BudgetLeavesOutAndSaysWhat) {
+    const Ran ran = report({"--budget", "0"});
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(
+        ran.out.find(
+            "Left out for want of time:\n- lowDiscrepancy 1 watertight robust gamma7 errorBox depth=scene "
+            "cut=0 pruned auto\n"),
+        std::string::npos)
+        << ran.out;
+    EXPECT_EQ(readJson()["scenes"][0]["leftOut"].size(), 4u);
+}
+
+TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {
+    std::filesystem::create_directory("out");
+    writeText("out/report.json", "[]");
+    const Ran ran = report();
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(ran.err,
+              "glint: out/report.json: not a report of this version; give another folder, or remove it\n");
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out"}));
+}
+
+}  // namespace
+}  // namespace glint::app::test

@@ -1,0 +1,269 @@
+// What `glint report` computes and writes, without a device.
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/report_measures.h"
+#include "app/report_plan.h"
+#include "app/report_statistics.h"
+#include "app/report_write.h"
+#include "core/error.h"
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+// Two pixels of 3 channels; the differences are chosen, so every measure follows by hand.
+TEST(ReportMeasures, FollowFromTheirDefinitions) {
+    Image picture(2, 1, 4);
+    const float colors[] = {0.5f, 0.25f, 0, 1, 0.5f, 0.5f, 0.5f, 1};
+    picture.pixels.assign(std::begin(colors), std::end(colors));
+    const std::vector<glm::dvec3> truth = {{0.5, 0.25, 0.25}, {0.5, 0.5, 0.498046875}};  // -1/4, +1/512
+    const ErrorMeasures m = measureError(picture, truth);
+    EXPECT_EQ(m.pixels, 2u);
+    EXPECT_NEAR(m.rmse, std::sqrt((1.0 / 16 + 1.0 / 262144) / 6), 1e-15);
+    EXPECT_NEAR(m.relMse,
+                (0.0625 / (0.0625 + 0.01) + std::pow(1.0 / 512, 2) / (0.498046875 * 0.498046875 + 0.01)) / 6,
+                1e-15);
+    EXPECT_EQ(m.max, 0.25);
+    EXPECT_EQ(m.percentVisible, 50) << "1/512 is below 1/255";
+    EXPECT_EQ(m.percentSmall, 100) << "and above 1e-3";
+    EXPECT_NEAR(m.bias, (-0.25 + 1.0 / 512) / 6, 1e-15);
+}
+
+TEST(ReportMeasures, SplitByPathsAndLeaveOutWhatIsNotFinite) {
+    Image picture(3, 1, 4, 0.5f);
+    picture.at(1, 0, 0) = 0.75f;
+    picture.at(2, 0, 1) = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<glm::dvec3> truth(3, glm::dvec3(0.5));
+    const std::vector<uint32_t> paths = {1, 2, 3}, truthPaths = {1, 9, 3};
+    const ArithmeticError a = measureArithmetic(picture, paths, truth, truthPaths);
+    EXPECT_EQ(a.samePath.pixels, 1u);
+    EXPECT_EQ(a.samePath.notFinite, 1u);
+    EXPECT_EQ(a.samePath.rmse, 0);
+    EXPECT_EQ(a.otherPath.pixels, 1u);
+    EXPECT_NEAR(a.otherPath.rmse, 0.25 / std::sqrt(3.0), 1e-15);
+    EXPECT_EQ(a.all.pixels, 2u);
+    EXPECT_EQ(measureError(picture, truth, std::vector<uint8_t>(3, 0)).pixels, 0u);
+}
+
+// Hyndman and Fan's definition 7: the quantile p of n values lies (n - 1) p steps from the least.
+TEST(ReportStatistics, Quartiles) {
+    const Quartiles four = quartilesOf({4, 1, 3, 2});
+    EXPECT_EQ(four.low, 1.75);
+    EXPECT_EQ(four.median, 2.5);
+    EXPECT_EQ(four.high, 3.25);
+    const Quartiles five = quartilesOf({50, 10, 30, 20, 40});
+    EXPECT_EQ(five.low, 20);
+    EXPECT_EQ(five.median, 30);
+    EXPECT_EQ(five.high, 40);
+    EXPECT_EQ(quartilesOf({7}).low, 7);
+    EXPECT_EQ(quartilesOf({}).median, 0);
+}
+
+TEST(ReportStatistics, ParetoFront) {
+    const std::vector<WorkPoint> points = {{3, 1}, {1, 5}, {2, 5}, {2, 3}, {4, 1}, {1, 6}, {2, 3}};
+    EXPECT_EQ(paretoFront(points), (std::vector<size_t>{1, 3, 0}));
+    EXPECT_TRUE(paretoFront({}).empty());
+}
+
+// Exact power laws have their exponent for a slope, whatever their factor.
+TEST(ReportStatistics, SlopeOfPowerLaws) {
+    const std::vector<double> x = {1, 4, 16, 64};
+    for (const double exponent : {-0.5, -0.75, -1.0}) {
+        std::vector<double> y;
+        for (const double v : x) y.push_back(0.37 * std::pow(v, exponent));
+        EXPECT_NEAR(logSlope(x, y).value(), exponent, 1e-14);
+    }
+    const std::vector<double> zeros = {0, 0, 0, 1};
+    EXPECT_FALSE(logSlope(x, zeros)) << "one point is no line";
+    EXPECT_FALSE(logSlope(std::vector<double>{2, 2}, std::vector<double>{1, 3}));
+}
+
+TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
+    SceneFeatures features;
+    features.spheres = true;
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer);
+    std::set<std::string> keys;
+    size_t count = 0;
+    for (const Batch& batch : batches) {
+        for (const Configuration& c : batch.configurations) {
+            keys.insert(keyOf(c));
+            ++count;
+            EXPECT_EQ(c.methods.triangles, TriangleMethod::Watertight) << "there are no triangles";
+        }
+    }
+    EXPECT_EQ(keys.size(), count);
+    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full and access, each at 2
+    // counts; no mirrors, so no depth.
+    EXPECT_EQ(count, 12u + 18u);
+    features.mirrors = true;
+    // Depths 0 1 2 3 4 and the whole, and three cuts.
+    EXPECT_EQ(planScene(features, true, 5, std::nullopt)[2].configurations.size(), 9u);
+}
+
+Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
+                    double error) {
+    Measured m;
+    m.key = family + std::to_string(spp);
+    m.family = family;
+    m.sampler = sampler;
+    m.spp = spp;
+    m.total.rmse = error;
+    m.total.pixels = 12;
+    m.wall = {0.9 * seconds, seconds, 1.1 * seconds};
+    m.repeats = 5;
+    if (spp <= 16) {
+        m.arithmetic.emplace();
+        m.arithmetic->all.rmse = 1e-7;
+        m.arithmetic->samePath.pixels = 12;
+    }
+    return m;
+}
+
+ReportData sampleReport() {
+    ReportData data;
+    data.version = "1";
+    data.device = "a \"device\" <&>";
+    data.cores = 2;
+    data.truthBackend = "reference";
+    SceneReport scene;
+    scene.name = "bowl, \"red\" & <blue>";
+    scene.width = 4;
+    scene.height = 3;
+    scene.maxDepth = 5;
+    scene.kappa = 50;
+    scene.stiffness = "non-stiff";
+    scene.measured = {measuredAt("grid", "grid", 1, 1, 0.04),
+                      measuredAt("grid", "grid", 4, 4, 0.02),
+                      measuredAt("grid", "grid", 16, 16, 0.01),
+                      measuredAt("lowDiscrepancy", "lowDiscrepancy", 4, 4, 0.005),
+                      measuredAt("offset: none", "lowDiscrepancy", 4, 3.9, 0.3),
+                      measuredAt("depth", "lowDiscrepancy", 4, 2, 0.1)};
+    scene.leftOut = {"grid 64"};
+    data.scenes.push_back(scene);
+    return data;
+}
+
+TEST(ReportWriting, JsonComesBack) {
+    const ReportData data = sampleReport();
+    const std::string text = toJson(data);
+    EXPECT_TRUE(nlohmann::json::accept(text));
+    const ReportData back = fromJson(text, "a");
+    EXPECT_EQ(toJson(back), text);
+    EXPECT_EQ(back.scenes[0].measured[2].total.rmse, 0.01);
+    EXPECT_TRUE(back.scenes[0].measured[2].arithmetic.has_value());
+    EXPECT_THROW(fromJson("{}", "a"), Error);
+    EXPECT_THROW(fromJson("{", "a"), Error);
+}
+
+// Fields of a line of RFC 4180.
+std::vector<std::string> csvFields(const std::string& line) {
+    std::vector<std::string> fields(1);
+    bool quoted = false;
+    for (size_t i = 0; i < line.size(); ++i) {
+        if (quoted && line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+            fields.back() += line[i++];
+        } else if (line[i] == '"') {
+            quoted = !quoted;
+        } else if (line[i] == ',' && !quoted) {
+            fields.emplace_back();
+        } else {
+            fields.back() += line[i];
+        }
+    }
+    EXPECT_FALSE(quoted);
+    return fields;
+}
+
+TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
+    ReportData data = sampleReport();
+    data.scenes[0].measured.push_back(measuredAt("grid", "grid", 64, 64, 0.001));  // without arithmetic
+    std::istringstream lines(toCsv(data));
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(lines, line);) rows.push_back(csvFields(line));
+    ASSERT_EQ(rows.size(), 8u);
+    for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
+    EXPECT_EQ(rows[1][0], "bowl, \"red\" & <blue>");
+    EXPECT_EQ(rows[0][7], "totalRmse");
+    EXPECT_EQ(rows[3][7], "0.01");
+}
+
+// Every tag closed in the order of opening; no script, nothing fetched.
+void expectWellFormed(const std::string& text) {
+    std::vector<std::string> open;
+    for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+        const size_t end = text.find('>', at);
+        ASSERT_NE(end, std::string::npos);
+        const std::string tag = text.substr(at + 1, end - at - 1);
+        ASSERT_EQ(tag.find('<'), std::string::npos) << tag;
+        if (tag.starts_with("!") || tag.ends_with("/")) continue;
+        if (tag.starts_with("/")) {
+            ASSERT_FALSE(open.empty());
+            ASSERT_EQ(tag.substr(1), open.back());
+            open.pop_back();
+        } else {
+            open.push_back(tag.substr(0, tag.find(' ')));
+        }
+    }
+    EXPECT_TRUE(open.empty());
+    for (size_t at = text.find('&'); at != std::string::npos; at = text.find('&', at + 1))
+        EXPECT_LT(text.find(';', at), at + 7) << text.substr(at, 20);
+}
+
+TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
+    const ReportData data = sampleReport();
+    const std::string page = toHtml(data);
+    expectWellFormed(page);
+    expectWellFormed(precisionDiagram(data.scenes[0]));
+    expectWellFormed(truncationDiagram(data.scenes[0]));
+    EXPECT_NE(page.find("<svg "), std::string::npos);
+    EXPECT_NE(page.find("bowl, &quot;red&quot; &amp; &lt;blue&gt;: error against time"), std::string::npos);
+    EXPECT_NE(precisionDiagram(data.scenes[0]).find("grid (1, 4, 16, 64)"), std::string::npos);
+    EXPECT_NE(page.find("offset: none"), std::string::npos) << "losers are shown";
+    for (const char* foreign : {"<script", "src=", "href=", "@import", "url("})
+        EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+    expectWellFormed(toHtml({}));
+    EXPECT_EQ(precisionDiagram({}), "");
+    EXPECT_EQ(truncationDiagram({}), "");
+}
+
+// By hand from the sample: 0.005 is reached at 4 s; grid's 16 samples are beaten by that, its 1 sample by
+// nothing.
+TEST(ReportWriting, ConclusionInWords) {
+    const std::string words = conclusionOf(sampleReport().scenes[0]);
+    EXPECT_NE(words.find("For an error of 0.01 the cheapest is lowDiscrepancy, 4 spp: 4000 ms."),
+              std::string::npos)
+        << words;
+    EXPECT_NE(words.find("Nothing measured reaches an error of 0.001."), std::string::npos) << words;
+    EXPECT_NE(words.find("at 1, 4 spp; beaten at 16 (by lowDiscrepancy, 4 spp)."), std::string::npos)
+        << words;
+    EXPECT_NE(words.find("The front by medians: grid, 1 spp; lowDiscrepancy, 4 spp."), std::string::npos)
+        << words;
+    EXPECT_EQ(conclusionOf({}), "Nothing was measured.");
+}
+
+TEST(ReportArguments, AreChecked) {
+    const std::pair<std::vector<std::string>, std::string> cases[] = {
+        {{"report"}, "report: SCENE is missing; see glint report --help"},
+        {{"report", "a.json"}, "report: --output is missing; see glint report --help"},
+        {{"report", "a.json", "-o", ""}, "--output: the folder's name is empty"},
+        {{"report", "a.json", "-o", "x", "--repeats", "0"},
+         "--repeats: expected a whole number from 1 to 1000, got \"0\""},
+        {{"report", "a.json", "-o", "x", "--truth", "x"}, "--truth: expected gpu or cpu, got \"x\""},
+        {{"report", "a.json", "-o", "x", "--budget", "-1"},
+         "--budget: expected a whole number from 0 to 10000000, got \"-1\""},
+        {{"report", "a.json", "-o", "x", "--only", "grod"},
+         "--only: unknown setting \"grod\" (did you mean \"grid\"?)"},
+        {{"report", "a.json", "-o", "x", "--size", "3"},
+         "--size: expected a whole number from 4 to 4096, got \"3\""},
+    };
+    for (const auto& [args, message] : cases) {
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 2);
+        EXPECT_EQ(ran.err, "glint: " + message + "\n");
+    }
+}
+
+}  // namespace
+}  // namespace glint::app::test
