@@ -34,12 +34,7 @@ const Bad kScenes[] = {
     {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
     {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
      ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
-     "mesh)"},
-    {"unsupportedType", "a.json",
-     R"({"objects": [{"type": "cone", "base": [0,0,0], "apex": [0,1,0], "radius": 1}]})",
-     ": /objects/0/type: \"cone\" is not supported by this version (supported: sphere, plane, disc, "
-     "triangle, "
-     "polygon, mesh)"},
+     "quadric, ellipsoid, cylinder, cone, hyperboloid, paraboloid, mesh, group)"},
     {"transmission", "a.json", R"({"materials": {"glass": {"transmission": 2}}})",
      ": /materials/glass/transmission: must be from 0 to 1 (got 2)"},
     {"spot", "a.json",
@@ -60,7 +55,7 @@ const Bad kScenes[] = {
      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n",
      ":11: the file ends after 2 of 3 elements \"vertex\""},
-    {"unknownKind", "a.gltf", "{}",
+    {"unknownKind", "a.dae", "{}",
      ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model .obj, .ply or .stl)"},
 };
 INSTANTIATE_TEST_SUITE_P(All, BadScene, ::testing::ValuesIn(kScenes),
