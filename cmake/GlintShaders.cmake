@@ -16,6 +16,10 @@ endfunction()
 
 glint_find_shader_tool(GLINT_GLSLANG_VALIDATOR glslangValidator glslang-tools)
 glint_find_shader_tool(GLINT_SPIRV_VAL spirv-val spirv-tools)
+glint_find_shader_tool(GLINT_SPIRV_OPT spirv-opt spirv-tools)
+# Drops what constants decide: branches never taken and functions never called. It changes no arithmetic.
+set(GLINT_SPIRV_PASSES --eliminate-dead-branches --eliminate-dead-functions --ccp --eliminate-dead-branches --merge-blocks
+                       --eliminate-dead-functions --eliminate-dead-code-aggressive)
 
 function(glint_shaders target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "SUFFIX" "SOURCES;DEFINES")
@@ -50,9 +54,11 @@ function(glint_shaders target)
     add_custom_command(
       OUTPUT ${module}.inc
       BYPRODUCTS ${module}
-      COMMAND ${compile} -o ${module} ${source}
+      COMMAND ${compile} --depfile ${module}.d -o ${module} ${source}
+      COMMAND ${GLINT_SPIRV_OPT} ${GLINT_SPIRV_PASSES} ${module} -o ${module}
       COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
-      COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
+      COMMAND ${CMAKE_COMMAND} -DMODULE=${module} -DNAME=${name}_spv -DOUTPUT=${module}.inc
+              -P ${CMAKE_SOURCE_DIR}/cmake/embed_words.cmake
       DEPENDS ${source} ${module}.h
       DEPFILE ${module}.d
       COMMENT "Compiling shader ${name}"

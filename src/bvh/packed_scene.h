@@ -36,11 +36,11 @@ struct SceneFeatures {
     bool textures = false;        // some material has an image
     bool environmentMap = false;
     bool vertexColors = false;
-    bool uvs = false;        // triangles with texture coordinates of their own
-    bool checkers = false;   // some material has a checker
-    bool alphaMask = false;  // some material's image cuts holes
+    bool uvs = false;             // triangles with texture coordinates of their own
+    bool checkers = false;        // some material has a checker
+    bool alphaMask = false;       // some material's image cuts holes
     bool splitTriangles = false;  // some triangles stand in the tree more than once
-    bool thinLens = false;   // it moves with the sample
+    bool thinLens = false;        // it moves with the sample
     bool operator==(const SceneFeatures&) const = default;
 };
 

@@ -98,6 +98,12 @@ uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32
     return common + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
+const KernelCode& kernelsFor(const Options& options, gpu::Access access, const SceneFeatures& features,
+                             const Methods& methods) {
+    if (options.kernels) return *options.kernels;
+    return basicKernelsDo(features, methods) ? basicKernels(access) : embeddedKernels(access);
+}
+
 struct Renderer::State {
     const gpu::Device& device;
     const PackedScene& scene;
@@ -129,7 +135,7 @@ struct Renderer::State {
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         !opts.leaveOut || looksUpTextures(packed.features))),
           features(opts.leaveOut ? packed.features : allFeatures()),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features,
+          pipelines(dev, kernelsFor(opts, access, features, packed.methods), access, features,
                     packed.methods),
           submission(dev) {
         const Stopwatch watch;

@@ -31,7 +31,8 @@ glm::dvec3 halfSizeOf(const Shape& shape);
 //   identity;
 // - a disc that does not stay round: it becomes the unit disc about 0 with normal z, so that all of them are
 //   stored once.
-// A sphere that does not stay round becomes an ellipsoid. Everything else is baked, in double. To do it twice changes nothing.
+// A sphere that does not stay round becomes an ellipsoid. Everything else is baked, in double. To do it twice
+// changes nothing.
 void placeObjects(Scene& scene);
 
 // False if placeObjects would change anything.

@@ -64,7 +64,8 @@ TEST(Group, mayBeNested24Deep) {
 }
 
 TEST(Group, wrongOnes) {
-    EXPECT_EQ(parseErrorOf(R"({"objects": [{"type": "group"}]})"), R"(s.json: /objects/0: missing key "objects")");
+    EXPECT_EQ(parseErrorOf(R"({"objects": [{"type": "group"}]})"),
+              R"(s.json: /objects/0: missing key "objects")");
     EXPECT_EQ(parseErrorOf(R"({"objects": [{"type": "group", "objects": 3}]})"),
               "s.json: /objects/0/objects: must be a list of objects (got 3)");
     EXPECT_EQ(parseErrorOf(

@@ -71,6 +71,6 @@ mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000083446503" "kFarPad = 1.0
 mutant(fixed_offset ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.
 mutant(raw_hit_point light.comp "traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);"
+                        work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);"
        "traversal.ray = Ray(ray.origin + hit.t * ray.direction, light.toLight, 0.0,
-                        facing && !MODE_SHADOWLESS ? light.tMax : -1.0, kNone, kNone);" light)
+                        work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, kNone, kNone);" light)
