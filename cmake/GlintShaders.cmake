@@ -54,7 +54,8 @@ function(glint_shaders target)
     add_custom_command(
       OUTPUT ${module}.inc
       BYPRODUCTS ${module}
-      COMMAND ${compile} --depfile ${module}.d -o ${module} ${source}
+      COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
+      COMMAND ${compile} -o ${module} ${source}
       COMMAND ${GLINT_SPIRV_OPT} ${GLINT_SPIRV_PASSES} ${module} -o ${module}
       COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
       COMMAND ${CMAKE_COMMAND} -DMODULE=${module} -DNAME=${name}_spv -DOUTPUT=${module}.inc

@@ -21,7 +21,7 @@ constexpr std::array<LayerText, kViewLayers> kTexts = {{
     {"color", "radiance"},
     {"depth", "distance from the eye: white is nearest, dark grey the farthest twentieth, black nothing"},
     {"normal", "outward shading normal: x, y, z as red, green, blue"},
-    {"uv", "barycentric u, v of a triangle as red, green"},
+    {"uv", "barycentric u, v of a triangle, or texture coordinates, as red, green"},
     {"object", "one colour for each object"},
     {"primitive", "one colour for each face"},
     {"material", "one colour for each material"},

@@ -34,7 +34,7 @@ const Bad kScenes[] = {
     {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
     {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
      ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
-     "quadric, ellipsoid, cylinder, cone, hyperboloid, paraboloid, mesh, group)"},
+     "quadric, ellipsoid, cylinder, ...)"},
     {"transmission", "a.json", R"({"materials": {"glass": {"transmission": 2}}})",
      ": /materials/glass/transmission: must be from 0 to 1 (got 2)"},
     {"spot", "a.json",

@@ -161,6 +161,7 @@ TEST(Texture, sphereCoordinatesInSixDirections) {
     maker.sphere({1, 2, 3}, 0.5f);
     PackedScene scene = maker.finish();
     shared::ObjectFrame frame;
+    frame.uvKind = shared::kUvNormal;
     frame.toObjectX = {1, 0, 0};
     frame.toObjectY = {0, 1, 0};
     frame.toObjectZ = {0, 0, 1};

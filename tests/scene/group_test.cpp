@@ -81,16 +81,16 @@ TEST(Group, wrongOnes) {
         "groups around it (condition number 1.41421e+14, the limit is 1e+12)");
 }
 
-TEST(Placement, roundShapesBecomeUnitShapes) {
+TEST(Placement, whatDoesNotStayRound) {
     const Scene scene = parse(R"({"objects": [
         {"type": "sphere", "center": [1, 2, 3], "radius": 2, "transform": [{"scale": [1, 2, 1]}]},
         {"type": "disc", "center": [1, 0, 0], "normal": [0, 3, 0], "radius": 2, "transform": [{"scale": [1, 5, 3]}]},
         {"type": "disc", "center": [1, 0, 0], "normal": [0, 3, 0], "radius": 2, "transform": [{"scale": [3, 5, 3]}]}]})");
-    const auto& sphere = std::get<SphereShape>(scene.objects[0].shape);
-    EXPECT_EQ(sphere.center, dvec3(0));
-    EXPECT_EQ(sphere.radius, 1);
-    EXPECT_EQ(scene.objects[0].transform->offset, dvec3(1, 4, 3));
-    EXPECT_EQ(scene.objects[0].transform->linear, dmat3(2, 0, 0, 0, 4, 0, 0, 0, 2));
+    // A sphere becomes an ellipsoid, which keeps its transform.
+    const auto& ellipsoid = std::get<EllipsoidShape>(scene.objects[0].shape);
+    EXPECT_EQ(ellipsoid.center, dvec3(1, 2, 3));
+    EXPECT_EQ(ellipsoid.radii, dvec3(2));
+    EXPECT_EQ(scene.objects[0].transform->linear, dmat3(1, 0, 0, 0, 2, 0, 0, 0, 1));
     const auto& disc = std::get<DiscShape>(scene.objects[1].shape);
     EXPECT_EQ(disc.normal, dvec3(0, 0, 1));
     // The unit disc's axes go to vectors of lengths 2 and 6 in the plane y = 0, its normal along y.
@@ -102,7 +102,8 @@ TEST(Placement, roundShapesBecomeUnitShapes) {
     EXPECT_DOUBLE_EQ(m[2].y, 10);
     EXPECT_FALSE(scene.objects[2].transform);
     EXPECT_TRUE(
-        parseErrorOf(R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform":
+        parseErrorOf(
+            R"({"objects": [{"type": "disc", "center": [0, 0, 0], "normal": [1, 0, 0], "radius": 1, "transform":
         [{"rotate": [1, 0, 0, 45]}, {"scale": [1, 1, 1e6]}, {"rotate": [1, 0, 0, 45]}]}]})")
             .starts_with("s.json: /objects/0/transform: stretches too unevenly for single precision"));
 }
