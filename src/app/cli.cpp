@@ -53,10 +53,10 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
     addText(command, "--max-depth", "N",
             "greatest number of reflections and refractions in a row instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
-    addText(
-        command, "--build-quality", "fast|default|high",
-        "time spent on the tree of boxes: binned splits; with split triangles where they pay; all that helps",
-        [&](const Text& t) { options.buildQuality = parseBuildQuality(t); });
+    addText(command, "--build-quality", "fast|default|high",
+            "time spent on the tree of boxes: binned; small trees improved; all trees, and split triangles "
+            "where they pay",
+            [&](const Text& t) { options.buildQuality = parseBuildQuality(t); });
 }
 
 void addMethods(CLI::App& command, SceneOptions& options) {

@@ -31,9 +31,8 @@ Tree plainTree(const Primitives& primitives, const TreeOptions& options) {
 // Keeps whichever of both trees is cheaper, and the primitives that go with it.
 void trySplits(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options,
                Tree& tree) {
-    const bool high = options.quality == BuildQuality::High;
     const double emptiness = boxEmptiness(primitives, scene, frame, options.bvh.threads);
-    if (!high && emptiness < kMuchEmptiness) return;
+    if (emptiness < kMuchEmptiness) return;
     Primitives split = primitives;
     const uint32_t added = splitLargeTriangles(split, scene, frame, kSplitBudget, options.bvh.threads);
     if (added == 0) return;
@@ -64,11 +63,12 @@ double expectedCost(const Bvh& bvh, double traversalCost) {
 Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
     Tree tree = plainTree(primitives, options);
     if (options.quality == BuildQuality::Fast) return tree;
-    if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
+    const bool high = options.quality == BuildQuality::High;
+    if (high && options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
     ReinsertionOptions reinsertion;
     reinsertion.maxDepth = options.bvh.maxDepth;
     reinsertion.threads = options.bvh.threads;
-    if (options.quality == BuildQuality::High) {
+    if (high) {
         reinsertion.iterations = 8;
         reinsertion.batch = 0.1;
     } else if (tree.bvh.nodes.size() > kSmallTree) {

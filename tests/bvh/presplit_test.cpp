@@ -85,7 +85,7 @@ Scene beams() {
 
 TEST(BuildTree, SplitsBeams) {
     const PackedScene fast = packScene(beams(), 0, BuildQuality::Fast);
-    const PackedScene split = packScene(beams());
+    const PackedScene split = packScene(beams(), 0, BuildQuality::High);
     EXPECT_EQ(fast.statistics.splitTriangles, 0u);
     EXPECT_EQ(fast.triangles.size(), 400u);
     EXPECT_GT(split.statistics.splitTriangles, 300u);
@@ -120,7 +120,8 @@ TEST(BuildTree, QualityNeverCostsMore) {
 }
 
 TEST(BuildTree, DoesNotDependOnThreads) {
-    const PackedScene one = packScene(beams(), 1), four = packScene(beams(), 4);
+    const PackedScene one = packScene(beams(), 1, BuildQuality::High),
+                      four = packScene(beams(), 4, BuildQuality::High);
     ASSERT_EQ(one.triangles.size(), four.triangles.size());
     for (size_t i = 0; i < one.triangles.size(); ++i) EXPECT_EQ(one.triangles[i].id, four.triangles[i].id);
 }

@@ -42,7 +42,7 @@ class SplitTest : public RenderTest {
 
 // From inside each beam at points of its edges and of its diagonals, near and far.
 TEST_F(SplitTest, beamsAreClosed) {
-    const PackedScene packed = packScene(scene_);
+    const PackedScene packed = packScene(scene_, 0, BuildQuality::High);
     ASSERT_GT(packed.statistics.splitTriangles, 300u);
     std::vector<RayInput> rays;
     const std::vector<glm::uvec3> triangles = Beam::triangles();
@@ -67,7 +67,7 @@ TEST_F(SplitTest, samePictureAsWithout) {
     scene_.materials[0].mirror = Color(0.5);
     scene_.lights = {PointLight{{3, 8, 9}}, PointLight{{-6, 2, 3}}};
     Case whole{scene_, packScene(scene_, 0, BuildQuality::Fast), {}, 96, 72};
-    Case split{scene_, packScene(scene_), {}, 96, 72};
+    Case split{scene_, packScene(scene_, 0, BuildQuality::High), {}, 96, 72};
     ASSERT_GT(split.packed.statistics.splitTriangles, 300u);
     for (Case* c : {&whole, &split})
         c->camera = packCamera(scene_.camera, c->width, c->height, c->packed.origin);
@@ -75,7 +75,8 @@ TEST_F(SplitTest, samePictureAsWithout) {
 }
 
 TEST_F(SplitTest, sameHitsAsWithout) {
-    const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast), split = packScene(scene_);
+    const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast),
+                      split = packScene(scene_, 0, BuildQuality::High);
     std::vector<RayInput> rays;
     for (int i = 0; i < 20000; ++i)
         rays.push_back(rayTowards(20.0 * random_.direction(), random_.box(4.0), i % 2));
