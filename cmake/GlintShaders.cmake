@@ -55,11 +55,12 @@ function(glint_shaders target)
       OUTPUT ${module}.inc
       BYPRODUCTS ${module}
       COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
+      COMMAND ${CMAKE_COMMAND} -E rm ${module}.inc
       COMMAND ${compile} -o ${module} ${source}
       COMMAND ${GLINT_SPIRV_OPT} ${GLINT_SPIRV_PASSES} ${module} -o ${module}
       COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
       COMMAND ${CMAKE_COMMAND} -DMODULE=${module} -DNAME=${name}_spv -DOUTPUT=${module}.inc
-              -P ${CMAKE_SOURCE_DIR}/cmake/embed_words.cmake
+              -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/embed_words.cmake
       DEPENDS ${source} ${module}.h
       DEPFILE ${module}.d
       COMMENT "Compiling shader ${name}"

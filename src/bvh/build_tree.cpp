@@ -13,8 +13,6 @@ constexpr double kSplitBudget = 1;
 // Measured: 1.0 to 3.8 on all scanned and modelled meshes at hand, which splitting makes 2 to 60 % dearer; 51
 // on the hall of arches, which it makes 2.4 times cheaper.
 constexpr double kMuchEmptiness = 6;
-// Nodes up to which reinsertion takes less than about 30 ms.
-constexpr size_t kSmallTree = 1u << 15;
 
 bool mayGrow(const Primitives& primitives) {
     const double grown = (1 + kSplitBudget) * primitives.counts[shared::kKindTriangle];
@@ -62,18 +60,13 @@ double expectedCost(const Bvh& bvh, double traversalCost) {
 
 Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
     Tree tree = plainTree(primitives, options);
-    if (options.quality == BuildQuality::Fast) return tree;
-    const bool high = options.quality == BuildQuality::High;
-    if (high && options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
+    if (options.quality != BuildQuality::High) return tree;
+    if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
     ReinsertionOptions reinsertion;
     reinsertion.maxDepth = options.bvh.maxDepth;
     reinsertion.threads = options.bvh.threads;
-    if (high) {
-        reinsertion.iterations = 8;
-        reinsertion.batch = 0.1;
-    } else if (tree.bvh.nodes.size() > kSmallTree) {
-        return tree;
-    }
+    reinsertion.iterations = 8;
+    reinsertion.batch = 0.1;
     reinsertSubtrees(tree.bvh, reinsertion);
     tree.cost = expectedCost(tree.bvh, options.bvh.traversalCost);
     return tree;
