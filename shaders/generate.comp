@@ -32,7 +32,7 @@ void main() {
     }
     if (FEATURE_THIN_LENS) {
         precise vec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
-        precise vec3 moved = camera.eye + aside;
+        precise vec3 moved = origin + aside;
         precise vec3 turned = direction - camera.inverseFocus * aside;
         origin = moved;
         direction = turned;

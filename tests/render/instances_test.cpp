@@ -100,9 +100,11 @@ class InstanceTest : public RenderTest {
 
 TEST_F(InstanceTest, storedOnce) {
     const PackedScene packed = packScene(crowd());
-    EXPECT_EQ(packed.instances.size(), 15u);
-    EXPECT_EQ(packed.statistics.prototypes, 3u);
-    EXPECT_EQ(packed.spheres.size(), 1u);
+    // The two ellipsoids are quadrics, of their own.
+    EXPECT_EQ(packed.instances.size(), 13u);
+    EXPECT_EQ(packed.statistics.prototypes, 2u);
+    EXPECT_EQ(packed.spheres.size(), 0u);
+    EXPECT_EQ(packed.quadrics.size(), 2u);
     EXPECT_EQ(packed.discs.size(), 1u);
     EXPECT_LE(packed.triangles.size(), 2u * 48 * 48);
     EXPECT_EQ(packed.statistics.instancedTriangles, 12 * packed.triangles.size());
@@ -344,7 +346,7 @@ TEST_F(InstanceTest, ellipsoidByItsEquation) {
     Scene scene = emptyScene();
     addObject(scene, SphereShape{}, then(then(scaling(radii), turn), translation(center)));
     const PackedScene packed = packScene(scene);
-    ASSERT_EQ(packed.instances.size(), 1u);
+    ASSERT_EQ(packed.quadrics.size(), 1u);
     Random random(6);
     std::vector<RayInput> rays;
     for (int i = 0; i < 4000; ++i)
