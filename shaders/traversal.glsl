@@ -1,7 +1,7 @@
 // Closest hit, or any hit if GLINT_ANY_HIT is defined, through the BVH and over the planes.
 //
 // lavapipe ends every loop once a subgroup has made 65,535 trips through all its loops together, without a word. So each
-// lane counts its trips and gives up at dispatch.tripBudget (the host derives it, src/render/renderer.cpp). A ray that gave up is finished by
+// lane counts its trips and gives up at dispatch.tripBudget (the host derives it, src/render/path_limits.cpp). A ray that gave up is finished by
 // further dispatches of the same kernel with MODE_RESUME: a walk of the nodes in depth-first order that needs no stack, so that its whole
 // state is one slot number. The order cannot matter, as the closest hit is the closest in any order.
 #ifndef GLINT_TRAVERSAL_GLSL

@@ -1,0 +1,78 @@
+#include "render/path_limits.h"
+
+#include <algorithm>
+
+#include "render/path_state.h"
+#include "render/renderer.h"
+
+namespace glint::render {
+
+namespace {
+
+// lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
+// lp_bld_limits.h of Mesa 22.3).
+constexpr uint32_t kLlvmpipeTrips = 65535;
+// Of path state: 2^20 paths of 176 bytes, or fewer where each has a tree of branches to keep.
+constexpr uint64_t kMaxPathBytes = 256ull << 20;
+
+}  // namespace
+
+uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
+    const uint64_t pathBytes = static_cast<uint64_t>(rows) * sizeof(RowEntry);
+    while (wanted > shared::kWorkgroupSize &&
+           (!gpu::fits(wanted * pathBytes, access, device.limits) ||
+            wanted * pathBytes > std::min<uint64_t>(device.limits.memory / 4, kMaxPathBytes))) {
+        wanted /= 2;
+    }
+    return wanted;
+}
+
+gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes) {
+    const bool storageFits = gpu::fits(largestArrayBytes, gpu::Access::StorageBuffer, device.limits);
+    const bool texelFits = gpu::fits(largestArrayBytes, gpu::Access::TexelBuffer, device.limits);
+    const bool enoughImages = device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
+    if (enoughImages && texelFits && (device.llvmpipe || !storageFits)) return gpu::Access::TexelBuffer;
+    return gpu::Access::StorageBuffer;
+}
+
+bool looksUpTextures(const SceneFeatures& features) {
+    return features.alphaMask || (features.coloredShadows && (features.textures || features.checkers));
+}
+
+// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
+// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = (1 +
+// kQuadricHits) kMaxLeafSize + 3 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
+// last check. Besides, lavapipe enters each inner loop once in every trip of the one around it even with no
+// lane live, and the outer loop's trips are those of its longest lane: L (B + 2) more, where L is 9 (nodes,
+// triangles, spheres, discs, polygons and their edges, quadrics and their further hits, the way into an
+// instance). The planes' loop comes on top. So S (B + slack) + L (B + 2) + kMaxPlanes <= 65535, and one more
+// beside L leaves room for the compiler's own. With alpha masks each test, of a plane too, holds loops of
+// kMaskTrips trips at most, which each lane counts; those in the loops of triangles, discs and polygons (3
+// each), of spheres (6) and of quadrics (6) are entered once more in every trip of the outer loop.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
+    if (!device.llvmpipe) return 1u << 16;
+    const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
+    const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
+    const uint32_t slack =
+        (1 + shared::kQuadricHits) * (1 + mask) * shared::kMaxLeafSize + 3 + polygonTripsPerLeaf;
+    const uint32_t entered = 10 + (alphaMask ? 3 * 3 + 2 * 6 : 0);
+    const uint32_t fixed =
+        shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips + lanes * slack + 2 * entered;
+    return fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entered) : 1;
+}
+
+uint32_t commonRows(const TraceModes& modes) {
+    if (modes.adaptive) return shared::kPathRowsAdaptive;
+    return modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
+}
+
+// At most one branch waits for each ray from the eye to the one at hand.
+uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth) {
+    const uint32_t common = commonRows(modes) + (features.instances ? 1 : 0);
+    if (features.transmission)
+        return common + shared::kTreeRowWaiting +
+               std::clamp(maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
+    return common + (modes.ledger ? shared::kLedgerRows : 0);
+}
+
+}  // namespace glint::render

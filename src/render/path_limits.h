@@ -1,0 +1,26 @@
+// How many paths a slice may have, how many rows each, and how far a ray may go in one dispatch
+// (deriveTripBudget in renderer.h).
+#pragma once
+
+#include <cstdint>
+
+#include "bvh/packed_scene.h"
+#include "gpu/compute.h"
+#include "gpu/device.h"
+#include "render/pipelines.h"
+
+namespace glint::render {
+
+// Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
+uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
+
+// Whether primitive tests have loops within: holes in surfaces, and dielectrics with textures in the way of
+// shadow rays.
+bool looksUpTextures(const SceneFeatures& features);
+
+// Rows of the path state that every picture of these modes has, and all of them: the common ones, the
+// instances', those of the tree.
+uint32_t commonRows(const TraceModes& modes);
+uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth);
+
+}  // namespace glint::render
