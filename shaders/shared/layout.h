@@ -350,7 +350,7 @@ GLINT_CONST_UINT(kMaxBvhDepth, 48u);
 GLINT_CONST_UINT(kMaxPlanes, 1024u);
 // The outline of a polygon is followed by so many edges in one loop trip, for as many trips at the most: with
 // a leaf of 2^11 trips and 16 lanes lavapipe's 65,535 still leave a ray some 700 trips before it has to be
-// resumed (renderer.cpp).
+// resumed (path_limits.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
 GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
 // Loop trips that asking a material for holes may cost a primitive test, within that of the primitive: three

@@ -123,10 +123,11 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel, at most "
         << counted(scene.maxDepth, "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n'
-        << "  objects       " << scene.objects.size() << " (" << counted(packed.triangles.size(), "triangle")
-        << ", " << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane")
-        << ", " << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon")
-        << ", " << counted(packed.quadrics.size(), "quadric") << ")\n";
+        << "  objects       " << scene.objects.size() << " ("
+        << counted(packed.triangles.size() - packed.statistics.splitTriangles, "triangle") << ", "
+        << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane") << ", "
+        << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon") << ", "
+        << counted(packed.quadrics.size(), "quadric") << ")\n";
     printInstances(packed, out);
     out << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';

@@ -147,7 +147,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
     json["samplesTaken"] = samplesJson(outcome.picture);
     json["maxDepth"] = loaded.scene.maxDepth;
-    json["triangles"] = loaded.packed.triangles.size();
+    json["triangles"] = loaded.packed.triangles.size() - loaded.packed.statistics.splitTriangles;
     json["spheres"] = loaded.packed.spheres.size();
     json["planes"] = loaded.packed.planes.size();
     json["discs"] = loaded.packed.discs.size();

@@ -276,7 +276,8 @@ void Instances::append(PackedScene& packed) {
     uint32_t depth = 0;
     for (Prototype& prototype : prototypes_) {
         roots.push_back(sizeOf(packed.nodes));
-        triangles.push_back(sizeOf(prototype.geometry.triangles));
+        triangles.push_back(sizeOf(prototype.geometry.triangles) -
+                            prototype.geometry.statistics.splitTriangles);
         packed.statistics.prototypeTriangles += triangles.back();
         depth = std::max(depth, prototype.geometry.statistics.depth);
         appendGeometry(packed, prototype.geometry);
