@@ -37,14 +37,14 @@ function(glint_test name)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
                        PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} ${lock})
 
+  if(GLINT_SANITIZE)
+    target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/gpu/sanitizer_support.cpp)
+  endif()
   if(ARG_LABEL STREQUAL "unit")
     add_dependencies(unit_tests ${name})
   elseif(ARG_LABEL STREQUAL "gpu" OR ARG_LABEL STREQUAL "window")
     glint_lavapipe_environment(lavapipe)
     list(PREPEND ARG_ENVIRONMENT ${lavapipe})
-    if(GLINT_SANITIZE)
-      target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/gpu/sanitizer_support.cpp)
-    endif()
   endif()
   if(ARG_ENVIRONMENT)
     # PROPERTIES above cannot carry a list; CTest knows the discovered tests as ${name}_TESTS.

@@ -1,4 +1,5 @@
-// Linked into the gpu tests of sanitizer builds (cmake/GlintModule.cmake).
+// Linked into the tests of sanitizer builds (cmake/GlintModule.cmake): `glint info` asks for the devices in
+// unit tests too.
 //
 // The Vulkan loader unloads the driver and the validation layer with the instance; what their globals still
 // point to then looks leaked (Mesa 22.3.6: 128 bytes), and nobody can tell any more which library it belongs
