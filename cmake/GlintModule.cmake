@@ -19,6 +19,8 @@ function(glint_test name)
   target_link_libraries(${name} PRIVATE ${ARG_MODULES} ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
   target_compile_definitions(${name} PRIVATE GLINT_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                                              GLINT_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  # What is tested is fast, the tests need not be: 4.2 instead of 5.6 s to compile one, sanitized 6.8 instead of 11.6 s (GCC 12).
+  target_compile_options(${name} PRIVATE $<IF:$<BOOL:${GLINT_SANITIZE}>,-O0,-O1>)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()

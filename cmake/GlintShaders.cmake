@@ -52,11 +52,9 @@ function(glint_shaders target)
          CONTENT "// ${source} ${options}\n#pragma once\n#include <cstdint>\n#include \"${name}.spv.inc\"\n")
     # The array comes last: while the module is invalid there is none, and nothing that includes it builds.
     add_custom_command(
-      OUTPUT ${module}.inc
-      BYPRODUCTS ${module}
-      COMMAND ${compile} --vn ${name}_spv --depfile ${module}.d -o ${module}.inc ${source}
-      COMMAND ${CMAKE_COMMAND} -E rm ${module}.inc
-      COMMAND ${compile} -o ${module} ${source}
+      OUTPUT ${module} ${module}.inc
+      COMMAND ${CMAKE_COMMAND} -E rm -f ${module}.inc
+      COMMAND ${compile} --depfile ${module}.d -o ${module} ${source}
       COMMAND ${GLINT_SPIRV_OPT} ${GLINT_SPIRV_PASSES} ${module} -o ${module}
       COMMAND ${GLINT_SPIRV_VAL} --target-env vulkan1.1 ${module}
       COMMAND ${CMAKE_COMMAND} -DMODULE=${module} -DNAME=${name}_spv -DOUTPUT=${module}.inc

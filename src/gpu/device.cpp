@@ -74,6 +74,7 @@ void DeviceState::closeDevice() {
         return;
     }
     staging.reset();
+    programs.clear();
     pipelineCache = {};
     vk.vkDestroyDevice(device, nullptr);
 }

@@ -41,11 +41,12 @@ void checkLimits(const KernelOptions& options, const DeviceLimits& limits) {
                limits.maxStorageImagesPerStage);
 }
 
-void createLayouts(KernelState& state, const DeviceState& device) {
-    std::vector<VkDescriptorSetLayoutBinding> bindings(state.bindings.size());
+void createLayouts(Program& program, const DeviceState& device) {
+    const std::vector<Access>& accesses = program.key.bindings;
+    std::vector<VkDescriptorSetLayoutBinding> bindings(accesses.size());
     for (uint32_t i = 0; i < bindings.size(); ++i) {
         bindings[i].binding = i;
-        bindings[i].descriptorType = descriptorType(state.bindings[i]);
+        bindings[i].descriptorType = descriptorType(accesses[i]);
         bindings[i].descriptorCount = 1;
         bindings[i].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
     }
@@ -53,32 +54,32 @@ void createLayouts(KernelState& state, const DeviceState& device) {
     set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     set.bindingCount = static_cast<uint32_t>(bindings.size());
     set.pBindings = bindings.data();
-    state.setLayout = create(device, "vkCreateDescriptorSetLayout", set,
-                             device.vk.vkCreateDescriptorSetLayout, device.vk.vkDestroyDescriptorSetLayout);
+    program.setLayout = create(device, "vkCreateDescriptorSetLayout", set,
+                               device.vk.vkCreateDescriptorSetLayout, device.vk.vkDestroyDescriptorSetLayout);
 
     VkPushConstantRange range{};
     range.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
-    range.size = state.pushConstantBytes;
+    range.size = program.key.pushConstantBytes;
     VkPipelineLayoutCreateInfo layout{};
     layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
     layout.setLayoutCount = 1;
-    layout.pSetLayouts = state.setLayout.address();
+    layout.pSetLayouts = program.setLayout.address();
     layout.pushConstantRangeCount = range.size > 0 ? 1 : 0;
     layout.pPushConstantRanges = &range;
-    state.layout = create(device, "vkCreatePipelineLayout", layout, device.vk.vkCreatePipelineLayout,
-                          device.vk.vkDestroyPipelineLayout);
+    program.layout = create(device, "vkCreatePipelineLayout", layout, device.vk.vkCreatePipelineLayout,
+                            device.vk.vkDestroyPipelineLayout);
 }
 
-void createPipeline(KernelState& state, const DeviceState& device, const KernelOptions& options) {
+void createPipeline(Program& program, const DeviceState& device) {
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = options.spirv.size_bytes();
-    code.pCode = options.spirv.data();
+    code.codeSize = program.key.spirv.size() * sizeof(uint32_t);
+    code.pCode = program.key.spirv.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
                device.vk.vkDestroyShaderModule);
 
-    std::vector<VkSpecializationMapEntry> entries(options.constants.size());
+    std::vector<VkSpecializationMapEntry> entries(program.key.constants.size());
     for (uint32_t i = 0; i < entries.size(); ++i) {
         entries[i].constantID = i;
         entries[i].offset = i * static_cast<uint32_t>(sizeof(uint32_t));
@@ -87,8 +88,8 @@ void createPipeline(KernelState& state, const DeviceState& device, const KernelO
     VkSpecializationInfo specialization{};
     specialization.mapEntryCount = static_cast<uint32_t>(entries.size());
     specialization.pMapEntries = entries.data();
-    specialization.dataSize = options.constants.size() * sizeof(uint32_t);
-    specialization.pData = options.constants.data();
+    specialization.dataSize = program.key.constants.size() * sizeof(uint32_t);
+    specialization.pData = program.key.constants.data();
 
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
@@ -97,18 +98,49 @@ void createPipeline(KernelState& state, const DeviceState& device, const KernelO
     info.stage.module = module.get();
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization;
-    info.layout = state.layout.get();
+    info.layout = program.layout.get();
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(device.vk.vkCreateComputePipelines(device.device, device.pipelineCache.get(), 1, &info, nullptr,
                                              &pipeline),
           "vkCreateComputePipelines");
-    state.pipeline = Handle<VkPipeline>(device, pipeline, device.vk.vkDestroyPipeline);
+    program.pipeline = Handle<VkPipeline>(device, pipeline, device.vk.vkDestroyPipeline);
+}
+
+std::shared_ptr<const Program> compile(const DeviceState& device, ProgramKey key) {
+    auto program = std::make_shared<Program>();
+    program->key = std::move(key);
+    createLayouts(*program, device);
+    createPipeline(*program, device);
+    return program;
+}
+
+// Compiles outside the lock: several threads may want different programs at once.
+std::shared_ptr<const Program> programOf(DeviceState& device, const KernelOptions& options) {
+    ProgramKey key{{options.spirv.begin(), options.spirv.end()},
+                   options.bindings,
+                   options.constants,
+                   options.pushConstantBytes};
+    {
+        const std::lock_guard lock(device.programsMutex);
+        auto& kept = device.programs;
+        const auto found =
+            std::find_if(kept.begin(), kept.end(), [&](const auto& program) { return program->key == key; });
+        if (found != kept.end()) {
+            std::rotate(kept.begin(), found, found + 1);
+            return kept.front();
+        }
+    }
+    auto program = compile(device, std::move(key));
+    const std::lock_guard lock(device.programsMutex);
+    device.programs.insert(device.programs.begin(), program);
+    if (device.programs.size() > DeviceState::kKeptPrograms) device.programs.pop_back();
+    return program;
 }
 
 void createSet(KernelState& state, const DeviceState& device) {
     std::vector<VkDescriptorPoolSize> sizes;
     for (const Access access : {Access::StorageBuffer, Access::TexelBuffer}) {
-        const uint32_t used = count(state.bindings, access);
+        const uint32_t used = count(state.program->key.bindings, access);
         if (used > 0) sizes.push_back({descriptorType(access), used});
     }
     if (sizes.empty()) return;
@@ -123,13 +155,14 @@ void createSet(KernelState& state, const DeviceState& device) {
     set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
     set.descriptorPool = state.pool.get();
     set.descriptorSetCount = 1;
-    set.pSetLayouts = state.setLayout.address();
+    set.pSetLayouts = state.program->setLayout.address();
     check(device.vk.vkAllocateDescriptorSets(device.device, &set, &state.set), "vkAllocateDescriptorSets");
 }
 
 void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buffers) {
-    if (buffers.size() != kernel.bindings.size()) {
-        throw Error(ExitCode::Device, label(kernel.name) + "has " + std::to_string(kernel.bindings.size()) +
+    const std::vector<Access>& bindings = kernel.program->key.bindings;
+    if (buffers.size() != bindings.size()) {
+        throw Error(ExitCode::Device, label(kernel.name) + "has " + std::to_string(bindings.size()) +
                                           " bindings, but was given " + std::to_string(buffers.size()) +
                                           " buffers");
     }
@@ -138,10 +171,9 @@ void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buf
         if (buffers[i] == nullptr || !*buffers[i])
             throw Error(ExitCode::Device, binding + " was given no buffer");
         const BufferState& buffer = buffers[i]->state();
-        if (buffer.access != kernel.bindings[i]) {
-            throw Error(ExitCode::Device, binding + " is " + accessText(kernel.bindings[i]) +
-                                              ", but array \"" + buffer.name + "\" was made as " +
-                                              accessText(buffer.access));
+        if (buffer.access != bindings[i]) {
+            throw Error(ExitCode::Device, binding + " is " + accessText(bindings[i]) + ", but array \"" +
+                                              buffer.name + "\" was made as " + accessText(buffer.access));
         }
     }
 }
@@ -150,15 +182,12 @@ void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buf
 
 Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std::make_unique<KernelState>()) {
     checkLimits(options, device.info().limits);
-    const DeviceState& owner = device.state();
+    DeviceState& owner = device.state();
     state_->device = &owner;
     state_->name = options.name;
-    state_->bindings = options.bindings;
-    state_->pushConstantBytes = options.pushConstantBytes;
     state_->bound = options.bindings.empty();
     try {
-        createLayouts(*state_, owner);
-        createPipeline(*state_, owner, options);
+        state_->program = programOf(owner, options);
         createSet(*state_, owner);
     } catch (const Error& error) {
         throw Error(error.code(), label(options.name) + error.what());

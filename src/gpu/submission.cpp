@@ -111,8 +111,8 @@ void checkDispatch(const KernelState& kernel, uint32_t groupsX, size_t pushConst
                    const DeviceLimits& limits) {
     const std::string label = "kernel \"" + kernel.name + "\": ";
     if (!kernel.bound) throw Error(ExitCode::Device, label + "dispatched before its buffers were bound");
-    if (pushConstantBytes != kernel.pushConstantBytes) {
-        throw Error(ExitCode::Device, label + "has " + std::to_string(kernel.pushConstantBytes) +
+    if (pushConstantBytes != kernel.program->key.pushConstantBytes) {
+        throw Error(ExitCode::Device, label + "has " + std::to_string(kernel.program->key.pushConstantBytes) +
                                           " bytes of push constants, but was given " +
                                           std::to_string(pushConstantBytes));
     }
@@ -141,14 +141,14 @@ void Submission::dispatch(const Kernel& kernel, uint32_t groupsX, std::span<cons
     if (groupsX == 0) return;
     prepareCommand(*state_);
     const VkCommandBuffer commands = state_->commands;
-    device.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.pipeline.get());
+    device.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.program->pipeline.get());
     if (k.set != VK_NULL_HANDLE) {
-        device.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.layout.get(), 0, 1,
-                                          &k.set, 0, nullptr);
+        device.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, k.program->layout.get(),
+                                          0, 1, &k.set, 0, nullptr);
     }
     if (!pushConstants.empty()) {
-        device.vk.vkCmdPushConstants(commands, k.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                     k.pushConstantBytes, pushConstants.data());
+        device.vk.vkCmdPushConstants(commands, k.program->layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                     k.program->key.pushConstantBytes, pushConstants.data());
     }
     device.vk.vkCmdDispatch(commands, groupsX, 1, 1);
 }

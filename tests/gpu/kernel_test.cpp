@@ -103,8 +103,28 @@ TEST_F(OneKernelTest, moves) {
     EXPECT_FALSE(first);
     EXPECT_TRUE(second);
     second = reverseKernel(device_);
-    EXPECT_EQ(second.state().bindings.size(), 2u);
+    EXPECT_EQ(second.state().program->key.bindings.size(), 2u);
     EXPECT_FALSE(Kernel());
+}
+
+// A kernel that was compiled before is not compiled again; one that differs in anything is.
+TEST_F(OneKernelTest, sharesItsProgram) {
+    const Kernel first = emptyKernel(device_);
+    const Kernel again = emptyKernel(device_);
+    EXPECT_EQ(first.state().program, again.state().program);
+    KernelOptions options;
+    options.spirv = first.state().program->key.spirv;
+    options.constants = {1};
+    EXPECT_NE(Kernel(device_, options).state().program, first.state().program);
+    options.constants = {};
+    EXPECT_EQ(Kernel(device_, options).state().program, first.state().program);
+    for (uint32_t i = 2; i < 2 + DeviceState::kKeptPrograms; ++i) {
+        options.constants = {i};
+        const Kernel other(device_, options);
+    }
+    EXPECT_EQ(device_.state().programs.size(), DeviceState::kKeptPrograms);
+    options.constants = {};
+    EXPECT_NE(Kernel(device_, options).state().program, first.state().program);  // dropped since
 }
 
 TEST_F(OneKernelTest, limitsAreChecked) {
