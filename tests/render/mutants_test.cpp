@@ -55,10 +55,9 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
         Options options;
         options.access = gpu::Access::TexelBuffer;
         options.kernels = &code;
-        options.traversal =
-            code.packetIntersect.data() == embeddedKernels(gpu::Access::TexelBuffer).packetIntersect.data()
-                ? Traversal::Lane  // which the other mutants are of
-                : Traversal::Packet;
+        options.traversal = Traversal::Lane;
+        const std::string mutant = GetParam().mutant;
+        if (mutant.starts_with("packet_")) options.traversal = Traversal::Packet;
         Renderer renderer(device(), case_.packed, options);
         verifyOptions_.width = case_.width;
         verifyOptions_.height = case_.height;
