@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
+#include "gpu/specialize.h"
 
 namespace glint::gpu {
 namespace {
@@ -70,25 +71,14 @@ void createLayouts(KernelState& state, const DeviceState& device) {
 }
 
 void createPipeline(KernelState& state, const DeviceState& device, const KernelOptions& options) {
+    const std::vector<uint32_t> specialized = specialize(options.spirv, options.constants);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = options.spirv.size_bytes();
-    code.pCode = options.spirv.data();
+    code.codeSize = specialized.size() * sizeof(uint32_t);
+    code.pCode = specialized.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
                device.vk.vkDestroyShaderModule);
-
-    std::vector<VkSpecializationMapEntry> entries(options.constants.size());
-    for (uint32_t i = 0; i < entries.size(); ++i) {
-        entries[i].constantID = i;
-        entries[i].offset = i * static_cast<uint32_t>(sizeof(uint32_t));
-        entries[i].size = sizeof(uint32_t);  // a bool too: it is a VkBool32
-    }
-    VkSpecializationInfo specialization{};
-    specialization.mapEntryCount = static_cast<uint32_t>(entries.size());
-    specialization.pMapEntries = entries.data();
-    specialization.dataSize = options.constants.size() * sizeof(uint32_t);
-    specialization.pData = options.constants.data();
 
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
@@ -96,7 +86,6 @@ void createPipeline(KernelState& state, const DeviceState& device, const KernelO
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module.get();
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &specialization;
     info.layout = state.layout.get();
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(device.vk.vkCreateComputePipelines(device.device, device.pipelineCache.get(), 1, &info, nullptr,
