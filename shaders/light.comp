@@ -121,6 +121,7 @@ uint begin(uint path, bool present, out LightWork work, out Traversal traversal,
 
 void end(LightWork work, Traversal traversal, uint slot) {
     bool occluded = traversal.hit.primitive != kNone;
+    if (MODE_TALLY && !MODE_RESUME && !MODE_SHADOWLESS && work.facing) atomicAdd(counters[kCounterShadow], 1u);
     if (occluded || !work.facing) slot = kNone;
     vec3 radiance = work.radiance;
     if (kFiltered) {

@@ -117,7 +117,10 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
     bool crowded = both && state.y >= kMaxWaiting;
     float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
     if (MODE_LEDGER) book(path, crowded, kLostRoom, weakest * environment.radianceBound);
-    if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
+    bool keepsSecond = crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput));
+    if (keepsSecond) next = second;
+    bool dropsInner = crowded && mirrorFirst != keepsSecond;
+    if (MODE_TALLY && refracts && !dropsInner) atomicAdd(counters[kCounterRefracted], 1u);
     uint waiting = state.y;
     if (both && !crowded) {
         storeWaiting(path, waiting, second);

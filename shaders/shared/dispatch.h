@@ -44,7 +44,7 @@
 // window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
 // those below Environment::minContribution. scattered: samples come from the array of that name, else all
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
-// (adapt.comp); implies scattered.
+// (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
@@ -52,7 +52,8 @@
     X(67, SHADOWLESS, shadowless) \
     X(72, LEDGER, ledger)         \
     X(73, SCATTERED, scattered)   \
-    X(74, ADAPTIVE, adaptive)
+    X(74, ADAPTIVE, adaptive)     \
+    X(79, TALLY, tally)
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle..., kSphere...,
 // kSlab... and kOffset... below.
@@ -169,7 +170,9 @@ GLINT_CONST_UINT(kWaitingRows, 4u);
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading
 GLINT_CONST_UINT(kCounterFlagged, 2u);     // pixels that take a further round of samples
-GLINT_CONST_UINT(kCounterCount, 4u);
+GLINT_CONST_UINT(kCounterShadow, 3u);      // with MODE_TALLY: shadow rays
+GLINT_CONST_UINT(kCounterRefracted, 4u);   // with MODE_TALLY: refracted rays that are, or will be, traced
+GLINT_CONST_UINT(kCounterCount, 8u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

@@ -24,8 +24,6 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault, 4 no usable device,\n"
     "5 difference found, 130 interrupted.";
 
-constexpr const char* kLaterCommands[] = {"bench"};
-
 using Text = std::string;
 
 // Each option hands its text, empty or not, to `use`, which throws Error(Usage) for what it cannot be.
@@ -33,6 +31,11 @@ template <typename Use>
 CLI::Option* addText(CLI::App& command, const char* names, const char* form, const Text& description,
                      Use use) {
     return command.add_option_function<Text>(names, use, description)->type_name(form);
+}
+
+Text parseStats(const Text& text) {
+    if (text != "json") throw Error(ExitCode::Usage, "--stats: expected json, got " + quoted(text));
+    return text;
 }
 
 void addFlag(CLI::App& command, const char* names, bool& flag, const Text& description) {
@@ -139,10 +142,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
             "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
             [&](const Text& t) { c.crop = parseCrop(t); });
     addText(command, "--stats", "json", "times and counts as JSON on standard output, instead of the summary",
-            [&](const Text& t) {
-                if (t != "json") throw Error(ExitCode::Usage, "--stats: expected json, got " + quoted(t));
-                c.stats = t;
-            });
+            [&](const Text& t) { c.stats = parseStats(t); });
     addProgress(command, c.progress);
     addFlag(command, "-q,--quiet", c.quiet, "print nothing but errors (and what --stats asks for)");
 }
@@ -228,6 +228,33 @@ void addReport(CLI::App& app, ReportCommand& c) {
     addProgress(command, c.progress);
 }
 
+void addBench(CLI::App& app, BenchCommand& c) {
+    CLI::App& command = *app.add_subcommand(
+        "bench", "rays a second for each class of rays, and the time that each stage takes");
+    command
+        .add_option_function<std::vector<Text>>(
+            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
+            "scenes or models")
+        ->type_name("")
+        ->required();
+    addSceneOverrides(command, c.common);
+    addMethods(command, c.common);
+    addMinContribution(command, c.common);
+    addBackend(command, c.backend);
+    addDevice(command, c.device);
+    addTraversal(command, c.device);
+    addText(command, "--repeat", "N", "pictures to take the median of, after the warm-up (default 7)",
+            [&](const Text& t) { c.repeats = parseWhole("--repeat", t, 1, 1000); });
+    addText(command, "--with", "LIST",
+            "features, with commas, whose code the pipeline is to hold though the scene needs none of it "
+            "(names: glint info)",
+            [&](const Text& t) { c.with = parseFeatures(t); });
+    addFlag(command, "--full", c.full, "the code of every feature");
+    addText(command, "--stats", "json", "the results as JSON on standard output, instead of tables",
+            [&](const Text& t) { c.stats = parseStats(t); });
+    addProgress(command, c.progress);
+}
+
 void addTrace(CLI::App& app, TraceCommand& c) {
     CLI::App& command = *app.add_subcommand("trace", "trace single rays and print what they hit as CSV");
     addScene(command, c.scene);
@@ -275,6 +302,7 @@ struct Commands {
     ViewCommand view;
     VerifyCommand verify;
     ReportCommand report;
+    BenchCommand bench;
     TraceCommand trace;
     DiffCommand diff;
     SceneOptions info;
@@ -291,6 +319,7 @@ void addCommands(CLI::App& app, Commands& c) {
     addView(app, c.view);
     addVerify(app, c.verify);
     addReport(app, c.report);
+    addBench(app, c.bench);
     addTrace(app, c.trace);
     addDiff(app, c.diff);
     CLI::App& info = *app.add_subcommand("info", "what a scene holds, and what its pipeline leaves out");
@@ -300,8 +329,6 @@ void addCommands(CLI::App& app, Commands& c) {
     app.add_subcommand("devices", "the Vulkan devices, chosen or refused and why");
     for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
         command->group("Commands");
-    for (const char* later : kLaterCommands)
-        app.add_subcommand(later, "not in this version")->group("")->allow_extras();
     app.footer(kFooter);  // after the commands, which would inherit it
 }
 
@@ -316,12 +343,6 @@ void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
 
 int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ostream& err) {
     const auto chosen = [&](const char* name) { return app.got_subcommand(name); };
-    for (const char* later : kLaterCommands) {
-        if (!chosen(later)) continue;
-        throw Error(ExitCode::Usage, std::string(later) +
-                                         ": not in this version (there are render, view, verify, report, "
-                                         "trace, diff, info and devices)");
-    }
     if (chosen("render")) {
         checkDeviceOptions(c.render.backend, c.render.device);
         return runRender(c.render, out, err);
@@ -331,6 +352,12 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
             throw Error(ExitCode::Usage, "trace: give either --rays FILE.csv or --pixel x,y");
         checkDeviceOptions(c.trace.backend, c.trace.device);
         return runTrace(c.trace, out, err);
+    }
+    if (chosen("bench")) {
+        checkDeviceOptions(c.bench.backend, c.bench.device);
+        if (c.bench.backend == Backend::Cpu && (c.bench.full || !c.bench.with.empty()))
+            throw Error(ExitCode::Usage, "--full, --with: need --backend gpu");
+        return runBench(c.bench, out, err);
     }
     if (chosen("view")) return runView(c.view, out, err);
     if (chosen("verify")) return runVerify(c.verify, out, err);

@@ -95,6 +95,18 @@ struct ReportCommand {
     ProgressMode progress = ProgressMode::Auto;
 };
 
+struct BenchCommand {
+    std::vector<std::filesystem::path> scenes;
+    SceneOptions common;
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+    int repeats = 7;
+    bool full = false;              // the code of every feature
+    std::vector<std::string> with;  // the code of these features, as in SceneFeatures
+    std::string stats;              // "" or "json"
+    ProgressMode progress = ProgressMode::Auto;
+};
+
 struct TraceCommand {
     SceneOptions scene;
     std::string rays;  // a file, "-" for standard input, empty for --pixel
@@ -113,6 +125,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
 int runView(const ViewCommand& command, std::ostream& out, std::ostream& err);
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err);
 int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err);
+int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err);
 int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err);
 int runDiff(const DiffCommand& command, std::ostream& out);
 int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err);

@@ -12,6 +12,7 @@
 #include "scene/limits.h"
 #include "scene/near_names.h"
 #include "scene/sampling.h"
+#include "shared/dispatch.h"
 
 namespace glint::app {
 
@@ -145,6 +146,23 @@ std::vector<std::string> parseFamilies(const std::string& text) {
         const std::string name = trimmed(part);
         if (std::find(known.begin(), known.end(), name) == known.end())
             throw Error(ExitCode::Usage, "--only: unknown setting " + quoted(name) + " (" +
+                                             suggestion(name, known, "known") + ")");
+        names.push_back(name);
+    }
+    return names;
+}
+
+std::vector<std::string> parseFeatures(const std::string& text) {
+    static const std::vector<std::string_view> known = {
+#define GLINT_NAME(ID, NAME, field) #field,
+        GLINT_FEATURES(GLINT_NAME)
+#undef GLINT_NAME
+    };
+    std::vector<std::string> names;
+    for (const std::string& part : split(text, ',')) {
+        const std::string name = trimmed(part);
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ExitCode::Usage, "--with: unknown feature " + quoted(name) + " (" +
                                              suggestion(name, known, "known") + ")");
         names.push_back(name);
     }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -229,6 +230,14 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     if (command.scene.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
+    // Opening a device (50 ms for lavapipe, whose libraries are large) and reading the scene need nothing of
+    // each other. What is wrong with the scene is said first.
+    std::future<gpu::Device> opening;
+    if (command.backend == Backend::Gpu) {
+        opening = std::async(std::launch::async, [&device = command.device] {
+            return gpu::Device({device.selector, device.validation});
+        });
+    }
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     const Region region = checkedRegion(command, loaded.scene);
     checkMemory(region.width(), region.height(), bytesPerPixel(command), availableMemory());
@@ -243,7 +252,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
         if (command.backend == Backend::Cpu) {
             renderOnHost(loaded, settings, outcome);
         } else {
-            device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation});
+            device.emplace(opening.get());
             renderOnDevice(*device, loaded, settings, command.device.traversal, outcome);
         }
     }

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
+#include "gpu/specialize.h"
 
 namespace glint::gpu {
 namespace {
@@ -71,25 +72,14 @@ void createLayouts(Program& program, const DeviceState& device) {
 }
 
 void createPipeline(Program& program, const DeviceState& device) {
+    const std::vector<uint32_t> specialized = specialize(program.key.spirv, program.key.constants);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = program.key.spirv.size() * sizeof(uint32_t);
-    code.pCode = program.key.spirv.data();
+    code.codeSize = specialized.size() * sizeof(uint32_t);
+    code.pCode = specialized.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
                device.vk.vkDestroyShaderModule);
-
-    std::vector<VkSpecializationMapEntry> entries(program.key.constants.size());
-    for (uint32_t i = 0; i < entries.size(); ++i) {
-        entries[i].constantID = i;
-        entries[i].offset = i * static_cast<uint32_t>(sizeof(uint32_t));
-        entries[i].size = sizeof(uint32_t);  // a bool too: it is a VkBool32
-    }
-    VkSpecializationInfo specialization{};
-    specialization.mapEntryCount = static_cast<uint32_t>(entries.size());
-    specialization.pMapEntries = entries.data();
-    specialization.dataSize = program.key.constants.size() * sizeof(uint32_t);
-    specialization.pData = program.key.constants.data();
 
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
@@ -97,7 +87,6 @@ void createPipeline(Program& program, const DeviceState& device) {
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module.get();
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &specialization;
     info.layout = program.layout.get();
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(device.vk.vkCreateComputePipelines(device.device, device.pipelineCache.get(), 1, &info, nullptr,

@@ -96,12 +96,14 @@ class PathTracer {
         Ray ray;
         Source source;
         dvec3 throughput{1};
+        RayClass kind = RayClass::Primary;
         uint32_t depth = 0;    // rays before it
         uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
         Media media;
     };
 
-    std::optional<Hit> closest(const Ray& ray, const Source& source);
+    std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
+    void count(RayClass kind, uint64_t costBefore);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
     double spotFactor(const shared::Light& light, dvec3 toLight);
@@ -124,10 +126,18 @@ class PathTracer {
     PixelRecord record_;
 };
 
+void PathTracer::count(RayClass kind, uint64_t costBefore) {
+    RayTally& tally = record_.tally[static_cast<size_t>(kind)];
+    ++tally.rays;
+    tally.tests += record_.cost - costBefore;
+}
+
 // Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
 // moved ray, and double always breaks the tie in the same way.
-std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source) {
+std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
+    const uint64_t before = record_.cost;
     const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
+    count(kind, before);
     if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
     Ray narrow = ray;
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
@@ -196,11 +206,15 @@ double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
 // every medium that the ray is inside of by its count of crossings.
 std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, const Media& media,
                                               bool directional) {
+    const uint64_t before = record_.cost;
     if (!scene_.features.coloredShadows) {
-        if (tracer_.occluded(ray, site.source, &record_.cost)) return std::nullopt;
+        const bool occluded = tracer_.occluded(ray, site.source, &record_.cost);
+        count(RayClass::Shadow, before);
+        if (occluded) return std::nullopt;
         return dvec3(1);
     }
     const std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
+    count(RayClass::Shadow, before);
     dvec3 left(1), sigma(0), fade(0);
     for (uint32_t medium : media) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
@@ -309,8 +323,9 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const Surface&
     const double ratio = iorOf(scene_, passing.mediumBefore) / iorOf(scene_, passing.mediumAfter);
     const dvec3 d = -site.view;
     std::vector<Branch> next;
-    const auto add = [&](const dvec3& weight, const dvec3& direction, const Media& media) {
+    const auto add = [&](RayClass kind, const dvec3& weight, const dvec3& direction, const Media& media) {
         Branch b;
+        b.kind = kind;
         b.throughput = throughput * weight;
         b.depth = branch.depth + 1;
         if (!isFollowed(b)) return;
@@ -324,11 +339,11 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const Surface&
     const bool splits = dielectric && passing.real && ratio != 1;
     if (splits) interface = meetInterface(d, site.n, site.s, ratio);
     if (passing.real && (splits || material.mirror != glm::vec3(0)))
-        add(glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
+        add(RayClass::Mirrored, glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
             splits ? interface.reflected : reflect(site), passing.before);
     if (dielectric && !interface.total) {
         const dvec3 part = passing.real ? transmissionAt(scene_, material.medium, textured) : dvec3(1);
-        add((1 - interface.reflectance) * part, interface.refracted, passing.after);
+        add(RayClass::Refracted, (1 - interface.reflectance) * part, interface.refracted, passing.after);
     }
     for (Branch& b : next) b.waiting = branch.waiting;
     if (next.size() == 2) {
@@ -352,7 +367,7 @@ void PathTracer::follow(Branch branch) {
     const shared::Environment& environment = scene_.environment;
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
-    const std::optional<Hit> hit = closest(ray, branch.source);
+    const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
     if (keepPath_)
         record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});

@@ -3,6 +3,7 @@
 // arithmetic alone.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
@@ -92,15 +93,24 @@ struct Losses {
     uint32_t crowdedMedia = 0;
 };
 
+enum class RayClass { Primary, Shadow, Mirrored, Refracted };
+constexpr size_t kRayClasses = 4;
+
+// Rays of one class, and the boxes and primitives that they tested.
+struct RayTally {
+    uint64_t rays = 0, tests = 0;
+};
+
 struct PixelRecord {
     glm::dvec3 color{0};
-    std::optional<Hit> hit;          // of the camera ray
-    std::optional<Surface> surface;  // at that hit
-    double alpha = 0;                // 1 if the camera ray hits anything
-    uint32_t bounces = 0;            // rays after the camera ray, of all branches
-    uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
-    uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/shading.md
-    uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
+    std::optional<Hit> hit;                   // of the camera ray
+    std::optional<Surface> surface;           // at that hit
+    double alpha = 0;                         // 1 if the camera ray hits anything
+    uint32_t bounces = 0;                     // rays after the camera ray, of all branches
+    uint64_t cost = 0;                        // boxes and primitives tested by all rays of the path
+    uint32_t pathHash = 0;                    // FNV-1a over the hit ids, see docs/shading.md
+    uint32_t shadowBits = 0;                  // bit i: light i (i < 32) is occluded at the first hit
+    std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
     Losses lost;
     std::vector<Bounce> path;
 };

@@ -126,11 +126,13 @@ bool isHole(const PackedScene& scene, const Ray& world, const Hit& hit) {
 
 // The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
 // them. True if there is one.
-bool testPrimitive(const PackedScene& scene, PreparedRay ray, uint32_t kind, uint32_t index, uint32_t source,
-                   Search& search, Hit& hit) {
+bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
+                   uint32_t source, Search& search, Hit& hit) {
     Root root;
     uint32_t id = 0, part = 0;
-    while (intersectPrimitive(scene, ray, kind, index, source, search.best.t, root, id, part)) {
+    if (!intersectPrimitive(scene, ray, kind, index, source, search.best.t, root, id, part)) return false;
+    PreparedRay further = ray;
+    do {
         if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         const uint32_t primitive =
             kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | index;
@@ -139,8 +141,8 @@ bool testPrimitive(const PackedScene& scene, PreparedRay ray, uint32_t kind, uin
         if (!hole && !search.all) return true;
         if (!hole) search.all->push_back(hit);
         // What is hit more than once: again from there on.
-        ray.tMin = root.t;
-    }
+        further.tMin = root.t;
+    } while (intersectPrimitive(scene, further, kind, index, source, search.best.t, root, id, part));
     return false;
 }
 

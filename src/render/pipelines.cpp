@@ -98,7 +98,14 @@ const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
     const auto key = std::make_pair(id, modes);
     const auto found = kernels_.find(key);
     if (found != kernels_.end()) return found->second;
+    return kernels_.emplace(key, make(id, modes)).first->second;
+}
 
+void Pipelines::add(KernelId id, const TraceModes& modes, gpu::Kernel kernel) {
+    kernels_.emplace(std::make_pair(id, modes), std::move(kernel));
+}
+
+gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     gpu::KernelOptions options;
     options.name = nameOf(id);
     options.spirv = codeOf(code_, id);
@@ -109,7 +116,7 @@ const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
     options.workgroupSizeX = shared::kWorkgroupSize;
     gpu::Kernel kernel(device_, options);
     kernel.bind(buffers_);
-    return kernels_.emplace(key, std::move(kernel)).first->second;
+    return kernel;
 }
 
 }  // namespace glint::render

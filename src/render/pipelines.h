@@ -29,7 +29,7 @@ KernelId packetKernel(KernelId id);
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
-    bool scattered = false, adaptive = false;
+    bool scattered = false, adaptive = false, tally = false;
     auto operator<=>(const TraceModes&) const = default;
 };
 
@@ -41,6 +41,10 @@ class Pipelines {
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
     const gpu::Kernel& get(KernelId id, const TraceModes& modes);
+
+    // A kernel that `add` may keep for `get`; bound. From any thread, while nothing else changes.
+    gpu::Kernel make(KernelId id, const TraceModes& modes) const;
+    void add(KernelId id, const TraceModes& modes, gpu::Kernel kernel);
 
   private:
     const gpu::Device& device_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "bvh/packet_tree.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "render/film.h"
 #include "render/path_limits.h"
@@ -30,6 +31,13 @@ Region wholeOrGiven(const RenderSettings& settings) {
     return {0, 0, settings.width, settings.height};
 }
 
+SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
+#define GLINT_EITHER(ID, NAME, field) features.field |= also.field;
+    GLINT_FEATURES(GLINT_EITHER)
+#undef GLINT_EITHER
+    return features;
+}
+
 const KernelCode& kernelsFor(const Options& options, gpu::Access access, const SceneFeatures& features,
                              const Methods& methods) {
     if (options.kernels) return *options.kernels;
@@ -42,16 +50,17 @@ struct Renderer::State {
     const gpu::Device& device;
     const PackedScene& scene;
     Options options;
+    SceneFeatures features;  // of the pipelines
     gpu::Access access;
     TraversalChoice traversal;
     uint32_t tripBudget;
-    SceneFeatures features;  // of the pipelines
     SceneBuffers buffers;
     gpu::Buffer counters;
     Pipelines pipelines;
     PathState paths;
     gpu::Submission submission;
     StageTimes times;
+    RayCounts rayCounts;
     std::set<std::pair<KernelId, TraceModes>> compiled;
     shared::Environment environment;  // as it is on the device
     uint32_t sliceTiles =
@@ -63,12 +72,12 @@ struct Renderer::State {
         : device(dev),
           scene(packed),
           options(opts),
+          features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
           traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
-                                                        !opts.leaveOut || looksUpTextures(packed.features))),
-          features(opts.leaveOut ? packed.features : allFeatures()),
+                                                        looksUpTextures(features))),
           pipelines(dev, kernelsFor(opts, access, features, packed.methods), access, features,
                     packed.methods),
           submission(dev) {
@@ -87,11 +96,12 @@ struct Renderer::State {
     void reservePaths(uint32_t capacity, uint32_t rows, bool rebind = false);
     shared::Dispatch dispatchFor(const Slice& slice) const;
     void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
-    void submit();
+    // The time goes to that kernel's account.
+    void submit(double KernelTimes::*account);
     // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
     // With `packets`, it is the one for packets that starts.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
-                   bool packets);
+                   bool packets, double KernelTimes::*account);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
@@ -162,33 +172,38 @@ void Renderer::State::record(KernelId id, const TraceModes& modes, const shared:
                         std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
 }
 
-void Renderer::State::submit() {
+void Renderer::State::submit(double KernelTimes::*account) {
     std::fill_n(counter(), shared::kCounterCount, 0u);
     const gpu::Submission::Times t = submission.submit();
     times.trace += t.wall;
     times.device += t.device;
+    times.kernels.*account += t.device > 0 ? t.device : t.wall;
+    rayCounts.shadow += counter()[shared::kCounterShadow];
+    rayCounts.refracted += counter()[shared::kCounterRefracted];
     times.longestSubmission = std::max(times.longestSubmission, t.wall);
     longestInSlice = std::max(longestInSlice, t.wall);
     ++times.submissions;
 }
 
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
-                                uint32_t groups, bool packets) {
+                                uint32_t groups, bool packets, double KernelTimes::*account) {
     if (packets) {
         record(packetKernel(id), modes, dispatch, (groups + kPacketRays - 1) / kPacketRays);
     } else {
         record(id, modes, dispatch, groups);
     }
-    submit();
+    submit(account);
     modes.resume = true;
     while (counter()[shared::kCounterUnfinished] != 0) {
         ++times.resumes;
         record(id, modes, dispatch, groups);
-        submit();
+        submit(account);
     }
 }
 
-// The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all.
+// The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all. Each
+// has a thread: drivers translate SPIR-V on the caller's, and lavapipe then makes machine code of one kernel
+// after the other on a thread of its own (docs/performance.md, Cold start).
 void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
     std::vector<KernelId> fresh;
     for (KernelId id : ids) {
@@ -198,10 +213,21 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     const Stopwatch watch;
     Slice nothing;
     nothing.region = {0, 0, 1, 1};
-    const StageTimes before = times;
-    for (KernelId id : fresh) record(id, modes, dispatchFor(nothing), 1);
-    submit();
-    times = before;
+    const shared::Dispatch dispatch = dispatchFor(nothing);
+    // They run in any order, so no path may be alive.
+    const RowEntry ended = {{0, 0, 0, shared::kInfinity}};
+    paths.writeRow(device, shared::kRowDirection, std::vector<RowEntry>(shared::kWorkgroupSize, ended));
+    std::vector<gpu::Kernel> kernels(fresh.size());
+    parallelFor(
+        fresh.size(),
+        [&](size_t i) {
+            kernels[i] = pipelines.make(fresh[i], modes);
+            gpu::Submission first(device);
+            first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+            first.submit();
+        },
+        static_cast<unsigned>(fresh.size()));
+    for (size_t i = 0; i < fresh.size(); ++i) pipelines.add(fresh[i], modes, std::move(kernels[i]));
     times.compile += watch.seconds();
 }
 
@@ -210,20 +236,24 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
     const uint32_t groups = slice.groups();
     record(KernelId::Generate, modes, dispatch, groups);
+    if (options.profile) submit(&KernelTimes::generate);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         const bool packets = traversal.packets && dispatch.bounce == 0;
-        traceRays(KernelId::Intersect, modes, dispatch, groups, packets);
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets,
+                  dispatch.bounce == 0 ? &KernelTimes::primary : &KernelTimes::secondary);
         if (cancelled()) return false;
         for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
              ++dispatch.lightIndex) {
-            traceRays(KernelId::Light, modes, dispatch, groups, packets);
+            traceRays(KernelId::Light, modes, dispatch, groups, packets, &KernelTimes::shadow);
             if (cancelled()) return false;
         }
         record(KernelId::Shade, modes, dispatch, groups);
-        submit();
+        submit(&KernelTimes::shade);
         if (cancelled()) return false;
-        if (counter()[shared::kCounterAlive] == 0) return true;
-        times.pathRays += counter()[shared::kCounterAlive];
+        const uint32_t alive = counter()[shared::kCounterAlive];
+        if (alive == 0) return true;
+        times.pathRays += alive;
+        if (modes.tally) rayCounts.mirrored += alive;
     }
 }
 
@@ -233,7 +263,7 @@ bool Renderer::State::adapt(const Slice& slice, shared::Dispatch dispatch, const
     dispatch.decide = last || (dispatch.sampleIndex + 1) % samples.round == 0 ? 1 : 0;
     dispatch.threshold = glm::vec3(*samples.threshold);
     record(KernelId::Adapt, modes, dispatch, slice.groups());
-    submit();
+    submit(&KernelTimes::adapt);
     return counter()[shared::kCounterFlagged] != 0;
 }
 
@@ -385,7 +415,7 @@ void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::
     slice.tileCount = groups;
     const shared::Dispatch dispatch = dispatchFor(slice);
     traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups,
-              options.traversal == Traversal::Packet && traversal.packets);
+              options.traversal == Traversal::Packet && traversal.packets, &KernelTimes::primary);
     const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
     for (uint32_t i = 0; i < count; ++i) {
         hits[i].hit = found[i].u[3] != shared::kNone;
@@ -394,7 +424,7 @@ void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::
     }
     if (any) return;
     record(KernelId::Shade, modes, dispatch, groups);
-    submit();
+    submit(&KernelTimes::shade);
     const AovRows rows(paths, device, count);
     for (uint32_t i = 0; i < count; ++i) hits[i].data = rows.at(i, scene.origin);
 }
@@ -406,6 +436,9 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 
 const StageTimes& Renderer::times() const {
     return state_->times;
+}
+const RayCounts& Renderer::rays() const {
+    return state_->rayCounts;
 }
 gpu::Access Renderer::access() const {
     return state_->access;
@@ -432,9 +465,9 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     modes.aovs = settings.data || settings.cost;
     modes.shadowless = !settings.shadows;
     modes.ledger = settings.ledger;
+    modes.tally = settings.tally;
     const PackedSamples samples =
         settings.samples ? *settings.samples : PackedSamples::fixed(settings.sampleOffsets);
-    modes.ledger = settings.ledger;
     modes.scattered = samples.scattered();
     modes.adaptive = samples.threshold.has_value();
     picture.samplesPerPixel = samples.count();
@@ -464,6 +497,8 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     if (modes.adaptive) kernels.push_back(KernelId::Adapt);
     s.compile(modes, kernels);
 
+    const uint64_t before = s.times.pathRays;
+    const RayCounts counted = s.rayCounts;
     if (!modes.adaptive) s.times.pathRays += pixels * samples.count();
     for (uint32_t first = 0; first < tiles;) {
         const uint32_t sliceTiles = std::clamp(s.sliceTiles, interleave, maxTiles);
@@ -480,6 +515,10 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
         s.sizeNextSlice(slice, slice.tileCount == sliceTiles, watch.seconds());
     }
     for (const uint32_t taken : picture.samples) s.times.pathRays += taken;
+    if (modes.tally) {  // `mirrored` holds all but the camera rays so far
+        s.rayCounts.primary += s.times.pathRays - before - (s.rayCounts.mirrored - counted.mirrored);
+        s.rayCounts.mirrored -= s.rayCounts.refracted - counted.refracted;
+    }
     return picture;
 }
 

@@ -25,6 +25,8 @@ struct Options {
                                   // picture does not depend on it)
     uint32_t tripBudget = 0;      // 0: derived from the device; else loop trips of a ray in one dispatch
     bool leaveOut = true;         // false: the full pipeline, with the code of every feature
+    SceneFeatures also;           // features that the pipeline has code for though the scene lacks them
+    bool profile = false;         // times camera rays' generation apart, see KernelTimes
     std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
     Traversal traversal = Traversal::Auto;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
@@ -47,9 +49,23 @@ struct RenderSettings {
     bool cost = false;                     // count boxes and primitives (PixelData::cost); implies data
     bool shadows = true;                   // false: lights shine through everything
     bool ledger = false;                   // fill Picture::losses, and obey Environment::minContribution
+    bool tally = false;                    // fill Renderer::rays, which takes time on the device
     std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
     std::function<void(double)> progress;  // 0..1
     std::function<bool()> cancelled;       // asked between submissions
+};
+
+// Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
+// timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless
+// Options::profile; `shadow` is the kernel that also shades what its light reaches; `secondary`: reflected
+// and refracted rays.
+struct KernelTimes {
+    double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0;
+};
+
+// Rays that were cast, of complete pictures with RenderSettings::tally.
+struct RayCounts {
+    uint64_t primary = 0, shadow = 0, mirrored = 0, refracted = 0;
 };
 
 // Seconds. `trace` is the wall time of all submissions, `device` the part of it between timestamps (0
@@ -58,7 +74,8 @@ struct StageTimes {
     double upload = 0, compile = 0, trace = 0, device = 0, readback = 0;
     double longestSubmission = 0;
     uint64_t submissions = 0, slices = 0, resumes = 0;
-    uint64_t pathRays = 0;  // camera and mirrored rays
+    uint64_t pathRays = 0;  // camera, mirrored and refracted rays
+    KernelTimes kernels;
 };
 
 struct RayInput {
@@ -94,6 +111,7 @@ class Renderer {
     std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any);
 
     const StageTimes& times() const;  // of construction and all renders since
+    const RayCounts& rays() const;
     gpu::Access access() const;
     const TraversalChoice& traversal() const;
     uint64_t deviceBytes() const;

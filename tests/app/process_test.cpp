@@ -83,6 +83,15 @@ TEST_F(Process, InterruptBeforeAnythingIsFinishedWritesNoFile) {
     }
 }
 
+TEST_F(Process, InterruptedBenchTellsHowFarItCame) {
+    Child child({"bench", "a.json", "--backend", "cpu", "--repeat", "1000", "--size", "1000x1000"});
+    ASSERT_TRUE(child.waitForWork(0.2));
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_EQ(child.err(), "glint: interrupted: 0 of 1 scene measured\n");
+    EXPECT_EQ(child.out(), "");
+}
+
 // Waiting for rays on standard input is not rendering: there is nothing to save.
 TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
     Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);

@@ -1,0 +1,35 @@
+# glint_commit(<target> <output.cpp>): a source of <target> that says which commit is built, written anew only when that changes, so that
+# a build without changes compiles nothing. Without git, or outside a repository (a tarball): "unknown".
+if(CMAKE_SCRIPT_MODE_FILE)
+  set(commit unknown)
+  find_program(git git)
+  if(git)
+    execute_process(COMMAND ${git} -C ${SOURCE} rev-parse --show-toplevel OUTPUT_VARIABLE top OUTPUT_STRIP_TRAILING_WHITESPACE
+                    ERROR_QUIET)
+    # Not of a repository that a tarball happens to be unpacked in.
+    if(top STREQUAL SOURCE)
+      execute_process(COMMAND ${git} -C ${SOURCE} describe --always --dirty --abbrev=12 OUTPUT_VARIABLE found
+                      OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+      if(found MATCHES "^[-._/A-Za-z0-9]+$")
+        set(commit ${found})
+      endif()
+    endif()
+  endif()
+  file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
+"#include \"app/bench.h\"
+
+const char* glint::app::builtCommit() {
+    return \"@commit@\";
+}
+")
+  return()
+endif()
+
+set(GLINT_COMMIT_SCRIPT ${CMAKE_CURRENT_LIST_FILE})
+function(glint_commit target output)
+  add_custom_target(${target}_commit
+    COMMAND ${CMAKE_COMMAND} -DSOURCE=${CMAKE_SOURCE_DIR} -DOUTPUT=${output} -P ${GLINT_COMMIT_SCRIPT}
+    BYPRODUCTS ${output} COMMENT "" VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+  add_dependencies(${target} ${target}_commit)
+endfunction()

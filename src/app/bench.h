@@ -1,0 +1,60 @@
+// What `glint bench` measures of one scene, and how it is written.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/common.h"
+#include "app/report_statistics.h"
+#include "reference/tracer.h"
+
+namespace glint::app {
+
+// Seconds unless said otherwise.
+struct BenchResult {
+    std::string scene;
+    Backend backend = Backend::Gpu;
+    std::string device, driver, traversal, access;  // the last two empty on the host
+    int width = 0, height = 0, samples = 1, maxDepth = 0, repeats = 0;
+    size_t lights = 0, triangles = 0, primitives = 0;
+    std::vector<std::string> used, also;  // features of the scene; further ones that there is code for
+
+    render::RayCounts rays;  // of one picture
+    // Of one picture each. The host's reference does not tell its rays apart: `trace` alone.
+    Quartiles generate, primary, shadow, secondary, shade, trace, readback;
+    // The reference's rays, by RayClass: of the first sample of a grid of pixels; on the host, of all.
+    std::array<reference::RayTally, reference::kRayClasses> counted;
+    uint64_t countedPixels = 0;
+
+    double open = 0, load = 0, build = 0, pack = 0, upload = 0, compile = 0;
+    unsigned threads = 1;
+    uint64_t hostPeakBytes = 0;  // of the process so far
+    uint64_t deviceBytes = 0;
+    std::string picture;  // hash of the colours
+};
+
+// Rays cast and the time they took, in the order that they are shown.
+struct BenchRate {
+    const char* key;   // in JSON
+    const char* name;  // in the table
+    uint64_t rays = 0;
+    Quartiles seconds;       // all 0: not measured apart
+    double testsPerRay = 0;  // boxes and primitives
+};
+std::vector<BenchRate> ratesOf(const BenchResult& result);
+
+// Throws Error(Interrupted) when `cancelled`. `device`: null for the host.
+BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene, const gpu::Device* device,
+                         double openSeconds, const std::function<void(double)>& progress, std::ostream& err);
+
+std::string benchTable(const BenchResult& result);
+// One document for all scenes.
+std::string benchJson(const std::vector<BenchResult>& results);
+
+// The commit that the program was built from, as git describes it ("unknown" outside a repository).
+const char* builtCommit();
+
+}  // namespace glint::app

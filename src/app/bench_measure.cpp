@@ -1,0 +1,242 @@
+#include <sys/resource.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "app/bench.h"
+#include "app/reference_picture.h"
+#include "app/report_sweep.h"
+#include "core/error.h"
+#include "core/interrupt.h"
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+#include "reference/sampling.h"
+#include "shared/dispatch.h"
+
+namespace glint::app {
+
+namespace {
+
+// A part of a second of the reference, and its counts a ray repeat within a percent.
+constexpr int kCountedPixels = 1 << 14;
+// The renderer sizes its slices by the pictures before, and the driver compiles on first use.
+constexpr int kMinWarmUps = 2, kMaxWarmUps = 8;
+constexpr double kWarmUpSeconds = 0.3;
+
+[[noreturn]] void stop() {
+    throw Error(ExitCode::Interrupted, "interrupted");
+}
+
+SceneFeatures featuresNamed(const std::vector<std::string>& names) {
+    SceneFeatures features;
+    for (const std::string& name : names) {
+#define GLINT_SET(ID, NAME, field) \
+    if (name == #field) features.field = true;
+        GLINT_FEATURES(GLINT_SET)
+#undef GLINT_SET
+    }
+    return features;
+}
+
+std::vector<std::string> namesOf(const SceneFeatures& features) {
+    std::vector<std::string> names;
+#define GLINT_NAME(ID, NAME, field) \
+    if (features.field) names.push_back(#field);
+    GLINT_FEATURES(GLINT_NAME)
+#undef GLINT_NAME
+    return names;
+}
+
+// Of linux/getrusage(2): kilobytes.
+uint64_t hostPeak() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string pictureHash(const Picture& picture) {
+    const auto bytes = std::as_bytes(std::span(picture.color.pixels));
+    const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
+    return hashOf({first, first + bytes.size()});
+}
+
+void describe(const LoadedScene& loaded, BenchResult& result) {
+    const PackedScene& packed = loaded.packed;
+    result.width = loaded.scene.image.width;
+    result.height = loaded.scene.image.height;
+    result.samples = loaded.scene.image.samplesPerPixel;
+    result.maxDepth = static_cast<int>(packed.environment.maxDepth);
+    result.lights = packed.lights.size();
+    result.triangles = packed.triangles.size() - packed.statistics.splitTriangles;
+    result.primitives = result.triangles + packed.spheres.size() + packed.planes.size() +
+                        packed.discs.size() + packed.polygons.size() + packed.quadrics.size();
+    result.used = namesOf(packed.features);
+    result.load = loaded.loadSeconds;
+    result.build = packed.statistics.buildSeconds;
+    result.pack = loaded.packSeconds - result.build;
+    result.threads = defaultThreadCount();
+}
+
+// The reference's rays of every `stride`-th pixel in either direction.
+void countRays(const LoadedScene& loaded, int stride, uint32_t samples, BenchResult& result) {
+    const shared::Camera camera = cameraOf(loaded);
+    const PackedSamples packed = samplesOf(loaded);
+    const reference::Tracer tracer(loaded.packed);
+    const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
+    std::mutex mutex;
+    parallelFor(static_cast<size_t>(rows), [&](size_t row) {
+        std::array<reference::RayTally, reference::kRayClasses> sums;
+        const int y = static_cast<int>(row) * stride;
+        for (int x = 0; x < result.width && !interrupted(); x += stride) {
+            for (uint32_t i = 0; i < samples; ++i) {
+                const reference::FilmSample s =
+                    reference::filmSample(packed, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+                const auto ray = tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens);
+                const reference::PixelRecord record = tracer.trace(ray);
+                for (size_t k = 0; k < sums.size(); ++k) {
+                    sums[k].rays += record.tally[k].rays;
+                    sums[k].tests += record.tally[k].tests;
+                }
+            }
+        }
+        const std::lock_guard lock(mutex);
+        for (size_t k = 0; k < sums.size(); ++k) {
+            result.counted[k].rays += sums[k].rays;
+            result.counted[k].tests += sums[k].tests;
+        }
+    });
+    if (interrupted()) stop();
+    result.countedPixels = static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
+}
+
+render::RenderSettings settingsOf(const LoadedScene& loaded, const SceneOptions& options) {
+    render::RenderSettings settings;
+    settings.width = loaded.scene.image.width;
+    settings.height = loaded.scene.image.height;
+    settings.samples = samplesOf(loaded);
+    // As `glint render` without --stats.
+    settings.ledger = loaded.packed.features.transmission || options.minContribution > 0;
+    settings.cancelled = interrupted;
+    return settings;
+}
+
+// The seconds of some pictures, one list for each time.
+struct Series {
+    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback;
+
+    void add(const render::StageTimes& before, const render::StageTimes& after) {
+        const render::KernelTimes &a = before.kernels, &b = after.kernels;
+        generate.push_back(b.generate - a.generate);
+        primary.push_back(b.primary - a.primary);
+        shadow.push_back(b.shadow - a.shadow);
+        secondary.push_back(b.secondary - a.secondary);
+        shade.push_back(b.shade - a.shade);
+        trace.push_back(after.trace - before.trace);
+        readback.push_back(after.readback - before.readback);
+    }
+    void summarize(BenchResult& result) const {
+        result.generate = quartilesOf(generate);
+        result.primary = quartilesOf(primary);
+        result.shadow = quartilesOf(shadow);
+        result.secondary = quartilesOf(secondary);
+        result.shade = quartilesOf(shade);
+        result.trace = quartilesOf(trace);
+        result.readback = quartilesOf(readback);
+    }
+};
+
+void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, const gpu::Device& device,
+                     const render::RenderSettings& settings, const std::function<void(double)>& progress,
+                     BenchResult& result) {
+    render::Options options;
+    options.traversal = command.device.traversal;
+    options.leaveOut = !command.full;
+    options.also = featuresNamed(command.with);
+    options.profile = true;
+    render::Renderer renderer(device, loaded.packed, options);
+    const shared::Camera camera = cameraOf(loaded);
+    const auto draw = [&](const render::RenderSettings& how) {
+        Picture picture = renderer.render(camera, how);
+        if (!picture.complete) stop();
+        return picture;
+    };
+    const Stopwatch warming;
+    for (int i = 0; i < kMaxWarmUps && (i < kMinWarmUps || warming.seconds() < kWarmUpSeconds); ++i) {
+        const Picture picture = draw(settings);
+        if (i > 0) continue;
+        result.compile = renderer.times().compile;
+        result.picture = pictureHash(picture);
+    }
+    Series series;
+    for (int i = 0; i < command.repeats; ++i) {
+        progress((i + 1.0) / (command.repeats + 2));
+        const render::StageTimes before = renderer.times();
+        draw(settings);
+        series.add(before, renderer.times());
+    }
+    series.summarize(result);
+    render::RenderSettings tallying = settings;
+    tallying.tally = true;
+    draw(tallying);
+    result.rays = renderer.rays();
+    result.device = device.info().name;
+    result.driver = device.info().driver;
+    result.traversal = renderer.traversal().packets ? "packet" : "lane";
+    result.access = renderer.access() == gpu::Access::TexelBuffer ? "texel" : "storage";
+    result.upload = renderer.times().upload;
+    result.deviceBytes = renderer.deviceBytes();
+}
+
+void measureOnHost(const BenchCommand& command, const LoadedScene& loaded,
+                   const render::RenderSettings& settings, const std::function<void(double)>& progress,
+                   BenchResult& result) {
+    std::vector<double> seconds;
+    for (int i = 0; i <= command.repeats; ++i) {
+        progress(i / (command.repeats + 1.0));
+        const Stopwatch watch;
+        const Picture picture = renderReference(loaded.packed, cameraOf(loaded), settings);
+        if (!picture.complete) stop();
+        if (i == 0) {
+            result.picture = pictureHash(picture);
+        } else {
+            seconds.push_back(watch.seconds());
+        }
+    }
+    result.trace = quartilesOf(seconds);
+    result.device = "CPU reference (double precision)";
+    result.driver = counted(defaultThreadCount(), "thread");
+}
+
+}  // namespace
+
+BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene, const gpu::Device* device,
+                         double openSeconds, const std::function<void(double)>& progress, std::ostream& err) {
+    SceneOptions options = scene;
+    LoadedScene loaded = loadAndPack(options, err);
+    // Every pixel takes the same samples: rays a second of pixels that stop say nothing about the kernels.
+    loaded.scene.image.adaptive.reset();
+    BenchResult result;
+    result.scene = options.scene.string();
+    result.backend = command.backend;
+    result.repeats = command.repeats;
+    result.also = command.full ? namesOf(allFeatures()) : command.with;
+    result.open = openSeconds;
+    describe(loaded, result);
+    const render::RenderSettings settings = settingsOf(loaded, options);
+    const double pixels = static_cast<double>(result.width) * result.height;
+    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kCountedPixels))));
+    if (device != nullptr) {
+        measureOnDevice(command, loaded, *device, settings, progress, result);
+        countRays(loaded, stride, 1, result);
+    } else {
+        measureOnHost(command, loaded, settings, progress, result);
+        countRays(loaded, 1, settings.samples->count(), result);
+        const auto rays = [&](reference::RayClass k) { return result.counted[static_cast<size_t>(k)].rays; };
+        result.rays = {rays(reference::RayClass::Primary), rays(reference::RayClass::Shadow),
+                       rays(reference::RayClass::Mirrored), rays(reference::RayClass::Refracted)};
+    }
+    result.hostPeakBytes = hostPeak();
+    return result;
+}
+
+}  // namespace glint::app

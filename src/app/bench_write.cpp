@@ -1,0 +1,189 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/bench.h"
+#include "core/parallel.h"
+
+namespace glint::app {
+
+namespace {
+
+using Json = nlohmann::json;
+
+double testsOf(const BenchResult& result, std::initializer_list<reference::RayClass> classes) {
+    reference::RayTally sum;
+    for (const reference::RayClass k : classes) {
+        sum.rays += result.counted[static_cast<size_t>(k)].rays;
+        sum.tests += result.counted[static_cast<size_t>(k)].tests;
+    }
+    return sum.rays > 0 ? static_cast<double>(sum.tests) / static_cast<double>(sum.rays) : 0;
+}
+
+// Of the rates that belong to times: a short time is a high rate.
+Quartiles perSecond(const BenchRate& rate) {
+    const auto of = [&](double seconds) {
+        return seconds > 0 ? static_cast<double>(rate.rays) / seconds : 0;
+    };
+    return {of(rate.seconds.high), of(rate.seconds.median), of(rate.seconds.low)};
+}
+
+Json quartilesJson(const Quartiles& q) {
+    return {{"q1", q.low}, {"median", q.median}, {"q3", q.high}};
+}
+
+double trianglesPerSecond(const BenchResult& r) {
+    return r.build > 0 ? static_cast<double>(r.triangles) / r.build : 0;
+}
+
+Json raysJson(const BenchResult& result) {
+    Json json;
+    for (const BenchRate& rate : ratesOf(result)) {
+        Json& entry = json[rate.key];
+        entry["number"] = rate.rays;
+        entry["testsPerRay"] = rate.testsPerRay;
+        if (rate.seconds.median <= 0) continue;
+        entry["seconds"] = quartilesJson(rate.seconds);
+        entry["perSecond"] = quartilesJson(perSecond(rate));
+    }
+    return json;
+}
+
+Json sceneJson(const BenchResult& r) {
+    Json json;
+    json["scene"] = r.scene;
+    json["backend"] = r.backend == Backend::Cpu ? "cpu" : "gpu";
+    json["device"] = r.device;
+    json["driver"] = r.driver;
+    if (!r.traversal.empty()) json["traversal"] = r.traversal;
+    if (!r.access.empty()) json["access"] = r.access;
+    json["width"] = r.width;
+    json["height"] = r.height;
+    json["samplesPerPixel"] = r.samples;
+    json["maxDepth"] = r.maxDepth;
+    json["lights"] = r.lights;
+    json["triangles"] = r.triangles;
+    json["primitives"] = r.primitives;
+    json["repeats"] = r.repeats;
+    json["features"] = r.used;
+    json["also"] = r.also;
+    json["rays"] = raysJson(r);
+    json["countedPixels"] = r.countedPixels;
+    json["seconds"] = {{"open", r.open},
+                       {"load", r.load},
+                       {"build", r.build},
+                       {"pack", r.pack},
+                       {"upload", r.upload},
+                       {"compile", r.compile},
+                       {"generate", quartilesJson(r.generate)},
+                       {"shade", quartilesJson(r.shade)},
+                       {"trace", quartilesJson(r.trace)},
+                       {"readback", quartilesJson(r.readback)}};
+    json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
+    json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}};
+    json["picture"] = r.picture;
+    return json;
+}
+
+template <typename... Values>
+std::string line(const char* format, Values... values) {
+    char text[256];
+    std::snprintf(text, sizeof(text), format, values...);
+    return text;
+}
+
+std::string milliseconds(const Quartiles& q) {
+    return line("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
+}
+
+std::string rateLine(const BenchRate& rate) {
+    std::string text = line("  %-20s %11llu", rate.name, static_cast<unsigned long long>(rate.rays));
+    text += rate.rays > 0 ? line(" %10.1f", rate.testsPerRay) : line(" %10s", "-");
+    if (rate.seconds.median <= 0) return text + line(" %10s\n", "-");
+    const Quartiles q = perSecond(rate);
+    return text + line(" %10.3f  %8.3f .. %-8.3f %10.2f\n", q.median / 1e6, q.low / 1e6, q.high / 1e6,
+                       rate.seconds.median * 1e3);
+}
+
+std::string stageLines(const BenchResult& r) {
+    std::string text = line("  %-20s %10s  %s\n", "stage", "ms", "quartiles");
+    const auto once = [&](const char* name, double seconds) {
+        text += line("  %-20s %10.2f\n", name, seconds * 1e3);
+    };
+    const auto often = [&](const char* name, const Quartiles& q) {
+        if (q.median > 0) text += line("  %-20s ", name) + milliseconds(q) + "\n";
+    };
+    const bool device = r.backend == Backend::Gpu;
+    once("load", r.load);
+    once("build", r.build);
+    once("pack", r.pack);
+    if (device) {
+        once("open the device", r.open);
+        once("upload", r.upload);
+        once("compile, cold", r.compile);
+    }
+    often("generate", r.generate);
+    often("shade", r.shade);
+    often("trace, all", r.trace);
+    often("readback", r.readback);
+    return text;
+}
+
+}  // namespace
+
+std::vector<BenchRate> ratesOf(const BenchResult& r) {
+    using enum reference::RayClass;
+    const Quartiles none;
+    const bool mixed = r.rays.mirrored > 0 && r.rays.refracted > 0;
+    std::vector<BenchRate> rates = {
+        {"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
+        {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
+        {"mirrored", "mirrored", r.rays.mirrored, mixed || r.rays.mirrored == 0 ? none : r.secondary,
+         testsOf(r, {Mirrored})},
+        {"refracted", "refracted", r.rays.refracted, mixed || r.rays.refracted == 0 ? none : r.secondary,
+         testsOf(r, {Refracted})}};
+    if (mixed)
+        rates.push_back({"mirroredAndRefracted", "mirrored, refracted", r.rays.mirrored + r.rays.refracted,
+                         r.secondary, testsOf(r, {Mirrored, Refracted})});
+    rates.push_back({"all", "all, with shading",
+                     r.rays.primary + r.rays.shadow + r.rays.mirrored + r.rays.refracted, r.trace,
+                     testsOf(r, {Primary, Shadow, Mirrored, Refracted})});
+    return rates;
+}
+
+std::string benchTable(const BenchResult& r) {
+    std::string text = r.scene + "\n";
+    text += line("  %d x %d, %s, maxDepth %d, ", r.width, r.height,
+                 counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.maxDepth);
+    text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
+    text += "  " + r.device + ", " + r.driver;
+    if (!r.traversal.empty()) text += ", " + r.traversal + "s, " + r.access + " buffers";
+    text += std::string(", commit ") + builtCommit() + "\n";
+    if (!r.also.empty()) {
+        text += "  with the code of";
+        for (const std::string& name : r.also) text += " " + name;
+        text += "\n";
+    }
+    text += line("\n  %-20s %11s %10s %10s  %-20s %10s\n", "rays", "number", "tests/ray", "Mrays/s",
+                 "quartiles", "ms");
+    for (const BenchRate& rate : ratesOf(r)) text += rateLine(rate);
+    text += "\n" + stageLines(r);
+    text += "\n  tree         " + counted(r.threads, "thread");
+    if (r.triangles > 0) text += line(", %.2f million triangles/s", trianglesPerSecond(r) / 1e6);
+    text += line("\n  memory       host %.1f MiB at most", static_cast<double>(r.hostPeakBytes) / 1048576);
+    if (r.backend == Backend::Gpu)
+        text += line(", device buffers %.1f MiB", static_cast<double>(r.deviceBytes) / 1048576);
+    return text + "\n  picture      " + r.picture + "\n";
+}
+
+std::string benchJson(const std::vector<BenchResult>& results) {
+    Json json;
+    json["version"] = GLINT_VERSION;
+    json["commit"] = builtCommit();
+    json["threads"] = defaultThreadCount();
+    json["scenes"] = Json::array();
+    for (const BenchResult& result : results) json["scenes"].push_back(sceneJson(result));
+    // A file name need not be UTF-8; JSON must be.
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace glint::app

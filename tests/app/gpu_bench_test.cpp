@@ -1,0 +1,77 @@
+// `glint bench` on a device: counts against the reference's, and what a pipeline with more code draws.
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "support.h"
+
+namespace glint::app::test {
+namespace {
+
+nlohmann::json bench(std::vector<std::string> more) {
+    std::vector<std::string> args = {"bench", "a.json", "--repeat", "2", "--stats", "json"};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran ran = runGlint(args);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return nlohmann::json::parse(ran.out)["scenes"][0];
+}
+
+class GpuBench : public FolderTest {
+  protected:
+    void SetUp() override {
+        setenv("MESA_SHADER_CACHE_DISABLE", "false", 1);  // what compiling takes cold is not the matter here
+        FolderTest::SetUp();
+    }
+};
+
+// A glass sphere before a mirror, over a plane: every class of rays.
+TEST_F(GpuBench, CountsTheReferencesRays) {
+    writeText("a.json", sceneText(64, 48, R"("maxDepth": 4, "background": 0.5,
+  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8},
+             {"type": "directional", "direction": [-1, -1, -1], "intensity": 0.3}],
+  "materials": {"glass": {"transmission": 1, "ior": 1.5}, "chrome": {"diffuse": 0.1, "mirror": 0.9}},
+  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "glass"},
+              {"type": "sphere", "center": [-2, 0, -1], "radius": 1, "material": "chrome"},
+              {"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0], "material": "chrome"}])"));
+    const nlohmann::json device = bench({}), host = bench({"--backend", "cpu"});
+    EXPECT_EQ(device["rays"]["primary"]["number"], 64 * 48);
+    double sum = 0;
+    for (const char* key : {"primary", "shadow", "mirrored", "refracted"}) {
+        const double n = device["rays"][key]["number"], expected = host["rays"][key]["number"];
+        sum += n;
+        EXPECT_GT(n, 500) << key;
+        // Rounding may turn single paths at silhouettes and at the edge of total reflection.
+        EXPECT_NEAR(n, expected, 0.005 * expected) << key;
+    }
+    EXPECT_EQ(device["rays"]["all"]["number"], sum);
+    EXPECT_EQ(device["rays"]["mirroredAndRefracted"]["number"].get<double>(),
+              device["rays"]["mirrored"]["number"].get<double>() +
+                  device["rays"]["refracted"]["number"].get<double>());
+    EXPECT_FALSE(device["rays"]["mirrored"].contains("perSecond")) << "one dispatch traces both";
+    for (const char* key : {"primary", "shadow", "mirroredAndRefracted", "all"})
+        EXPECT_GT(device["rays"][key]["perSecond"]["median"].get<double>(), 0) << key;
+    double parts = 0;
+    for (const char* key : {"primary", "shadow", "mirroredAndRefracted"})
+        parts += device["rays"][key]["seconds"]["median"].get<double>();
+    for (const char* key : {"generate", "shade"}) parts += device["seconds"][key]["median"].get<double>();
+    // Two pictures: the median of sums is the sum of medians; the rest is the submissions' own time.
+    EXPECT_LE(parts, device["seconds"]["trace"]["median"].get<double>() * (1 + 1e-9));
+    EXPECT_GT(device["seconds"]["compile"].get<double>(), 0);
+    EXPECT_GT(device["bytes"]["device"].get<double>(), 64 * 48 * 16);
+}
+
+TEST_F(GpuBench, MoreCodeDrawsTheSameBits) {
+    writeText("a.json", sceneText(32, 24, R"("maxDepth": 0,
+  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
+  "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},
+  "objects": [{"type": "triangle", "vertices": [[-1, -1, 0], [1, -1, 0], [0, 1, -1]], "material": "red"}])"));
+    const nlohmann::json pruned = bench({});
+    EXPECT_EQ(pruned["features"], (std::vector<std::string>{"triangles", "pointLights"}));
+    EXPECT_TRUE(pruned["also"].empty());
+    const nlohmann::json with = bench({"--with", "discs,mirrors"});
+    EXPECT_EQ(with["also"], (std::vector<std::string>{"discs", "mirrors"}));
+    EXPECT_EQ(with["picture"], pruned["picture"]);
+    EXPECT_EQ(with["rays"]["all"]["number"], pruned["rays"]["all"]["number"]);
+}
+
+}  // namespace
+}  // namespace glint::app::test

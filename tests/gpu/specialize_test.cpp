@@ -1,0 +1,101 @@
+// The renderer's kernels with their constants put in: valid, free of those constants, and smaller the less a
+// scene needs. That they draw the same is what every other test of pictures sees.
+#include "gpu/specialize.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <unistd.h>
+
+#include "render/kernels.h"
+
+namespace glint::gpu {
+namespace {
+
+constexpr uint32_t kIds = 80;
+constexpr uint32_t kOpDecorate = 71, kSpecId = 1;
+
+std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
+    return {code.generate,        code.intersect,          code.intersectAny, code.light, code.shade,
+            code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt};
+}
+
+std::vector<uint32_t> constantsWhere(auto isOn) {
+    std::vector<uint32_t> constants(kIds, 0);
+    for (uint32_t id = 0; id < 70 || (id > 71 && id < 77); ++id) constants[id] = isOn(id) ? 1 : 0;
+    return constants;
+}
+
+size_t specIdsIn(std::span<const uint32_t> words) {
+    size_t found = 0;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16)
+        if ((words[at] & 0xffff) == kOpDecorate && words[at + 2] == kSpecId) ++found;
+    return found;
+}
+
+bool isValid(const std::vector<uint32_t>& words) {
+    const auto path =
+        std::filesystem::temp_directory_path() / ("glint_specialize_" + std::to_string(getpid()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(words.size() * 4));
+    const std::string command = std::string(GLINT_SPIRV_VAL) + " --target-env vulkan1.1 " + path.string();
+    const int code = std::system(command.c_str());
+    std::filesystem::remove(path);
+    return code == 0;
+}
+
+void expectGood(const std::vector<uint32_t>& constants, const std::string& what) {
+    for (const Access access : {Access::StorageBuffer, Access::TexelBuffer}) {
+        for (const auto* set : {&render::embeddedKernels(access), &render::basicKernels(access)}) {
+            const auto kernels = kernelsOf(*set);
+            for (size_t i = 0; i < kernels.size(); ++i) {
+                const std::vector<uint32_t> made = specialize(kernels[i], constants);
+                EXPECT_EQ(specIdsIn(made), 0u) << what << ", kernel " << i;
+                EXPECT_LE(made.size(), kernels[i].size()) << what << ", kernel " << i;
+                EXPECT_TRUE(isValid(made)) << what << ", kernel " << i;
+                EXPECT_EQ(specialize(made, constants), made) << "done twice, " << what << ", kernel " << i;
+            }
+        }
+    }
+}
+
+TEST(Specialize, EverythingAndNothing) {
+    expectGood(constantsWhere([](uint32_t) { return true; }), "all");
+    expectGood(constantsWhere([](uint32_t) { return false; }), "none");
+}
+
+TEST(Specialize, AnyChoiceOfFeatures) {
+    std::mt19937 dice(5);
+    for (int i = 0; i < 2; ++i)
+        expectGood(constantsWhere([&](uint32_t) { return dice() % 2 == 0; }), "choice " + std::to_string(i));
+}
+
+TEST(Specialize, LeavesOutWhatIsNotNeeded) {
+    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
+    const auto all = specialize(code.light, constantsWhere([](uint32_t) { return true; }));
+    const auto spheres =
+        specialize(code.light, constantsWhere([](uint32_t id) { return id == 1 || id == 5; }));
+    EXPECT_LT(spheres.size(), all.size() / 2) << "spheres and point lights against everything";
+}
+
+TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {
+    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    const auto made = specialize(code.light, {});
+    EXPECT_EQ(specIdsIn(made), specIdsIn(code.light));
+    EXPECT_TRUE(isValid(made));
+}
+
+TEST(Specialize, RefusesWhatIsNoModule) {
+    EXPECT_THROW(specialize({}, {}), std::invalid_argument);
+    const std::vector<uint32_t> text(8, 0x20202020), cut{0x07230203, 0x10300, 0, 1, 0, 0x00050047, 1};
+    EXPECT_THROW(specialize(text, {}), std::invalid_argument);
+    EXPECT_THROW(specialize(cut, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace glint::gpu
