@@ -60,7 +60,7 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
                 gpu::MemoryKind::Host),
       packetRays_(replaced.packetRays),
       code_(replace(render::embeddedKernels(access_), replaced)),
-      pipelines_(device, code_, access_, scene.features),
+      pipelines_(device, code_, access_, scene.features, scene.methods),
       submission_(device),
       packets_(render::chooseTraversal(render::Traversal::Auto, device.info(), scene).packets) {
     pipelines_.bind(counters_, paths_.buffer(), buffers_);

@@ -50,19 +50,10 @@ Plane bestPlane(const Box& box, const Box& root) {
     return best;
 }
 
-// How far the boxes of parts reach beyond the exact parts. The device decides an edge by corners relative to
-// the ray's origin, rounded: a hit may lie off the true triangle by a few units of 2^-24 of a corner's
-// distance. The slab test's own pad covers the part of that distance that the ray travels; this covers the
-// part from the hit to the corner, which a whole triangle's box never needs.
-float partMargin(const Corners& corners) {
-    float largest = 0, extent = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const float lo = std::min({corners[0][axis], corners[1][axis], corners[2][axis]});
-        const float hi = std::max({corners[0][axis], corners[1][axis], corners[2][axis]});
-        largest = std::max({largest, std::abs(lo), std::abs(hi)});
-        extent = std::max(extent, hi - lo);
-    }
-    return 16 * 0x1p-24f * (largest + extent);
+// Of the parts of a triangle, as of a whole one (edgeMargin); and the rounding of where it was cut.
+float partMargin(const Box& whole) {
+    const glm::vec3 far = glm::max(glm::abs(whole.lo), glm::abs(whole.hi));
+    return edgeMargin(whole) + 0x1p-23f * std::max({far.x, far.y, far.z});
 }
 
 // A part of a triangle, as a convex polygon.
@@ -130,9 +121,9 @@ Outline outlineOf(const Corners& corners) {
 }  // namespace
 
 std::vector<Box> splitTriangle(const Corners& corners, const Box& root, uint32_t parts) {
-    const float margin = partMargin(corners);
     const Outline whole = outlineOf(corners);
     const Box wholeBox = boxOf(whole);
+    const float margin = partMargin(wholeBox), ownMargin = edgeMargin(wholeBox);
     std::vector<Box> boxes;
     std::vector<Part> pending{{whole, parts}};
     while (!pending.empty()) {
@@ -141,7 +132,8 @@ std::vector<Box> splitTriangle(const Corners& corners, const Box& root, uint32_t
         const Box box = boxOf(part.outline);
         const Plane plane = part.pieces > 1 ? bestPlane(box, root) : Plane{};
         if (plane.axis < 0) {
-            boxes.push_back({glm::max(box.lo - margin, wholeBox.lo), glm::min(box.hi + margin, wholeBox.hi)});
+            boxes.push_back({glm::max(box.lo - margin, wholeBox.lo - ownMargin),
+                             glm::min(box.hi + margin, wholeBox.hi + ownMargin)});
             continue;
         }
         Part lower{clipped(part.outline, plane, false), 0}, upper{clipped(part.outline, plane, true), 0};

@@ -105,7 +105,14 @@ void reportDropped(const Scene& scene, const PrimitiveNumbers& numbers, const st
     for (const Dropped& d : perObject) warn(scene, numbers, d, warnings);
 }
 
-// Of the rounded primitive.
+Box withEdgeMargin(Box tight) {
+    const float margin = edgeMargin(tight);
+    tight.lo -= margin;
+    tight.hi += margin;
+    return tight;
+}
+
+// Of the rounded primitive, and what the device may take for it.
 Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
     if (const auto* sphere = std::get_if<SphereShape>(&object.shape))
         return sphereBox(roundSphere(*sphere, frame));
@@ -113,13 +120,13 @@ Box boxOf(const Object& object, uint32_t face, const Frame& frame) {
     if (const auto* polygon = std::get_if<PolygonShape>(&object.shape)) {
         const auto vertices = roundPolygon(*polygon, frame.origin).value();
         const PolygonPlane plane = polygonPlane(widened(vertices)).value();
-        return polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal));
+        return withEdgeMargin(polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal)));
     }
     if (isQuadric(object.shape)) return quadricBox(object, frame, roundQuadric(object, frame));
     Box box;
     const Corners corners = roundTriangle(TriangleSource(object).vertices(face), frame.origin).value();
     for (const glm::vec3& p : corners) box.include(p);
-    return box;
+    return withEdgeMargin(box);
 }
 
 // Writes the chunk's primitives from position `next` on.
@@ -175,6 +182,11 @@ void checkLimit(const char* what, uint64_t count, uint64_t limit) {
     if (count <= limit) return;
     throw Error(ExitCode::Scene, std::string(what) + ": the scene has " + std::to_string(count) +
                                      ", the limit is " + std::to_string(limit) + "; leave some out");
+}
+
+float edgeMargin(const Box& tight) {
+    const glm::dvec3 extent = glm::dvec3(tight.hi) - glm::dvec3(tight.lo);
+    return static_cast<float>(16 * 0x1p-24 * std::max({extent.x, extent.y, extent.z}));
 }
 
 std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin) {

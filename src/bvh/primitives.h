@@ -81,6 +81,21 @@ struct Frame {
 
 using Corners = std::array<glm::vec3, 3>;
 
+// How far a hit that the device finds may lie off a triangle or polygon with this tight box, on any axis, by
+// that part of the rounding which does not shrink with the ray's way to it: so far their boxes reach beyond.
+//
+// The edge test (Woop, Benthin, Wald, JCGT 2(1), 2013) decides by corners X = x - o, sheared to X - S Z with
+// S = dx/dz, |S| <= 1. With u = 2^-24: X, Z, the product and the difference are rounded, S is a product with
+// a reciprocal good to 2.5 ulp, 6 u. So a sheared corner errs by 2 u |X| + 9 u |S Z| at most, alike for all
+// triangles that share it; the sign of an edge function then is right or 0, as rounding is monotone. A ray
+// that is accepted therefore passes the point P = sum w_k x_k, w_k >= 0, at a distance along x of no more
+// than sum w_k (2 u |X_k| + 9 u |S Z_k|). X_k is P's own X but for the triangle's extent e, and |S| P's Z the
+// ray's t |d_x|: so 11 u t |d_x| + 2 u e_x + 9 u e_z. The first part is in the pad of the slab test (kFarPad,
+// shaders/intersect.glsl), the second is this: 16 u of the largest extent, which leaves room for the weights'
+// own errors in t. Tight boxes lose hits where a triangle is far longer than the ray's way to it, and with
+// them the ray leaves a closed mesh (tests/render/tree_leaks_test.cpp).
+float edgeMargin(const Box& tight);
+
 // Rounds world - origin to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin);
 

@@ -64,6 +64,15 @@ TEST_F(SplitTriangle, DiagonalNeedle) {
     EXPECT_NEAR(sum, whole / 16, 0.01 * whole / 16);
 }
 
+// What the device may take for the triangle reaches 16 u of its size beyond it, and so do the parts.
+TEST_F(SplitTriangle, PartsReachBeyondTheTriangle) {
+    const Corners corners = {glm::vec3(-8), glm::vec3(8), glm::vec3(8, 8, -8)};
+    Box all;
+    for (const Box& box : splitTriangle(corners, kRoot, 8)) all.include(box);
+    EXPECT_EQ(all.lo, glm::vec3(-8 - 0x1p-16f));
+    EXPECT_EQ(all.hi, glm::vec3(8 + 0x1p-16f));
+}
+
 TEST_F(SplitTriangle, FlatOnesStayWhole) {
     const Corners point = {glm::vec3(1), glm::vec3(1), glm::vec3(1)};
     EXPECT_EQ(splitTriangle(point, kRoot, 8).size(), 1u);

@@ -21,7 +21,7 @@ endmacro()
 basic_mutant(edge_sign intersect.glsl "c2.x * b2.y - c2.y * b2.x" "c2.x * b2.y + c2.y * b2.x" intersect)
 basic_mutant(wrong_weight intersect.glsl "u = uHit;" "u = vHit;" intersect)
 basic_mutant(tie_rule traversal.glsl "id < hit.id" "id > hit.id" intersect)
-basic_mutant(small_boxes intersect.glsl "kFarPad = 1.00000083446503" "kFarPad = 0.99" intersect light)
+basic_mutant(small_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 0.99" intersect light)
 mutant(instance_normal instance.glsl "return n;" "return normal;" light shade)
 mutant(instance_ray instance.glsl "origin - instance.place" "origin - 1.001 * instance.place" intersect light)
 basic_mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"

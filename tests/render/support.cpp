@@ -53,6 +53,21 @@ void RenderTest::TearDownTestSuite() {
     device_.reset();
 }
 
+PackedScene withOpenBoxes(PackedScene scene) {
+    constexpr float kFar = 3e38f;
+    for (shared::Node& node : scene.nodes) {
+        if (node.child0 != shared::kNone) {
+            node.lo0 = glm::vec3(-kFar);
+            node.hi0 = glm::vec3(kFar);
+        }
+        if (node.child1 != shared::kNone) {
+            node.lo1 = glm::vec3(-kFar);
+            node.hi1 = glm::vec3(kFar);
+        }
+    }
+    return scene;
+}
+
 Case makeCase(Scene scene, int width, int height) {
     Case c;
     c.scene = std::move(scene);

@@ -49,6 +49,8 @@ Case fileCase(const std::string& name, int width, int height);
 Case textCase(const std::string& text, int width, int height);
 // The names of all scenes/*.json.
 std::vector<std::string> sceneNames();
+// With boxes that hold everything, so that each ray is tested against each primitive.
+PackedScene withOpenBoxes(PackedScene scene);
 
 uint32_t addMaterial(Scene& scene, const Color& diffuse, const Color& mirror = Color(0));
 void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,

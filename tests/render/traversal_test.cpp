@@ -2,6 +2,7 @@
 // is tested against each primitive, gives the same hits, bit by bit.
 #include <cmath>
 
+#include "oracle.h"
 #include "support.h"
 
 namespace glint::render::test {
@@ -9,21 +10,6 @@ namespace {
 
 using glm::dvec3;
 using glm::vec3;
-
-PackedScene withOpenBoxes(PackedScene scene) {
-    constexpr float kFar = 3e38f;
-    for (shared::Node& node : scene.nodes) {
-        if (node.child0 != shared::kNone) {
-            node.lo0 = vec3(-kFar);
-            node.hi0 = vec3(kFar);
-        }
-        if (node.child1 != shared::kNone) {
-            node.lo1 = vec3(-kFar);
-            node.hi1 = vec3(kFar);
-        }
-    }
-    return scene;
-}
 
 double logUniform(Random& random, double lo, double hi) {
     return std::exp(random.uniform(std::log(lo), std::log(hi)));
@@ -76,7 +62,12 @@ Scene sceneOf(const std::string& kind) {
     return scene;
 }
 
-class TraversalTest : public RenderTest, public testing::WithParamInterface<std::string> {
+struct Subject {
+    std::string scene;
+    BuildQuality quality;
+};
+
+class TraversalTest : public RenderTest, public testing::WithParamInterface<Subject> {
   protected:
     // A vertex, a point on an edge, a sphere's side, a corner of a box: where rounding decides.
     dvec3 criticalPoint() {
@@ -136,7 +127,32 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<std:
         return rays;
     }
 
-    PackedScene packed_ = packScene(sceneOf(GetParam()));
+    oracle::Truth truthOf(uint32_t triangle, const RayInput& ray) const {
+        const shared::Triangle& t = packed_.triangles[triangle];
+        return oracle::triangle(dvec3(t.v0), dvec3(t.v1), dvec3(t.v2),
+                                {dvec3(ray.origin), dvec3(ray.direction)});
+    }
+    // A ray in a triangle's plane, within rounding: there fp32 cannot tell where along its line the triangle
+    // ends, and may find it anywhere on it. Boxes can; so trees differ in such hits, which are none, and in
+    // nothing else.
+    void expectPhantom(const RayInput& ray, const RayHit& byTree, const RayHit& byAll) const {
+        ASSERT_TRUE(byAll.hit) << text(ray);
+        ASSERT_EQ(byAll.kindAndIndex >> shared::kPrimitiveKindShift, shared::kKindTriangle) << text(ray);
+        const oracle::Truth phantom = truthOf(byAll.kindAndIndex & shared::kPrimitiveIndexMask, ray);
+        EXPECT_FALSE(phantom.hit) << text(ray);
+        EXPECT_LT(phantom.margin, 16 * 0x1p-24) << text(ray);
+        EXPECT_FALSE(byTree.hit && byTree.t < byAll.t) << text(ray);
+        // What is hit beyond doubt, the tree has found, or something before it.
+        for (uint32_t i = 0; i < packed_.triangles.size(); ++i) {
+            const oracle::Truth truth = truthOf(i, ray);
+            if (!truth.hit || truth.margin < 64 * 0x1p-24 || truth.t <= ray.tMin || truth.t > ray.tMax)
+                continue;
+            ASSERT_TRUE(byTree.hit) << text(ray);
+            EXPECT_LE(byTree.t, truth.t * (1 + 1e-5)) << text(ray);
+        }
+    }
+
+    PackedScene packed_ = packScene(sceneOf(GetParam().scene), 0, GetParam().quality);
     Random random_{70};
 };
 
@@ -144,8 +160,14 @@ TEST_P(TraversalTest, treeAndBruteForceHitTheSame) {
     const std::vector<RayInput> rays = makeRays(4000);
     const PackedScene open = withOpenBoxes(packed_);
     Renderer tree(device(), packed_), brute(device(), open);
-    const std::vector<RayHit> hits = tree.trace(rays, false);
-    EXPECT_TRUE(sameBits(hits, brute.trace(rays, false), rays));
+    const std::vector<RayHit> hits = tree.trace(rays, false), all = brute.trace(rays, false);
+    size_t phantoms = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (sameBits(hits[i], all[i])) continue;
+        expectPhantom(rays[i], hits[i], all[i]);
+        ++phantoms;
+    }
+    EXPECT_LE(phantoms, rays.size() / 4000);
     const size_t hitCount = rays.size() - misses(hits);
     EXPECT_GT(hitCount, rays.size() / 4);
     EXPECT_GT(misses(hits), rays.size() / 100);
@@ -156,8 +178,20 @@ TEST_P(TraversalTest, treeAndBruteForceHitTheSame) {
     EXPECT_EQ(differing, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TraversalTest, testing::Values("triangles", "grids", "spheres", "mixed"),
-                         [](const auto& p) { return p.param; });
+std::vector<Subject> subjects() {
+    std::vector<Subject> all;
+    for (const char* scene : {"triangles", "grids", "spheres", "mixed"})
+        for (const BuildQuality quality : {BuildQuality::Fast, BuildQuality::Default, BuildQuality::High})
+            all.push_back({scene, quality});
+    return all;
+}
+
+std::string nameOf(const testing::TestParamInfo<Subject>& info) {
+    const char* const names[] = {"Fast", "Default", "High"};
+    return info.param.scene + names[static_cast<int>(info.param.quality)];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TraversalTest, testing::ValuesIn(subjects()), nameOf);
 
 }  // namespace
 }  // namespace glint::render::test

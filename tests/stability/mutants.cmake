@@ -66,7 +66,7 @@ mutant(imprecise intersect.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
 mutant(naive_sphere intersect.glsl
        "precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));"
        "precise float disc = b * b - a * (dot(o, o) - sphere.radius * sphere.radius);" primitive_probe)
-mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000083446503" "kFarPad = 1.0" primitive_probe)
+mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0" primitive_probe)
 # An epsilon for the whole scene.
 mutant(fixed_offset ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.

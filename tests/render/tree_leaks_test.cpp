@@ -1,0 +1,172 @@
+// Boxes hold whatever the fp32 triangle test may accept, so no tree lets a ray out of a closed mesh. The test
+// errs by a few units of 2^-24 of a corner's distance, a slab by as much of the ray's way to it: of a
+// triangle far longer than the way, tight boxes refuse hits, and where the neighbour's fp32 test misses too,
+// the ray is out. So: boxes and corridors with long triangles whose edges are also sides of boxes, seen from
+// nearby.
+#include <cmath>
+#include <iostream>
+
+#include "bvh/builder.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+// A closed axis-aligned box about the origin, its faces cut into 2 x 2 quads of two triangles: edges lie at
+// 0, where coordinates give boxes no margin.
+struct Hull {
+    dvec3 half;
+    std::vector<dvec3> positions;
+    std::vector<glm::uvec3> corners;
+
+    explicit Hull(const dvec3& halfSize) : half(halfSize) {
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int side : {-1, 1})
+                for (int quad = 0; quad < 4; ++quad) addQuad(axis, side, quad & 1, quad >> 1);
+    }
+
+    // What fp32 makes of the corners may lie this far off: a ray that starts nearer to a side may be outside.
+    double margin() const { return 0x1p-20 * std::max({half.x, half.y, half.z}); }
+    // Needles have their t worse, by their length over their height.
+    double apart() const {
+        return margin() * std::max({half.x, half.y, half.z}) / std::min({half.x, half.y, half.z});
+    }
+
+  private:
+    uint32_t vertex(const glm::ivec3& place) {
+        const dvec3 p = half * dvec3(place);
+        const auto found = std::find(positions.begin(), positions.end(), p);
+        if (found != positions.end()) return static_cast<uint32_t>(found - positions.begin());
+        positions.push_back(p);
+        return static_cast<uint32_t>(positions.size() - 1);
+    }
+    void addQuad(int axis, int side, int i, int j) {
+        uint32_t v[4];
+        for (int k = 0; k < 4; ++k) {
+            glm::ivec3 place;
+            place[axis] = side;
+            place[(axis + 1) % 3] = i - 1 + (k & 1);
+            place[(axis + 2) % 3] = j - 1 + (k >> 1);
+            v[k] = vertex(place);
+        }
+        corners.emplace_back(v[0], v[1], v[3]);
+        corners.emplace_back(v[0], v[3], v[2]);
+    }
+};
+
+// Boxes no wider than their triangles but for an ulp, from node `index` down.
+Box tighten(PackedScene& scene, uint32_t index) {
+    shared::Node& node = scene.nodes[index];
+    const auto boxOf = [&](uint32_t child) {
+        Box box;
+        if ((child & shared::kLeafFlag) == 0) return tighten(scene, child);
+        const uint32_t first = child & shared::kLeafFirstMask;
+        const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+        for (uint32_t i = first; i < first + count; ++i)
+            for (const vec3& v : {scene.triangles[i].v0, scene.triangles[i].v1, scene.triangles[i].v2})
+                box.include(v);
+        for (int axis = 0; axis < 3; ++axis) {
+            box.lo[axis] -= std::max(std::abs(box.lo[axis]) * 0x1p-23f, 0x1p-100f);
+            box.hi[axis] += std::max(std::abs(box.hi[axis]) * 0x1p-23f, 0x1p-100f);
+        }
+        return box;
+    };
+    const Box a = boxOf(node.child0), b = boxOf(node.child1);
+    node.lo0 = a.lo, node.hi0 = a.hi, node.lo1 = b.lo, node.hi1 = b.hi;
+    Box both = a;
+    both.include(b);
+    return both;
+}
+PackedScene withTightBoxes(PackedScene scene) {
+    tighten(scene, 0);
+    return scene;
+}
+
+class TreeLeaksTest : public RenderTest {
+  protected:
+    // From inside at points of edges, from 1e-4 of the hull's size away on.
+    std::vector<RayInput> raysIn(const Hull& hull, int count) {
+        std::vector<RayInput> rays;
+        while (rays.size() < static_cast<size_t>(count)) {
+            const glm::uvec3& t = hull.corners[random_.below(static_cast<uint32_t>(hull.corners.size()))];
+            const uint32_t side = random_.below(3);
+            const dvec3 a = hull.positions[t[static_cast<int>(side)]],
+                        b = hull.positions[t[static_cast<int>((side + 1) % 3)]];
+            // Beside the edge by as much as the test errs: nearer, every box has pad enough.
+            const double beside = hull.margin() * std::exp(random_.uniform(std::log(1e-3), 0));
+            const dvec3 target = glm::mix(a, b, random_.uniform(0, 1)) + random_.box(beside);
+            dvec3 away = random_.box(1) * hull.half;
+            // Along short sides too, not only into a corridor's length.
+            if (random_.below(2)) away[2] = target[2] + random_.uniform(-1, 1) * hull.half.x;
+            const double way = std::exp(random_.uniform(std::log(1e-4), 0));
+            const vec3 from(glm::mix(target, away, way));
+            const dvec3 room = hull.half - glm::abs(dvec3(from));
+            if (std::min({room.x, room.y, room.z}) < hull.apart()) continue;
+            rays.push_back(rayTowards(from, target, rays.size() % 2));
+        }
+        return rays;
+    }
+    static Scene sceneOf(const Hull& hull) {
+        Scene scene = emptyScene();
+        addMesh(scene, hull.positions, hull.corners);
+        return scene;
+    }
+    static bool runsPackets() {
+        const gpu::DeviceLimits& limits = device().info().limits;
+        return limits.subgroupSize == shared::kPacketWidth && limits.subgroupShuffle;
+    }
+    static std::vector<RayHit> hitsOf(const PackedScene& packed, Traversal traversal,
+                                      const std::vector<RayInput>& rays) {
+        Options options;
+        options.traversal = traversal;
+        return Renderer(device(), packed, options).trace(rays, false);
+    }
+    Random random_{36};
+};
+
+const Hull kHulls[] = {Hull(dvec3(1000)), Hull(dvec3(1)), Hull({1, 1, 10}), Hull({1, 0.75, 32}),
+                       Hull({1, 0.75, 100})};
+
+const BuildQuality kQualities[] = {BuildQuality::Fast, BuildQuality::Default, BuildQuality::High};
+
+// Not only no leak: each ray hits what it hits when every triangle is tested.
+TEST_F(TreeLeaksTest, noRayLeavesAHull) {
+    size_t rayCount = 0;
+    for (const Hull& hull : kHulls) {
+        const std::vector<RayInput> rays = raysIn(hull, 100000);
+        const std::vector<RayHit> truth =
+            hitsOf(withOpenBoxes(packScene(sceneOf(hull))), Traversal::Lane, rays);
+        EXPECT_EQ(misses(truth), 0u) << hull.half.z;
+        for (const BuildQuality quality : kQualities) {
+            const PackedScene packed = packScene(sceneOf(hull), 0, quality);
+            for (const Traversal traversal : {Traversal::Lane, Traversal::Packet}) {
+                if (traversal == Traversal::Packet && !runsPackets()) continue;
+                const std::vector<RayHit> hits = hitsOf(packed, traversal, rays);
+                size_t wrong = 0;
+                for (size_t i = 0; i < rays.size(); ++i)
+                    wrong += hits[i].hit != truth[i].hit || hits[i].t != truth[i].t ||
+                             hits[i].data.primitive != truth[i].data.primitive;
+                EXPECT_EQ(wrong, 0u) << hull.half.z << ", " << misses(hits) << " leaks";
+                rayCount += rays.size();
+            }
+        }
+    }
+    std::cout << "[ measured ] " << rayCount << " rays, no leak\n";
+}
+
+// The defect that this guards against: boxes that are right for exact rays.
+TEST_F(TreeLeaksTest, tightBoxesLeak) {
+    const Hull& hull = std::end(kHulls)[-1];
+    const std::vector<RayInput> rays = raysIn(hull, 100000);
+    const PackedScene packed = withTightBoxes(packScene(sceneOf(hull)));
+    EXPECT_GT(misses(hitsOf(packed, Traversal::Lane, rays)), 10u);
+    if (runsPackets()) {
+        EXPECT_GT(misses(hitsOf(packed, Traversal::Packet, rays)), 10u);
+    }
+}
+
+}  // namespace
+}  // namespace glint::render::test
