@@ -47,9 +47,6 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
                   .out.find(", 16 samples per pixel (lowDiscrepancy, auto), "),
               std::string::npos)
         << "the rule goes by --spp, not by the file's number";
-    EXPECT_NE(runGlint({"info", "a.json", "--spp", "16", "--sampler", "grid"})
-                  .out.find(", 16 samples per pixel (grid), "),
-              std::string::npos);
     EXPECT_NE(
         out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"),
         std::string::npos)

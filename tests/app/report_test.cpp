@@ -186,7 +186,11 @@ TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     data.scenes[0].measured.push_back(measuredAt("grid", "grid", 64, 64, 0.001));  // without arithmetic
     std::istringstream lines(toCsv(data));
     std::vector<std::vector<std::string>> rows;
-    for (std::string line; std::getline(lines, line);) rows.push_back(csvFields(line));
+    for (std::string line; std::getline(lines, line);) {
+        ASSERT_TRUE(line.ends_with('\r'));
+        line.pop_back();
+        rows.push_back(csvFields(line));
+    }
     ASSERT_EQ(rows.size(), 8u);
     for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
     EXPECT_EQ(rows[1][0], "bowl, \"red\" & <blue>");

@@ -40,6 +40,25 @@ TEST_F(LeakTest, ConvexObjectsDoNotShadeThemselves) {
     }
 }
 
+// T66, T81 for the other kinds: no point that the light sees is in the dark.
+TEST_F(LeakTest, BodiesOfEveryKindAreLitWhereTheLightSeesThem) {
+    for (const double offset : {0.0, 1e3, 1e6}) {
+        for (const double size : {1e-3, 1.0, 1e3}) {
+            for (const bool moved : {true, false}) {
+                if (!moved && (offset == 0 || size < 4e-6 * offset)) continue;
+                const auto counts = countDarkAlongTheLight(subject(), offset, size, moved);
+                for (size_t i = 0; i < counts.size(); ++i) {
+                    const std::string where = "body " + std::to_string(i) + " offset " +
+                                              std::to_string(offset) + " size " + std::to_string(size) +
+                                              (moved ? " moved" : "");
+                    EXPECT_GT(counts[i].seen, 50u) << where;
+                    EXPECT_EQ(counts[i].wrong, 0u) << where;
+                }
+            }
+        }
+    }
+}
+
 // T82. Down to 8 ulp of the coordinates; the offset itself, gamma_7 of them, is up to 7.
 TEST_F(LeakTest, ThinGapsStayDark) {
     const struct {
