@@ -79,7 +79,7 @@ void addMinContribution(CLI::App& command, SceneOptions& options) {
 }
 
 void addSampling(CLI::App& command, SceneOptions& options) {
-    addText(command, "--sampler", "NAME", "grid, jittered or lowDiscrepancy instead of the scene's",
+    addText(command, "--sampler", "NAME", "auto, grid, jittered or lowDiscrepancy instead of the scene's",
             [&](const Text& t) { options.sampler = parseSampler(t); });
     addText(command, "--filter", "NAME[,RADIUS]",
             "box, tent, gaussian or mitchell instead of the scene's; radius in pixels",

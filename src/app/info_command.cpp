@@ -8,6 +8,7 @@
 #include "gpu/device.h"
 #include "render/traversal_choice.h"
 #include "scene/camera_frame.h"
+#include "scene/sampling.h"
 #include "shared/dispatch.h"
 
 namespace glint::app {
@@ -90,6 +91,14 @@ void printInstances(const PackedScene& packed, std::ostream& out) {
         << '\n';
 }
 
+// Of a single sample in the middle there is nothing to say.
+std::string samplerText(const ImageSettings& image) {
+    const Sampler sampler = samplerOf(image);
+    if (image.samplesPerPixel == 1 && sampler == Sampler::Grid) return "";
+    const char* const how = image.sampler == Sampler::Auto ? ", auto)" : ")";
+    return std::string(" (") + nameOf(sampler) + how;
+}
+
 void printImage(const std::string& file, const Image& image, std::ostream& out) {
     const uint64_t bytes = static_cast<uint64_t>(image.width) * image.height * sizeof(shared::Texel);
     char line[64];
@@ -120,8 +129,8 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     const PackedScene& packed = loaded.packed;
     out << command.scene.string() << '\n'
         << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
-        << counted(scene.image.samplesPerPixel, "sample") << " per pixel, at most "
-        << counted(scene.maxDepth, "reflection") << '\n'
+        << counted(scene.image.samplesPerPixel, "sample") << " per pixel" << samplerText(scene.image)
+        << ", at most " << counted(scene.maxDepth, "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n'
         << "  objects       " << scene.objects.size() << " ("
         << counted(packed.triangles.size() - packed.statistics.splitTriangles, "triangle") << ", "

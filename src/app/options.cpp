@@ -232,7 +232,7 @@ double parseMinContribution(const std::string& text) {
 
 Sampler parseSampler(const std::string& text) {
     const auto sampler = samplerNamed(text);
-    if (!sampler) refuse("--sampler", "grid, jittered or lowDiscrepancy", text);
+    if (!sampler) refuse("--sampler", "auto, grid, jittered or lowDiscrepancy", text);
     return *sampler;
 }
 

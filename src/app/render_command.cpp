@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "render/renderer.h"
+#include "scene/sampling.h"
 
 namespace glint::app {
 
@@ -146,6 +147,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
+    json["sampler"] = nameOf(samplerOf(loaded.scene.image));
     json["samplesTaken"] = samplesJson(outcome.picture);
     json["maxDepth"] = loaded.scene.maxDepth;
     json["triangles"] = loaded.packed.triangles.size() - loaded.packed.statistics.splitTriangles;

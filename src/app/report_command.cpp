@@ -5,6 +5,7 @@
 
 #include "app/cli.h"
 #include "app/output_check.h"
+#include "app/report_front.h"
 #include "app/report_sweep.h"
 #include "app/report_write.h"
 #include "core/error.h"
@@ -35,8 +36,10 @@ ReportData freshReport(const ReportCommand& command, const gpu::DeviceInfo& devi
     return data;
 }
 
-// An earlier report in the folder, if it was made in the same way; else none of it can be used again.
-std::optional<ReportData> earlierReport(const ReportCommand& command, const ReportData& fresh) {
+// An earlier report in the folder, if it was made in the same way; else none of it can be used again, which
+// is said.
+std::optional<ReportData> earlierReport(const ReportCommand& command, const ReportData& fresh,
+                                        std::ostream& err) {
     const fs::path path = jsonPath(command);
     if (!fs::exists(path)) return std::nullopt;
     const std::vector<uint8_t> bytes = readFile(path);
@@ -45,8 +48,11 @@ std::optional<ReportData> earlierReport(const ReportCommand& command, const Repo
         return std::tie(d.version, d.device, d.driver, d.api, d.cores, d.repeats, d.truthSamples,
                         d.truthBackend);
     };
-    if (made(data) != made(fresh)) return std::nullopt;
-    return data;
+    if (made(data) == made(fresh)) return data;
+    err << "glint: warning: " << path.string()
+        << ": made by another version, device, driver, number of cores, --repeats or --truth: all of it is "
+           "measured anew, scenes that are not named are dropped\n";
+    return std::nullopt;
 }
 
 // What is there of this scene, of the same bytes and size.
@@ -64,6 +70,17 @@ SceneReport resumed(const SceneReport& empty, const std::optional<ReportData>& e
     return empty;
 }
 
+// Scenes of the folder's report that this command does not name stay in it, behind those that it does.
+void keepOtherScenes(const ReportData& earlier, ReportData& data) {
+    for (const SceneReport& scene : earlier.scenes) {
+        const bool named = std::any_of(data.scenes.begin(), data.scenes.end(),
+                                       [&](const SceneReport& s) { return s.path == scene.path; });
+        if (named) continue;
+        data.scenes.push_back(scene);
+        data.scenes.back().name = fs::path(scene.path).stem().string();
+    }
+}
+
 // knot, knot-2: the diagrams' names.
 void makeNamesUnique(std::vector<SceneReport>& scenes) {
     std::map<std::string, int> uses;
@@ -73,7 +90,8 @@ void makeNamesUnique(std::vector<SceneReport>& scenes) {
     }
 }
 
-void writeReport(const ReportCommand& command, const ReportData& data) {
+void writeReport(const ReportCommand& command, ReportData& data) {
+    for (SceneReport& scene : data.scenes) markFront(scene);
     std::vector<OutputFile> files;
     const auto add = [&](const std::string& name, const std::string& text) {
         if (!text.empty()) files.push_back({command.folder / name, {text.begin(), text.end()}});
@@ -117,7 +135,7 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
     const gpu::Device device({command.device.selector, command.device.validation});
     installInterruptHandler();
     ReportData data = freshReport(command, device.info());
-    const std::optional<ReportData> earlier = earlierReport(command, data);
+    const std::optional<ReportData> earlier = earlierReport(command, data, err);
 
     double work = 0, worked = 0;
     std::unique_ptr<Progress> progress;
@@ -140,6 +158,7 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
         for (const Batch& batch : sweeps.back()->batches())
             work += sweeps.back()->work(batch, data.scenes.back());
     }
+    if (earlier) keepOtherScenes(*earlier, data);
     makeNamesUnique(data.scenes);
     progress = std::make_unique<Progress>("report", command.progress, err, isTerminal(err));
     data.complete = measureAll(command, sweeps, data);

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/report_front.h"
 #include "app/report_write.h"
 #include "core/error.h"
 
@@ -16,6 +17,7 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("pixels", m.pixels);
     visit("notFinite", m.notFinite);
     visit("rmse", m.rmse);
+    visit("rmseStandardError", m.rmseError);
     visit("relMse", m.relMse);
     visit("max", m.max);
     visit("p99", m.p99);
@@ -55,6 +57,8 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("readbackSeconds", m.readback);
     visit("rays", m.rays);
     visit("repeats", m.repeats);
+    visit("default", m.isDefault);
+    visit("beatenBy", m.beatenBy);
 }
 
 template <typename Visit, typename T>
@@ -155,7 +159,8 @@ std::string csvNumber(double value) {
 
 std::string csvErrors(const ErrorMeasures& m) {
     std::string line;
-    for (const double value : {m.rmse, m.relMse, m.max, m.p99, m.percentVisible, m.percentSmall, m.bias})
+    for (const double value :
+         {m.rmse, m.relMse, m.max, m.p99, m.percentVisible, m.percentSmall, m.bias, m.rmseError})
         line += csvNumber(value);
     return line;
 }
@@ -163,14 +168,14 @@ std::string csvErrors(const ErrorMeasures& m) {
 std::string csvHeader() {
     std::string line = "scene,key,family,sampler,spp,depth,minContribution";
     for (const char* kind : {"total", "arithmetic", "samePath", "otherPath"}) {
-        for (const char* measure :
-             {"Rmse", "RelMse", "Max", "P99", "PercentAbove255th", "PercentAbove1000th", "Bias"}) {
+        for (const char* measure : {"Rmse", "RelMse", "Max", "P99", "PercentAbove255th", "PercentAbove1000th",
+                                    "Bias", "RmseStandardError"}) {
             line += std::string(",") + kind + measure;
         }
     }
     return line +
            ",samePathPixels,otherPathPixels,wallQ1,wallMedian,wallQ3,deviceQ1,deviceMedian,deviceQ3,compile,"
-           "upload,readback,rays,repeats\r\n";
+           "upload,readback,rays,repeats,default,onFront,beatenBy\r\n";
 }
 
 std::string csvLine(const SceneReport& scene, const Measured& m) {
@@ -184,14 +189,16 @@ std::string csvLine(const SceneReport& scene, const Measured& m) {
         line += csvNumber(static_cast<double>(a.samePath.pixels));
         line += csvNumber(static_cast<double>(a.otherPath.pixels));
     } else {
-        line += std::string(3 * 7 + 2, ',');
+        line += std::string(3 * 8 + 2, ',');
     }
     for (const double value :
          {m.wall.low, m.wall.median, m.wall.high, m.device.low, m.device.median, m.device.high, m.compile,
           m.upload, m.readback, static_cast<double>(m.rays), static_cast<double>(m.repeats)}) {
         line += csvNumber(value);
     }
-    return line + "\r\n";
+    line += m.isDefault ? ",yes," : ",no,";
+    if (contestOf(m) != Contest::None) line += m.beatenBy.empty() ? "yes" : "no";
+    return line + "," + csvText(m.beatenBy) + "\r\n";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> tru
     ErrorMeasures m;
     std::vector<float> greatest;
     uint64_t visible = 0, small = 0;
+    double squares = 0;
     for (size_t i = 0; i < truth.size(); ++i) {
         if (!counts.empty() && counts[i] == 0) continue;
         const float* pixel = &picture.pixels[i * static_cast<size_t>(picture.channels)];
@@ -24,7 +25,9 @@ ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> tru
         const glm::dvec3 size = glm::abs(d);
         const double largest = std::max({size.x, size.y, size.z});
         ++m.pixels;
-        m.rmse += glm::dot(d, d);
+        const double square = glm::dot(d, d) / 3;
+        m.rmse += square;
+        squares += square * square;
         for (int c = 0; c < 3; ++c) m.relMse += d[c] * d[c] / (truth[i][c] * truth[i][c] + kRelativeFloor);
         m.bias += d.x + d.y + d.z;
         m.max = std::max(m.max, largest);
@@ -34,7 +37,12 @@ ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> tru
     }
     if (m.pixels == 0) return m;
     const double pixels = static_cast<double>(m.pixels);
-    m.rmse = std::sqrt(m.rmse / (3 * pixels));
+    const double mean = m.rmse / pixels;
+    m.rmse = std::sqrt(mean);
+    if (m.pixels > 1 && mean > 0) {
+        const double variance = std::max(0.0, (squares / pixels - mean * mean) * pixels / (pixels - 1));
+        m.rmseError = std::sqrt(variance / pixels) / (2 * m.rmse);
+    }
     m.relMse /= 3 * pixels;
     m.bias /= 3 * pixels;
     m.p99 = verify::percentile99(std::move(greatest));

@@ -15,6 +15,9 @@ struct ErrorMeasures {
     uint64_t pixels = 0;
     uint64_t notFinite = 0;  // pixels left out because a channel is not finite
     double rmse = 0;         // root mean square over pixels and channels
+    // Standard error of rmse, from the scatter of the pixels' squares: sqrt(var / pixels) / (2 rmse). Errors
+    // of neighbouring pixels count as independent, which those of random samplers are.
+    double rmseError = 0;
     // Mean over pixels and channels of d^2 / (truth^2 + 1e-2): Rousselle, Knaus, Zwicker, "Adaptive Sampling
     // and Reconstruction using Greedy Error Minimization", ACM TOG 30(6), 2011.
     double relMse = 0;

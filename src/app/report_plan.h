@@ -53,14 +53,16 @@ struct Measured {
     double compile = 0, upload = 0, readback = 0;
     uint64_t rays = 0;  // camera and later rays of the paths; not shadow rays
     int repeats = 0;
+    bool isDefault = false;  // see markFront (app/report_front.h)
+    std::string beatenBy;    // key
 };
 
 struct SceneReport {
-    std::string path, name, hash;  // hash: of the scene file's bytes
+    std::string path, name, hash;  // hash: of the scene file and the packed scene
     int width = 0, height = 0, maxDepth = 0;
     double kappa = 0;
     std::string stiffness;
-    std::string defaultSampler;  // the scene's
+    std::string defaultSampler;  // the scene's; "auto" if it names none
     std::vector<Measured> measured;
     std::vector<std::string> leftOut;  // keys
 

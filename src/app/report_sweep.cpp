@@ -66,13 +66,52 @@ struct SceneSweep::Run {
     }
 };
 
-std::string hashOf(const std::vector<uint8_t>& bytes) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (const uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
-    char text[17];
-    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
-    return text;
+namespace {
+
+// FNV-1a, 64 bits.
+class Hash {
+  public:
+    template <typename T>
+    void add(const std::vector<T>& items) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto* bytes = reinterpret_cast<const unsigned char*>(items.data());
+        for (size_t i = 0; i < items.size() * sizeof(T); ++i) value_ = (value_ ^ bytes[i]) * 0x100000001b3u;
+    }
+    std::string text() const {
+        char text[17];
+        std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value_));
+        return text;
+    }
+
+  private:
+    uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+// The file, for camera and image, and what both tracers see of the meshes and pictures that it names.
+std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
+    Hash hash;
+    hash.add(file);
+    hash.add(scene.triangles);
+    hash.add(scene.triangleSurfaces);
+    hash.add(scene.vertexNormals);
+    hash.add(scene.spheres);
+    hash.add(scene.planes);
+    hash.add(scene.discs);
+    hash.add(scene.polygons);
+    hash.add(scene.polygonVertices);
+    hash.add(scene.quadrics);
+    hash.add(scene.instances);
+    hash.add(scene.materials);
+    hash.add(scene.optics);
+    hash.add(scene.lights);
+    hash.add(scene.textures);
+    hash.add(scene.texels);
+    hash.add(scene.vertexAttributes);
+    hash.add(scene.objectFrames);
+    return hash.text();
 }
+
+}  // namespace
 
 SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& path, int width,
                        SweepLimits limits, std::ostream& err)
@@ -98,7 +137,7 @@ SceneReport SceneSweep::emptyReport() const {
     SceneReport report;
     report.path = path_.generic_string();
     report.name = path_.stem().string();
-    report.hash = hashOf(readFile(path_));
+    report.hash = hashOf(readFile(path_), loaded_.packed);
     report.width = loaded_.scene.image.width;
     report.height = loaded_.scene.image.height;
     report.maxDepth = loaded_.scene.maxDepth;

@@ -64,7 +64,4 @@ class SceneSweep {
     std::map<std::string, std::unique_ptr<Machine>> machines_;
 };
 
-// FNV-1a over the bytes, 64 bits, in hexadecimal.
-std::string hashOf(const std::vector<uint8_t>& bytes);
-
 }  // namespace glint::app

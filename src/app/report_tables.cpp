@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/report_front.h"
 #include "app/report_write.h"
 #include "verify/stiffness.h"
 
@@ -132,33 +133,6 @@ std::string cheapestFor(const SceneReport& scene, double wanted) {
            shortNumber(best->wall.median * 1e3) + " ms. ";
 }
 
-// What beats `m`: as exact, and quicker by more than the runs scatter. Only of settings that took turns with
-// it: between batches a busy machine drifts by more than methods differ.
-const Measured* clearlyBetter(const SceneReport& scene, const Measured& m) {
-    const Measured* best = nullptr;
-    for (const Measured& other : scene.measured) {
-        if (isSampler(other.family) != isSampler(m.family)) continue;
-        if (other.total.rmse > m.total.rmse || other.wall.high >= m.wall.low) continue;
-        if (best == nullptr || other.wall.median < best->wall.median) best = &other;
-    }
-    return best;
-}
-
-std::string defaultOnFront(const SceneReport& scene, const std::string& sampler, const std::string& subject) {
-    std::string on, beaten;
-    for (const Measured* m : familyOf(scene, sampler)) {
-        const Measured* better = clearlyBetter(scene, *m);
-        std::string& list = better == nullptr ? on : beaten;
-        list += (list.empty() ? "" : ", ") + std::to_string(m->spp);
-        if (better != nullptr) list += " (by " + nameOf(*better) + ")";
-    }
-    if (on.empty() && beaten.empty()) return "";
-    std::string out = subject + " is ";
-    out += on.empty() ? "on the front nowhere"
-                      : "on the front, within the scatter of the times, at " + on + " spp";
-    return out + (beaten.empty() ? ". " : "; beaten at " + beaten + ". ");
-}
-
 }  // namespace
 
 std::string shortNumber(double value) {
@@ -198,9 +172,10 @@ std::vector<const Measured*> frontOf(const SceneReport& scene) {
 std::string conclusionOf(const SceneReport& scene) {
     if (scene.measured.empty()) return "Nothing was measured.";
     std::string out = cheapestFor(scene, 1e-2) + cheapestFor(scene, 1e-3);
-    out += defaultOnFront(scene, "grid", "The default (grid sampler, default methods)");
-    out += defaultOnFront(scene, "lowDiscrepancy", "lowDiscrepancy with the default methods");
-    out += defaultOnFront(scene, kDefaultAmongMethods, "Among the methods the default");
+    const std::string sampler = defaultInWords(scene, Contest::Samplers);
+    if (!sampler.empty()) out += "The default sampler (" + scene.defaultSampler + ") is " + sampler + ". ";
+    const std::string methods = defaultInWords(scene, Contest::Methods);
+    if (!methods.empty()) out += "The default methods are " + methods + ". ";
     std::string front;
     for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + nameOf(*m);
     return out + "The front by medians: " + front + ".";
@@ -216,13 +191,14 @@ std::string toMarkdown(const ReportData& data) {
                std::to_string(scene.height) + " pixels, greatest depth " + std::to_string(scene.maxDepth) +
                ", kappa " + shortNumber(scene.kappa) + " (" + scene.stiffness + ")\n\n";
         out += samplingTable(scene) + "\n" + slopeLine(scene) + "\n" + methodTable(scene) +
-               truncationTable(scene) + "\n" + conclusionOf(scene) + "\n";
+               truncationTable(scene) + "\n" + defaultTable(scene) + "\n" + conclusionOf(scene) + "\n";
         if (!scene.leftOut.empty()) {
             out += "\nLeft out for want of time:\n";
             for (const std::string& key : scene.leftOut) out += "- " + key + "\n";
         }
     }
-    return out + "\n## Stability\n\n" + stabilityTable(data);
+    return out + "\n## Is the default on the front?\n\n" + defaultSummary(data) + "\n## Stability\n\n" +
+           stabilityTable(data);
 }
 
 }  // namespace glint::app

@@ -8,6 +8,7 @@
 #include "bvh/filter_table.h"
 #include "bvh/sample_points.h"
 #include "scene/picture.h"
+#include "scene/sampling.h"
 
 namespace glint {
 
@@ -57,7 +58,7 @@ shared::Sample sampleOf(const FixedPoint& place, const SampleClass& c, double we
 class SampleMaker {
   public:
     explicit SampleMaker(const ImageSettings& image)
-        : image_(image), parts_(filterParts(image.filter, image.filterRadius)) {}
+        : image_(image), sampler_(samplerOf(image)), parts_(filterParts(image.filter, image.filterRadius)) {}
 
     void addTables(std::vector<shared::Sample>& rows) const {
         static_assert(sizeof(shared::Sample) * shared::kFirstSample == 2 * 16 * shared::kFilterRows);
@@ -97,9 +98,9 @@ class SampleMaker {
         };
         const auto key = static_cast<uint32_t>(number);
         const uint32_t order = image_.seed + 4 * round_++ + key;
-        if (image_.sampler == Sampler::Grid) {
+        if (sampler_ == Sampler::Grid) {
             for (const FixedPoint& p : gridPoints(c.count, key)) add(p, shared::kScatterNone, key, {});
-        } else if (image_.sampler == Sampler::Jittered) {
+        } else if (sampler_ == Sampler::Jittered) {
             for (const FixedCell& cell : stratifiedCells(c.count, order))
                 add(cell.low, shared::kScatterJitter, taken_++, cell.width);
         } else {
@@ -109,6 +110,7 @@ class SampleMaker {
     }
 
     const ImageSettings& image_;
+    Sampler sampler_;
     FilterParts parts_;
     std::array<uint32_t, 4> next_{};  // of each class's sequence
     uint32_t taken_ = 0, round_ = 0;
@@ -139,7 +141,7 @@ PackedSamples PackedSamples::fixed(std::vector<glm::dvec2> offsets) {
 }
 
 PackedSamples packSamples(const ImageSettings& image, bool lens) {
-    const bool everywhere = image.sampler == Sampler::Grid && image.filter == Filter::Box &&
+    const bool everywhere = samplerOf(image) == Sampler::Grid && image.filter == Filter::Box &&
                             image.filterRadius == 0.5 && !lens && !image.adaptive;
     if (everywhere) return PackedSamples::fixed(sampleOffsets(image.samplesPerPixel));
     PackedSamples samples;

@@ -6,7 +6,7 @@ namespace glint {
 
 namespace {
 
-constexpr const char* kSamplers[] = {"grid", "jittered", "lowDiscrepancy"};
+constexpr const char* kSamplers[] = {"auto", "grid", "jittered", "lowDiscrepancy"};
 constexpr const char* kFilters[] = {"box", "tent", "gaussian", "mitchell"};
 
 template <typename Enum, size_t N>
@@ -34,6 +34,12 @@ const char* nameOf(Filter filter) {
     return kFilters[static_cast<int>(filter)];
 }
 
+Sampler samplerOf(const ImageSettings& image) {
+    if (image.sampler != Sampler::Auto) return image.sampler;
+    const bool many = image.samplesPerPixel >= kLeastLowDiscrepancySamples;
+    return many || image.adaptive ? Sampler::LowDiscrepancy : Sampler::Grid;
+}
+
 double defaultRadius(Filter filter) {
     switch (filter) {
         case Filter::Box:
@@ -54,7 +60,7 @@ std::string samplingConflict(const ImageSettings& image) {
         return "the mitchell filter needs samplesPerPixel of " + std::to_string(kMinMitchellSamples) +
                " or more, for its negative lobes (got " + samples + ")";
     if (!image.adaptive) return "";
-    if (image.sampler == Sampler::Grid)
+    if (samplerOf(image) == Sampler::Grid)
         return "adaptive sampling needs the sampler \"jittered\" or \"lowDiscrepancy\": on the grid further "
                "samples fall on the first ones";
     if (image.samplesPerPixel < 2)

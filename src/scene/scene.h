@@ -17,8 +17,9 @@ namespace glint {
 using Color = glm::dvec3;  // linear RGB radiance or reflectance
 
 // Where the samples of a pixel lie (docs/sampling.md). Grid: the same regular grid in every pixel. Jittered:
-// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel.
-enum class Sampler { Grid, Jittered, LowDiscrepancy };
+// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel. Auto: Grid or
+// LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
+enum class Sampler { Auto, Grid, Jittered, LowDiscrepancy };
 
 // How samples are weighted into pixels, by their distance from the pixel's centre.
 enum class Filter { Box, Tent, Gaussian, Mitchell };
@@ -34,7 +35,7 @@ struct ImageSettings {
     int width = 800;   // pixels, 1..65536
     int height = 600;  // pixels, 1..65536
     int samplesPerPixel = 1;
-    Sampler sampler = Sampler::Grid;
+    Sampler sampler = Sampler::Auto;
     Filter filter = Filter::Box;
     double filterRadius = 0.5;  // pixels; 0.5 is the pixel itself
     uint32_t seed = 0;

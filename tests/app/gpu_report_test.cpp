@@ -65,6 +65,38 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
     EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u) << "another scene under the same name";
 }
 
+// The scene's own file is the same: it is the mesh that is another one.
+TEST_F(GpuReport, AnotherMeshStartsOver) {
+    writeText("a.json", sceneText(16, 12, R"("background": 0.5, "meshes": {"m": {"file": "m.obj"}},
+  "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},
+  "objects": [{"type": "mesh", "mesh": "m", "material": "red"}])"));
+    writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    ASSERT_EQ(report().code, 0);
+    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 4u);
+    writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+    ASSERT_EQ(report({"--budget", "0"}).code, 0);
+    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u);
+}
+
+TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
+    ASSERT_EQ(report().code, 0);
+    writeText("b.json", sceneText(16, 12, "\"background\": 0.25"));
+    std::vector<std::string> args = {"report",    "b.json", "-o",          "out", "--size", "16",
+                                     "--repeats", "2",      "--truth-spp", "64",  "--only", "depth"};
+    ASSERT_EQ(runGlint(args).code, 0);
+    const nlohmann::json both = readJson();
+    ASSERT_EQ(both["scenes"].size(), 2u);
+    EXPECT_EQ(both["scenes"][0]["name"], "b");
+    EXPECT_EQ(both["scenes"][1]["name"], "a");
+    EXPECT_EQ(both["scenes"][1]["configurations"].size(), 4u);
+    args[6] = "--repeats";
+    args[7] = "3";
+    const Ran another = runGlint(args);
+    ASSERT_EQ(another.code, 0);
+    EXPECT_NE(another.err.find("scenes that are not named are dropped"), std::string::npos) << another.err;
+    EXPECT_EQ(readJson()["scenes"].size(), 1u);
+}
+
 TEST_F(GpuReport, BudgetLeavesOutAndSaysWhat) {
     const Ran ran = report({"--budget", "0"});
     EXPECT_EQ(ran.code, 0) << ran.err;

@@ -40,9 +40,13 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
     writeSmallScene("a.json");
     const std::string out =
         runGlint({"info", "a.json", "--size", "10x20", "--spp", "4", "--max-depth", "1"}).out;
-    EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel, at most 1 reflection\n"),
+    EXPECT_NE(out.find("  picture       10 x 20, 4 samples per pixel (grid, auto), at most 1 reflection\n"),
               std::string::npos)
         << out;
+    EXPECT_NE(runGlint({"info", "a.json", "--spp", "16"})
+                  .out.find(", 16 samples per pixel (lowDiscrepancy, auto), "),
+              std::string::npos)
+        << "the rule goes by --spp, not by the file's number";
     EXPECT_NE(
         out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"),
         std::string::npos)

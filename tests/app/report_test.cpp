@@ -3,6 +3,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/report_front.h"
 #include "app/report_measures.h"
 #include "app/report_plan.h"
 #include "app/report_statistics.h"
@@ -25,6 +26,8 @@ TEST(ReportMeasures, FollowFromTheirDefinitions) {
     EXPECT_NEAR(m.relMse,
                 (0.0625 / (0.0625 + 0.01) + std::pow(1.0 / 512, 2) / (0.498046875 * 0.498046875 + 0.01)) / 6,
                 1e-15);
+    // Squares a = 1/48 and b = 1/786432 of two pixels: their mean has a standard error of |a - b| / 2.
+    EXPECT_NEAR(m.rmseError, (1.0 / 48 - 1.0 / 786432) / 2 / (2 * m.rmse), 1e-15);
     EXPECT_EQ(m.max, 0.25);
     EXPECT_EQ(m.percentVisible, 50) << "1/512 is below 1/255";
     EXPECT_EQ(m.percentSmall, 100) << "and above 1e-3";
@@ -141,6 +144,8 @@ ReportData sampleReport() {
                       measuredAt("offset: none", "lowDiscrepancy", 4, 3.9, 0.3),
                       measuredAt("depth", "lowDiscrepancy", 4, 2, 0.1)};
     scene.leftOut = {"grid 64"};
+    scene.defaultSampler = "auto";
+    markFront(scene);
     data.scenes.push_back(scene);
     return data;
 }
@@ -181,10 +186,18 @@ TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     data.scenes[0].measured.push_back(measuredAt("grid", "grid", 64, 64, 0.001));  // without arithmetic
     std::istringstream lines(toCsv(data));
     std::vector<std::vector<std::string>> rows;
-    for (std::string line; std::getline(lines, line);) rows.push_back(csvFields(line));
+    for (std::string line; std::getline(lines, line);) {
+        ASSERT_TRUE(line.ends_with('\r'));
+        line.pop_back();
+        rows.push_back(csvFields(line));
+    }
     ASSERT_EQ(rows.size(), 8u);
     for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
     EXPECT_EQ(rows[1][0], "bowl, \"red\" & <blue>");
+    const size_t last = rows[0].size() - 1;
+    EXPECT_EQ(rows[0][last - 2], "default");
+    EXPECT_EQ(rows[2][last - 2] + rows[2][last - 1] + rows[2][last], "yesnolowDiscrepancy4");
+    EXPECT_EQ(rows[6][last - 2] + rows[6][last - 1] + rows[6][last], "no") << "depths are not judged";
     EXPECT_EQ(rows[0][7], "totalRmse");
     EXPECT_EQ(rows[3][7], "0.01");
 }
@@ -228,15 +241,82 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     EXPECT_EQ(truncationDiagram({}), "");
 }
 
-// By hand from the sample: 0.005 is reached at 4 s; grid's 16 samples are beaten by that, its 1 sample by
-// nothing.
+// Times 0.9 to 1.1, errors 0.01 +- 0.001, and what lies clear of both or not.
+TEST(ReportFront, OnlyWhatIsClearlyBetterBeats) {
+    const auto point = [](double seconds, double error) {
+        Measured m = measuredAt("grid", "grid", 4, seconds, error);
+        m.total.rmseError = 0.1 * error;
+        return m;
+    };
+    const Measured m = point(1, 0.01);
+    EXPECT_TRUE(beats(point(0.8, 0.01), m)) << "quicker, as exact";
+    EXPECT_TRUE(beats(point(0.8, 0.011), m)) << "quicker, as exact within the scatter";
+    EXPECT_TRUE(beats(point(1.05, 0.008), m)) << "more exact, as quick within the scatter";
+    EXPECT_FALSE(beats(point(0.9, 0.0095), m)) << "better in both, neither clearly";
+    EXPECT_FALSE(beats(point(0.8, 0.02), m)) << "quicker, less exact";
+    EXPECT_FALSE(beats(point(2, 0.001), m)) << "more exact, slower";
+    EXPECT_FALSE(beats(m, m));
+}
+
+TEST(ReportFront, DefaultIsMarkedAndMethodsAreJudgedApart) {
+    SceneReport scene;
+    scene.defaultSampler = "auto";
+    scene.measured = {measuredAt("grid", "grid", 4, 4, 0.02),
+                      measuredAt("lowDiscrepancy", "lowDiscrepancy", 4, 4, 0.03),
+                      measuredAt("grid", "grid", 16, 16, 0.01),
+                      measuredAt("lowDiscrepancy", "lowDiscrepancy", 16, 16, 0.005),
+                      measuredAt(kDefaultAmongMethods, "lowDiscrepancy", 4, 8, 0.03),
+                      measuredAt("spheres: geometric", "lowDiscrepancy", 4, 6, 0.03),
+                      measuredAt("depth", "lowDiscrepancy", 4, 1, 0.001)};
+    markFront(scene);
+    const bool defaults[] = {true, false, false, true, true, false, false};
+    const std::string beatenBy[] = {"", "grid4", "lowDiscrepancy16", "", "spheres: geometric4", "", ""};
+    for (size_t i = 0; i < scene.measured.size(); ++i) {
+        EXPECT_EQ(scene.measured[i].isDefault, defaults[i]) << scene.measured[i].key;
+        EXPECT_EQ(scene.measured[i].beatenBy, beatenBy[i]) << scene.measured[i].key;
+    }
+    EXPECT_EQ(defaultInWords(scene, Contest::Samplers),
+              "on the front, within the scatter of times and errors, at 4, 16 spp");
+    EXPECT_EQ(
+        defaultInWords(scene, Contest::Methods),
+        "beaten at 4 spp by spheres: geometric, 4 spp (0.75 x the time, 1 x the error), which is not the "
+        "default because it takes hits for misses far from a sphere, and wrong points close to a huge "
+        "one");
+    ReportData data;
+    data.scenes = {scene};
+    data.scenes[0].name = "a";
+    EXPECT_NE(toMarkdown(data).find("| a | 4: yes, 16: yes | 4: no (spheres: geometric, 4 spp) |\n"),
+              std::string::npos);
+    // A scene that names its sampler has that for a default.
+    scene.defaultSampler = "lowDiscrepancy";
+    markFront(scene);
+    EXPECT_FALSE(scene.measured[0].isDefault);
+    EXPECT_TRUE(scene.measured[1].isDefault);
+}
+
+TEST(ReportFront, WeaknessesAreOfMethodsThatThereAre) {
+    SceneFeatures features;
+    features.spheres = features.triangles = true;
+    size_t weak = 0;
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer);
+    for (const Configuration& c : batches[1].configurations) weak += weaknessOf(c.family).empty() ? 0 : 1;
+    // Three triangle tests, two of spheres, two offsets, two pads, each at two counts; the default, full and
+    // storage buffers have none.
+    EXPECT_EQ(weak, 18u);
+}
+
+// By hand from the sample: 0.005 is reached at 4 s; grid's 4 samples, the default, are beaten by that, its 1
+// sample by nothing, and 16 samples of the default were not measured.
 TEST(ReportWriting, ConclusionInWords) {
     const std::string words = conclusionOf(sampleReport().scenes[0]);
     EXPECT_NE(words.find("For an error of 0.01 the cheapest is lowDiscrepancy, 4 spp: 4000 ms."),
               std::string::npos)
         << words;
     EXPECT_NE(words.find("Nothing measured reaches an error of 0.001."), std::string::npos) << words;
-    EXPECT_NE(words.find("at 1, 4 spp; beaten at 16 (by lowDiscrepancy, 4 spp)."), std::string::npos)
+    EXPECT_NE(words.find("The default sampler (auto) is on the front, within the scatter of times and "
+                         "errors, at 1 spp; beaten at 4 spp by lowDiscrepancy, 4 spp (1 x the time, 0.25 x "
+                         "the error)."),
+              std::string::npos)
         << words;
     EXPECT_NE(words.find("The front by medians: grid, 1 spp; lowDiscrepancy, 4 spp."), std::string::npos)
         << words;

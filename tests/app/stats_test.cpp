@@ -27,6 +27,7 @@ TEST_F(Stats, StandardOutputIsOneJsonDocument) {
     EXPECT_EQ(json["width"], 64);
     EXPECT_EQ(json["height"], 48);
     EXPECT_EQ(json["samplesPerPixel"], 4);
+    EXPECT_EQ(json["sampler"], "grid");
     EXPECT_EQ(json["maxDepth"], 5);
     EXPECT_EQ(json["triangles"], 1);
     EXPECT_EQ(json["spheres"], 2);

@@ -109,7 +109,7 @@ const Case kOptions[] = {
      "--seed: expected a whole number from 0 to 4294967295, got \"-7\""},
     {"sampler",
      {"render", "a.json", "--sampler", "random"},
-     "--sampler: expected grid, jittered or lowDiscrepancy, got \"random\""},
+     "--sampler: expected auto, grid, jittered or lowDiscrepancy, got \"random\""},
     {"filter",
      {"verify", "a.json", "--filter", "tent,0"},
      "--filter: expected box, tent, gaussian or mitchell, and perhaps a radius from 0.01 to 8 pixels as in "

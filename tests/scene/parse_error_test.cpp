@@ -55,7 +55,7 @@ const Case kStructure[] = {
 
 const Case kTypes[] = {
     {"sampler", R"({"image": {"sampler": "random"}})",
-     R"(s.json: /image/sampler: must be "grid", "jittered" or "lowDiscrepancy" (got "random"))"},
+     R"(s.json: /image/sampler: must be "auto", "grid", "jittered" or "lowDiscrepancy" (got "random"))"},
     {"filter", R"({"image": {"filter": "sinc"}})",
      R"(s.json: /image/filter: must be "box", "tent", "gaussian" or "mitchell" (got "sinc"))"},
     {"filterRadius", R"({"image": {"filterRadius": 9}})",
@@ -65,9 +65,9 @@ const Case kTypes[] = {
     {"mitchellSamples", R"({"image": {"filter": "mitchell"}})",
      "s.json: /image: the mitchell filter needs samplesPerPixel of 4 or more, for its negative lobes (got "
      "1)"},
-    {"adaptiveGrid", R"({"image": {"adaptive": {}}})",
+    {"adaptiveGrid", R"({"image": {"sampler": "grid", "adaptive": {}}})",
      R"(s.json: /image: adaptive sampling needs the sampler "jittered" or "lowDiscrepancy": on the grid further samples fall on the first ones)"},
-    {"adaptiveOne", R"({"image": {"sampler": "jittered", "adaptive": {}}})",
+    {"adaptiveOne", R"({"image": {"adaptive": {}}})",
      "s.json: /image: adaptive sampling needs samplesPerPixel of 2 or more, to compare them (got 1)"},
     {"threshold", R"({"image": {"sampler": "jittered", "adaptive": {"threshold": 0}}})",
      "s.json: /image/adaptive/threshold: must be > 0 and at most 1 (got 0)"},

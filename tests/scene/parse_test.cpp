@@ -1,5 +1,6 @@
 // Every key of a scene file, in and out.
 #include "scene/load.h"
+#include "scene/sampling.h"
 #include "scene/transform.h"
 #include "support.h"
 
@@ -64,6 +65,21 @@ TEST(Parse, imageCameraAndSurroundings) {
     EXPECT_EQ(scene.background, Color(0.2, 0.3, 0.5));
     EXPECT_EQ(scene.ambient, Color(0.25));
     EXPECT_EQ(scene.maxDepth, 0);
+}
+
+// docs/sampling.md: the grid below 16 samples, the sequence from there on and for adaptive sampling.
+TEST(Parse, samplerUnlessOneIsNamed) {
+    const auto samplerOfImage = [](const std::string& keys) {
+        return samplerOf(parse("{\"image\": {" + keys + "}}").image);
+    };
+    EXPECT_EQ(parse("{}").image.sampler, Sampler::Auto);
+    EXPECT_EQ(samplerOfImage(""), Sampler::Grid);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 15)"), Sampler::Grid);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 16)"), Sampler::LowDiscrepancy);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 64, "sampler": "auto")"), Sampler::LowDiscrepancy);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 64, "sampler": "grid")"), Sampler::Grid);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 4, "sampler": "jittered")"), Sampler::Jittered);
+    EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 4, "adaptive": {})"), Sampler::LowDiscrepancy);
 }
 
 TEST(Parse, orthographicAndObliqueCameras) {

@@ -6,6 +6,8 @@
 
 #include "../render/support.h"
 #include "checks.h"
+#include "core/error.h"
+#include "reference/tracer.h"
 
 namespace glint::stability {
 namespace {
@@ -44,6 +46,50 @@ TEST_F(CatalogueTest, RayTracerChallengeDefaultWorld) {
         ray.tMin = t;
     }
     EXPECT_FALSE(renderer.trace({ray}, false)[0].hit);
+}
+
+// T08: Buck, features/spheres.feature, "computing the normal on a transformed sphere": the sphere turned by
+// pi / 5 about z, then halved along y. The book's point (0, 1, -1) / sqrt 2 lies outside it, on the ray from
+// the middle whose surface point has the same normal.
+TEST_F(CatalogueTest, NormalOfATransformedSphere) {
+    const render::test::Case c = render::test::textCase(
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                         "transform": [{"rotate": [0, 0, 1, 36]}, {"scale": [1, 0.5, 1]}]}]})",
+        1, 1);
+    const dvec3 expected(0, 0.97014, -0.24254);
+    const render::RayInput ray = render::test::rayOf({0, 3, -3}, {0, -1, 1});
+    render::Renderer renderer(device(), c.packed);
+    const render::RayHit hit = renderer.trace({ray}, false)[0];
+    ASSERT_TRUE(hit.hit);
+    const reference::Tracer tracer(c.packed);
+    const reference::Ray exact{dvec3(ray.origin), dvec3(ray.direction)};
+    const auto found = tracer.closest(exact);
+    ASSERT_TRUE(found);
+    const dvec3 truth = tracer.surface(exact, *found).geometricNormal;
+    // The book's digits.
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(truth[axis], expected[axis], 5e-6);
+        EXPECT_NEAR(hit.data.geometricNormal[axis], expected[axis], 6e-6);
+    }
+}
+
+// T76. A transform that flattens, or is no number, never comes to the tracers.
+TEST_F(CatalogueTest, SingularTransformsAreRefused) {
+    const auto refused = [](const std::string& transform) {
+        try {
+            render::test::textCase(R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                                       "transform": )" +
+                                       transform + "}]}",
+                                   1, 1);
+        } catch (const Error& error) {
+            return error.code() == ExitCode::Scene;
+        }
+        return false;
+    };
+    EXPECT_TRUE(refused(R"([{"scale": [1, 0, 1]}])"));
+    EXPECT_TRUE(refused("[1,0,0,0, 0,1,0,0, 0,0,1e999,0, 0,0,0,1]"));
+    EXPECT_TRUE(refused(R"([{"scale": [1, 1e-13, 1]}])"));
+    EXPECT_FALSE(refused(R"([{"scale": [1, 1e-3, 1]}])"));
 }
 
 // T17: embree, the regression test of watertightness: a sphere of triangles far from the origin, rays from

@@ -8,6 +8,7 @@
 
 #include "../oracle/tally.h"
 #include "probe.h"
+#include "scene/scene.h"
 
 namespace glint::stability {
 
@@ -51,6 +52,21 @@ Judged judgePlanes(const Subject& subject, const FlatFamily& family, size_t coun
 Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed);
 
+// The quadric of an object, rounded and clipped as it is packed, seen from `distance` sizes off by rays that
+// aim by turns anywhere across it, within a thousandth of its silhouette, and at `target` (a cone's apex).
+// beyond: t farther off than its bound, derived in quadric_checks.cpp; worst: the greatest share of the
+// bound.
+struct QuadricFamily {
+    Shape shape;
+    glm::dvec3 target{0};
+    double size = 1, distance = 3;
+};
+struct QuadricCount {
+    size_t rays = 0, hits = 0, inBand = 0, wrong = 0, beyond = 0;
+    double worst = 0;
+};
+QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, size_t count, uint32_t seed);
+
 // Boxes up to `thickness` thick on one axis, rays aimed at their edges. widened: by an ulp on all sides, as
 // src/bvh stores them, which also lets rays in that run in a side.
 struct BoxCount {
@@ -85,6 +101,11 @@ enum class Kind { Plane, Sphere, Mesh };
 // Pixels of a convex object that are in its own shadow, against the reference's picture. moved: the packing
 // may move the origin to the object.
 PixelCount countSelfShadowed(const Subject& subject, Kind kind, double offset, double size, bool moved);
+// A body of each kind that is convex and none of the above: ellipsoid, capped cylinder and cone, disc,
+// polygon, and two placements of one mesh, turned and stretched. Seen along the light, so that nothing that
+// is seen lies in shadow: for each the pixels that do.
+std::vector<PixelCount> countDarkAlongTheLight(const Subject& subject, double offset, double size,
+                                               bool moved);
 // Lit pixels of a floor under a lid `gap` above it, the floor at this height.
 PixelCount countLitUnderLid(const Subject& subject, double height, double gap);
 

@@ -40,6 +40,23 @@ TEST_F(LeakTest, ConvexObjectsDoNotShadeThemselves) {
     }
 }
 
+// T66, T81 for the other kinds: no point that the light sees is in the dark.
+TEST_F(LeakTest, BodiesOfEveryKindAreLitWhereTheLightSeesThem) {
+    const struct {
+        double offset, size;
+        bool moved;
+    } rows[] = {{0, 1e-3, true}, {0, 1e3, true}, {1e6, 1, true}, {1e3, 1, false}, {1e6, 1e3, false}};
+    for (const auto& row : rows) {
+        const auto counts = countDarkAlongTheLight(subject(), row.offset, row.size, row.moved);
+        for (size_t i = 0; i < counts.size(); ++i) {
+            const std::string where = "body " + std::to_string(i) + " offset " + std::to_string(row.offset) +
+                                      " size " + std::to_string(row.size);
+            EXPECT_GT(counts[i].seen, 50u) << where;
+            EXPECT_EQ(counts[i].wrong, 0u) << where;
+        }
+    }
+}
+
 // T82. Down to 8 ulp of the coordinates; the offset itself, gamma_7 of them, is up to 7.
 TEST_F(LeakTest, ThinGapsStayDark) {
     const struct {

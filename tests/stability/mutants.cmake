@@ -66,6 +66,8 @@ mutant(imprecise intersect.glsl "precise vec3 t0 =" "vec3 t0 =" intersect)
 mutant(naive_sphere intersect.glsl
        "precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));"
        "precise float disc = b * b - a * (dot(o, o) - sphere.radius * sphere.radius);" primitive_probe)
+# The quadratic set up where the ray starts, however far away.
+mutant(naive_quadric quadric.glsl "precise float start = fromSide ? 0.0 : begin + middle;" "precise float start = 0.0;" primitive_probe)
 mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0" primitive_probe)
 # An epsilon for the whole scene.
 mutant(fixed_offset ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)

@@ -11,6 +11,8 @@
 namespace glint::stability {
 namespace {
 
+using glm::dvec3;
+
 class MutantsTest : public render::test::RenderTest {
   protected:
     Subject mutant(const std::string& name) const { return {&device(), name}; }
@@ -50,6 +52,18 @@ TEST_F(MutantsTest, NaiveDiscriminantMissesFarSpheres) {
         return judgeSpheres(subject, {1, 4100, 0, false}, 5000, 802).arithmetic.wrong();
     };
     expectRed("spheres from 4100 radii", wrong(sound()), wrong(mutant("naive_sphere")));
+}
+
+TEST_F(MutantsTest, NaiveQuadraticMissesFarQuadrics) {
+    const QuadricFamily families[] = {{EllipsoidShape{dvec3(0), {1, 0.5, 0.2}}, dvec3(0), 1, 4100},
+                                      {CylinderShape{{0, -2, 0}, {0, 2, 0}, 1}, dvec3(0), 1, 4100}};
+    for (const QuadricFamily& family : families) {
+        const auto wrong = [&](const Subject& subject) {
+            const QuadricCount count = judgeQuadric(subject, family, 2000, 804);
+            return count.wrong + count.beyond;
+        };
+        expectRed("quadrics from 4100 sizes", wrong(sound()), wrong(mutant("naive_quadric")));
+    }
 }
 
 TEST_F(MutantsTest, UnpaddedBoxesAreMissed) {

@@ -4,6 +4,7 @@
 // dispatch.lightIndex: kKind... or kProbeBox, for the first boxes of the nodes. In: the path's rows kRowOrigin, kRowDirection, kRowHit
 // (tMax). Out: kRowHit = t, u, v, 1 for a hit.
 #include "intersect.glsl"
+#include "quadric.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 
@@ -27,6 +28,10 @@ void main() {
     if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
     if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);
     if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
+    if (kind == kKindQuadric) {
+        uint part = 0u;
+        hit = intersectQuadric(ray, loadQuadric(path), (kKindQuadric << kPrimitiveKindShift) | path, t, part);
+    }
     if (kind == kProbeBox) {
         Node node = loadNode(path);
         precise float tEnd = ray.tMax * kFarPad;

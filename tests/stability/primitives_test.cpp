@@ -10,6 +10,8 @@
 namespace glint::stability {
 namespace {
 
+using glm::dvec3;
+
 enum class Side { Device, Reference };
 
 class PrimitiveTest : public render::test::RenderTest, public testing::WithParamInterface<Side> {
@@ -107,6 +109,38 @@ TEST_P(PrimitiveTest, FlatShapes) {
         EXPECT_LE(oracle::Tally::quantile(discs.arithmetic.scaledErrors, 1), bound) << where;
         if (family.offset < 1e6)  // there an ulp is an eighth of the outline
             expectRight(judgePolygons(subject(), family, rays() / 4, 709), "polygons" + where, 1e-5);
+    }
+}
+
+// T04, T50, T58, T59 for curved surfaces of every name: sizes, distances, silhouettes, the apex of a cone.
+TEST_P(PrimitiveTest, QuadricsFromAnyDistance) {
+    const dvec3 axis = glm::normalize(dvec3(0.3, 0.9, -0.2));
+    for (const double size : {1e-6, 1.0, 1e6}) {
+        const dvec3 base = -2 * size * axis, top = 2 * size * axis;
+        const std::pair<const char*, Shape> shapes[] = {
+            {"ellipsoid", EllipsoidShape{dvec3(0), size * dvec3(1, 0.5, 0.2)}},
+            {"cylinder", CylinderShape{base, top, size}},
+            {"cone", ConeShape{base, dvec3(0), size, 0}},
+            {"hyperboloid", HyperboloidShape{base, top, size, 0.5 * size}},
+            {"paraboloid", ParaboloidShape{base, top, size}},
+        };
+        for (const double distance : {3.0, 100.0, 4100.0, 1e5}) {
+            for (const auto& [name, shape] : shapes) {
+                const QuadricCount count =
+                    judgeQuadric(subject(), {shape, dvec3(0), size, distance}, rays() / 10, 712);
+                const std::string where = std::string(name) + " of " + text(size) + " from " + text(distance);
+                std::cout << "[ measured ] " << where << ": " << count.rays << " rays, " << count.hits
+                          << " hits, " << count.inBand << " in the band, " << count.wrong
+                          << " wrong outside it, t within " << text(count.worst) << " of its bound\n";
+                EXPECT_EQ(count.wrong, 0u) << where;
+                EXPECT_EQ(count.beyond, 0u) << where;
+                EXPECT_GT(count.hits, count.rays / 10) << where;
+                // 1e5 sizes away rounding moves the ray by several hundredths of the size.
+                if (distance < 1e5) {
+                    EXPECT_LT(count.inBand, count.rays / 2) << where;
+                }
+            }
+        }
     }
 }
 

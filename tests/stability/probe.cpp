@@ -165,6 +165,10 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
                {array(Bindings::polygons, polygons), array(Bindings::polygonVertices, vertices)});
 }
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Quadric>& quadrics) {
+    return run(subject, rays, shared::kKindQuadric, {array(Bindings::quadrics, quadrics)});
+}
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<Box>& boxes) {
     std::vector<shared::Node> nodes(boxes.size());
     for (size_t i = 0; i < boxes.size(); ++i) {

@@ -45,6 +45,9 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Polygon>& polygons,
                           const std::vector<shared::PolygonVertex>& vertices);
+// Device only: the reference is asked through the packed scene that the quadric comes from.
+std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
+                          const std::vector<shared::Quadric>& quadrics);
 // Answer::hit: the box would be entered. Device only: the reference enters boxes in its own way, and answers
 // for primitives.
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,

@@ -155,6 +155,53 @@ Case acneCase(Kind kind, double offset, double size, bool moved) {
     return render::test::makeCase(scene, 40, 40);
 }
 
+constexpr int kBodies = 7;
+
+void addBodies(Scene& scene, const dvec3& center, double size, const dvec3& right, const dvec3& up) {
+    auto ball = std::make_shared<glint::Mesh>();
+    const MeshData data = icosphere(2);
+    ball->positions = data.positions;
+    ball->corners = data.corners;
+    const dvec3 axis = size * glm::normalize(dvec3(0.3, 1, 0.2));
+    const auto place = [&](int i) {
+        return center + size * (2.6 * (i % 4 - 1.5) * right + 2.6 * (i / 4 - 0.5) * up);
+    };
+    const auto turned = [&](int i, const dvec3& stretch) {
+        const double c = std::cos(0.7 * i), s = std::sin(0.7 * i);
+        const glm::dmat3 turn(c, s, 0, -s, c, 0, 0, 0, 1);
+        return Affine{
+            turn * glm::dmat3(size * stretch.x, 0, 0, 0, size * stretch.y, 0, 0, 0, size * stretch.z),
+            place(i)};
+    };
+    const auto add = [&](Shape shape, const Affine& transform = {}) {
+        scene.objects.push_back({"body", std::move(shape), 0, transform});
+    };
+    add(EllipsoidShape{place(0), size * dvec3(1, 0.5, 0.7)});
+    add(CylinderShape{place(1) - 0.5 * axis, place(1) + 0.5 * axis, 0.6 * size, true});
+    add(ConeShape{place(2) - 0.5 * axis, place(2) + 0.5 * axis, 0.8 * size, 0, true});
+    render::test::addDisc(scene, place(3), {0.2, 1, 0.1}, size);
+    render::test::addPolygon(scene, {place(4) - size * right, place(4) + size * (0.3 * axis / size - up),
+                                     place(4) + size * right, place(4) + size * (up + 0.3 * axis / size)});
+    add(MeshShape{ball}, turned(5, {1, 0.4, 0.7}));
+    add(MeshShape{ball}, turned(6, {0.5, 1, 0.2}));
+}
+
+Case bodiesCase(double offset, double size, bool moved) {
+    Scene scene = render::test::emptyScene();
+    const dvec3 center(offset), view = glm::normalize(dvec3(0.3, -0.8, -0.6));
+    const dvec3 right = glm::normalize(glm::cross(view, dvec3(0, 1, 0))), up = glm::cross(right, view);
+    addBodies(scene, center, size, right, up);
+    // Far behind, so that the scene's middle is the origin.
+    if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
+    scene.lights.push_back(DirectionalLight{view, Color(1)});
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.eye = center - 8 * size * view;
+    scene.camera.target = center;
+    scene.camera.up = up;
+    scene.camera.height = 6 * size;
+    return render::test::makeCase(scene, 128, 64);
+}
+
 // A floor under a lid of two triangles, seen from between them; the light above must not come through.
 Case lidCase(double height, double gap) {
     Scene scene = render::test::emptyScene();
@@ -190,6 +237,19 @@ PixelCount countSelfShadowed(const Subject& subject, Kind kind, double offset, d
         }
     }
     return count;
+}
+
+std::vector<PixelCount> countDarkAlongTheLight(const Subject& subject, double offset, double size,
+                                               bool moved) {
+    const Case c = bodiesCase(offset, size, moved);
+    SubjectRenderer renderer(subject, c.packed);
+    std::vector<PixelCount> counts(kBodies);
+    for (const PixelData& data : render::test::draw(*renderer, c).data) {
+        if (data.object >= kBodies) continue;
+        ++counts[data.object].seen;
+        counts[data.object].wrong += data.shadowBits != 0;
+    }
+    return counts;
 }
 
 PixelCount countLitUnderLid(const Subject& subject, double height, double gap) {

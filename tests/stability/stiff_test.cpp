@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <numbers>
 
 #include "../render/support.h"
 #include "scene/load.h"
@@ -60,8 +61,42 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     EXPECT_LT(misses, c.width * c.height * 9 / 10);
 }
 
+class PrismTest : public RenderTest {};
+
 INSTANTIATE_TEST_SUITE_P(All, StiffTest, testing::ValuesIn(stiffScenes()),
                          [](const auto& p) { return p.param; });
+
+// scenes/stiff/critical_prism.json against Snell and Fresnel in double: left of the threshold all is
+// reflected, right of it the orange wall shines through by 1 - R, of a cosine that is the square root of what
+// lies between angle and threshold. Along a row of pixels: the front lets 0.96 in.
+TEST_F(PrismTest, TurnsInTheMiddle) {
+    const Case c = fileCase("stiff/critical_prism", 320, 240);
+    const Picture picture = draw(device(), c);
+    const double step = 2 * std::tan(0.00225 / 2 * std::numbers::pi / 180) / 240,
+                 critical = std::asin(1 / 1.5);
+    // Seen through two faces, and what is reflected within four times, of 0.04 to 0.06 each, at the most.
+    const double plateau = picture.color.at(0, 120, 0), through = 0.96 * 0.96 * 0.05;
+    EXPECT_GE(plateau, 0.999 * through);
+    EXPECT_LE(plateau, through + 30 * 0.04 * 0.04 * 0.06);
+    for (int x = 0; x < 320; ++x) {
+        const float red = picture.color.at(x, 120, 0);
+        const double angle = critical - (x - 159.5) * step / 1.5;
+        // Angles inside are good to some units of 2^-24: 3 pixels.
+        if (x < 157) {
+            EXPECT_NEAR(red, plateau, 1e-5) << "all is reflected, at " << x;
+        } else if (x >= 163) {
+            const double cosine = std::cos(angle), after = std::sqrt(1 - std::pow(1.5 * std::sin(angle), 2));
+            const double across = (1.5 * cosine - after) / (1.5 * cosine + after);
+            const double along = (cosine - 1.5 * after) / (cosine + 1.5 * after);
+            const double passed = 1 - (across * across + along * along) / 2;
+            const double orange = 0.96 * 30 * passed, blue = plateau * (1 - passed);
+            // The slope of a square root: half of the relative error of its argument.
+            const double doubt = orange * 0.5 * 3 / (x - 159.5);
+            EXPECT_NEAR(red, orange + blue, doubt + 1e-3) << x;
+        }
+        EXPECT_NEAR(red, picture.color.at(x, 10, 0), x > 156 && x < 163 ? 0.1 : 0.01) << "rows are alike";
+    }
+}
 
 // A sheet of half a metre with waves of a millimetre, as a survey would give it: an OBJ with its base in its
 // numbers.

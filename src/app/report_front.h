@@ -1,0 +1,36 @@
+// Which settings of a report another one beats, and what that says of the default.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/report_plan.h"
+
+namespace glint::app {
+
+// The settings that took turns: between batches a busy machine drifts by more than methods differ.
+enum class Contest { Samplers, Methods, None };
+Contest contestOf(const Measured& m);
+
+// Clearly better in time or error and not clearly worse in the other, both wall clock and RMSE against the
+// converged picture. Times differ clearly if their quartiles do not overlap, errors if the intervals of one
+// standard error about them do not.
+bool beats(const Measured& a, const Measured& b);
+
+// Sets isDefault and beatenBy of all that was measured: of what beats a setting, the one of least error times
+// time; empty on the front and for depths and cuts, which are the scene's own decisions.
+void markFront(SceneReport& scene);
+
+// Why a quicker or more exact setting is not the default all the same; empty if nothing speaks against it.
+std::string weaknessOf(const std::string& family);
+
+// Needs markFront. The default of one contest: "on the front at 1, 16 spp; beaten at 4 spp by ...". Empty if
+// it was not measured.
+std::string defaultInWords(const SceneReport& scene, Contest contest);
+
+// Markdown: a line for each measurement of the default. Empty if there is none.
+std::string defaultTable(const SceneReport& scene);
+// Markdown: a line for each scene.
+std::string defaultSummary(const ReportData& data);
+
+}  // namespace glint::app
