@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "app/bench.h"
+#include "app/hash.h"
 #include "app/reference_picture.h"
 #include "app/report_sweep.h"
 #include "core/error.h"
@@ -55,9 +56,9 @@ uint64_t hostPeak() {
 }
 
 std::string pictureHash(const Picture& picture) {
-    const auto bytes = std::as_bytes(std::span(picture.color.pixels));
-    const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
-    return hashOf({first, first + bytes.size()});
+    Hash hash;
+    hash.add(picture.color.pixels);
+    return hash.text();
 }
 
 void describe(const LoadedScene& loaded, BenchResult& result) {

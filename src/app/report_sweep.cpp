@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/hash.h"
 #include "core/file_io.h"
 #include "scene/sampling.h"
 #include "verify/stiffness.h"
@@ -67,25 +68,6 @@ struct SceneSweep::Run {
 };
 
 namespace {
-
-// FNV-1a, 64 bits.
-class Hash {
-  public:
-    template <typename T>
-    void add(const std::vector<T>& items) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        const auto* bytes = reinterpret_cast<const unsigned char*>(items.data());
-        for (size_t i = 0; i < items.size() * sizeof(T); ++i) value_ = (value_ ^ bytes[i]) * 0x100000001b3u;
-    }
-    std::string text() const {
-        char text[17];
-        std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value_));
-        return text;
-    }
-
-  private:
-    uint64_t value_ = 0xcbf29ce484222325u;
-};
 
 // The file, for camera and image, and what both tracers see of the meshes and pictures that it names.
 std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
