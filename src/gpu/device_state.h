@@ -77,6 +77,7 @@ struct KernelState {
     std::string name;
     std::vector<Access> bindings;
     uint32_t pushConstantBytes = 0;
+    uint64_t codeBytes = 0;
     bool bound = false;
     Handle<VkDescriptorSetLayout> setLayout;
     Handle<VkPipelineLayout> layout;

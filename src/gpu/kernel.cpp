@@ -72,9 +72,10 @@ void createLayouts(KernelState& state, const DeviceState& device) {
 
 void createPipeline(KernelState& state, const DeviceState& device, const KernelOptions& options) {
     const std::vector<uint32_t> specialized = specialize(options.spirv, options.constants);
+    state.codeBytes = specialized.size() * sizeof(uint32_t);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = specialized.size() * sizeof(uint32_t);
+    code.codeSize = state.codeBytes;
     code.pCode = specialized.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
@@ -152,6 +153,10 @@ Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std:
     } catch (const Error& error) {
         throw Error(error.code(), label(options.name) + error.what());
     }
+}
+
+uint64_t Kernel::codeBytes() const {
+    return state_->codeBytes;
 }
 
 Kernel::Kernel() = default;

@@ -450,6 +450,10 @@ uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
 }
 
+uint64_t Renderer::codeBytes() const {
+    return state_->pipelines.codeBytes();
+}
+
 Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {
     State& s = *state_;
     const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
