@@ -199,15 +199,8 @@ uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 
 #define GLINT_FEATURE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool FEATURE_##NAME = true;
 #define GLINT_MODE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool MODE_##NAME = false;
-#ifdef GLINT_BASIC
-#define GLINT_FURTHER_CONSTANT(ID, NAME, field) const bool FEATURE_##NAME = false;
-#define GLINT_CHOICE_CONSTANT(ID, NAME, field) const uint NAME = 0u;
-#else
-#define GLINT_FURTHER_CONSTANT GLINT_FEATURE_CONSTANT
 #define GLINT_CHOICE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const uint NAME = 0u;
-#endif
-GLINT_BASIC_FEATURES(GLINT_FEATURE_CONSTANT)
-GLINT_FURTHER_FEATURES(GLINT_FURTHER_CONSTANT)
+GLINT_FEATURES(GLINT_FEATURE_CONSTANT)
 GLINT_MODES(GLINT_MODE_CONSTANT)
 GLINT_CHOICES(GLINT_CHOICE_CONSTANT)
 

@@ -6,9 +6,7 @@
 #include "shared/layout.h"
 
 // X(constant id, GLSL name FEATURE_..., C++ field of SceneFeatures)
-// Two lists: each kernel is compiled without the second one's code as well (GLINT_BASIC), since what is
-// specialized away costs the driver's compiler its time all the same.
-#define GLINT_BASIC_FEATURES(X)                 \
+#define GLINT_FEATURES(X)                       \
     X(0, TRIANGLES, triangles)                  \
     X(1, SPHERES, spheres)                      \
     X(2, ANCHORED_SPHERES, anchoredSpheres)     \
@@ -22,21 +20,19 @@
     X(10, PARALLEL_CAMERA, parallelCamera)      \
     X(11, DISCS, discs)                         \
     X(12, POLYGONS, polygons)                   \
+    X(13, QUADRICS, quadrics)                   \
+    X(14, INSTANCES, instances)                 \
+    X(15, TRANSMISSION, transmission)           \
+    X(16, COLORED_SHADOWS, coloredShadows)      \
+    X(17, ATTENUATION, attenuation)             \
+    X(18, TEXTURES, textures)                   \
+    X(19, ENVIRONMENT_MAP, environmentMap)      \
+    X(20, VERTEX_COLORS, vertexColors)          \
+    X(21, UVS, uvs)                             \
+    X(22, CHECKERS, checkers)                   \
     X(24, THIN_LENS, thinLens)                  \
+    X(31, ALPHA_MASK, alphaMask)                \
     X(32, SPLIT_TRIANGLES, splitTriangles)
-#define GLINT_FURTHER_FEATURES(X)          \
-    X(13, QUADRICS, quadrics)              \
-    X(14, INSTANCES, instances)            \
-    X(15, TRANSMISSION, transmission)      \
-    X(16, COLORED_SHADOWS, coloredShadows) \
-    X(17, ATTENUATION, attenuation)        \
-    X(18, TEXTURES, textures)              \
-    X(19, ENVIRONMENT_MAP, environmentMap) \
-    X(20, VERTEX_COLORS, vertexColors)     \
-    X(21, UVS, uvs)                        \
-    X(22, CHECKERS, checkers)              \
-    X(31, ALPHA_MASK, alphaMask)
-#define GLINT_FEATURES(X) GLINT_BASIC_FEATURES(X) GLINT_FURTHER_FEATURES(X)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by

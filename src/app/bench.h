@@ -33,6 +33,7 @@ struct BenchResult {
     unsigned threads = 1;
     uint64_t hostPeakBytes = 0;  // of the process so far
     uint64_t deviceBytes = 0;
+    uint64_t codeBytes = 0;  // SPIR-V that the driver was given
     std::string picture;  // hash of the colours
 };
 

@@ -45,14 +45,13 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
         if (json && !results.empty()) out << benchJson(results);
     };
     try {
-        Progress progress("bench", command.progress, err, isTerminal(err));
         for (const std::filesystem::path& path : command.scenes) {
-            const double done = static_cast<double>(results.size());
-            const auto worked = [&](double fraction) {
-                progress.update((done + fraction) / static_cast<double>(command.scenes.size()));
-            };
-            results.push_back(measureScene(command, withScene(command.common, path),
-                                           device ? &*device : nullptr, openSeconds, worked, err));
+            // One for each scene: its bar is gone when the table comes.
+            Progress progress("bench " + path.filename().string(), command.progress, err, isTerminal(err));
+            results.push_back(measureScene(
+                command, withScene(command.common, path), device ? &*device : nullptr, openSeconds,
+                [&](double fraction) { progress.update(fraction); }, err));
+            progress.finish();
             if (!json) out << (results.size() > 1 ? "\n" : "") << benchTable(results.back()) << std::flush;
         }
     } catch (const Error& e) {

@@ -166,6 +166,7 @@ void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, con
         const Picture picture = draw(settings);
         if (i > 0) continue;
         result.compile = renderer.times().compile;
+        result.codeBytes = renderer.codeBytes();
         result.picture = pictureHash(picture);
     }
     Series series;

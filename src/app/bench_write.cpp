@@ -79,7 +79,7 @@ Json sceneJson(const BenchResult& r) {
                        {"trace", quartilesJson(r.trace)},
                        {"readback", quartilesJson(r.readback)}};
     json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
-    json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}};
+    json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
     json["picture"] = r.picture;
     return json;
 }
@@ -171,7 +171,8 @@ std::string benchTable(const BenchResult& r) {
     if (r.triangles > 0) text += line(", %.2f million triangles/s", trianglesPerSecond(r) / 1e6);
     text += line("\n  memory       host %.1f MiB at most", static_cast<double>(r.hostPeakBytes) / 1048576);
     if (r.backend == Backend::Gpu)
-        text += line(", device buffers %.1f MiB", static_cast<double>(r.deviceBytes) / 1048576);
+        text += line(", device buffers %.1f MiB, SPIR-V %.1f KiB",
+                     static_cast<double>(r.deviceBytes) / 1048576, static_cast<double>(r.codeBytes) / 1024);
     return text + "\n  picture      " + r.picture + "\n";
 }
 

@@ -77,6 +77,7 @@ class Kernel {
     // submission runs.
     void bind(std::span<const Buffer* const> buffers);
     explicit operator bool() const { return state_ != nullptr; }
+    uint64_t codeBytes() const;  // of SPIR-V, as the driver was given it
     KernelState& state() const { return *state_; }
 
   private:

@@ -82,6 +82,7 @@ struct ProgramKey {
 };
 struct Program {
     ProgramKey key;
+    uint64_t codeBytes = 0;  // of the specialized SPIR-V
     Handle<VkDescriptorSetLayout> setLayout;
     Handle<VkPipelineLayout> layout;
     Handle<VkPipeline> pipeline;

@@ -73,9 +73,10 @@ void createLayouts(Program& program, const DeviceState& device) {
 
 void createPipeline(Program& program, const DeviceState& device) {
     const std::vector<uint32_t> specialized = specialize(program.key.spirv, program.key.constants);
+    program.codeBytes = specialized.size() * sizeof(uint32_t);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = specialized.size() * sizeof(uint32_t);
+    code.codeSize = program.codeBytes;
     code.pCode = specialized.data();
     const Handle<VkShaderModule> module =
         create(device, "vkCreateShaderModule", code, device.vk.vkCreateShaderModule,
@@ -181,6 +182,10 @@ Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std:
     } catch (const Error& error) {
         throw Error(error.code(), label(options.name) + error.what());
     }
+}
+
+uint64_t Kernel::codeBytes() const {
+    return state_->program->codeBytes;
 }
 
 Kernel::Kernel() = default;

@@ -19,9 +19,4 @@ struct KernelCode {
 // The kernels that read arrays with `access`.
 const KernelCode& embeddedKernels(gpu::Access access);
 
-// The same kernels without the code of GLINT_FURTHER_FEATURES and of other methods than the default ones; and
-// whether they can draw such a scene.
-const KernelCode& basicKernels(gpu::Access access);
-bool basicKernelsDo(const SceneFeatures& features, const Methods& methods);
-
 }  // namespace glint::render

@@ -101,6 +101,12 @@ const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
     return kernels_.emplace(key, make(id, modes)).first->second;
 }
 
+uint64_t Pipelines::codeBytes() const {
+    uint64_t bytes = 0;
+    for (const auto& [key, kernel] : kernels_) bytes += kernel.codeBytes();
+    return bytes;
+}
+
 void Pipelines::add(KernelId id, const TraceModes& modes, gpu::Kernel kernel) {
     kernels_.emplace(std::make_pair(id, modes), std::move(kernel));
 }

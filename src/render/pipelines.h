@@ -46,6 +46,9 @@ class Pipelines {
     gpu::Kernel make(KernelId id, const TraceModes& modes) const;
     void add(KernelId id, const TraceModes& modes, gpu::Kernel kernel);
 
+    // SPIR-V of the kernels made so far.
+    uint64_t codeBytes() const;
+
   private:
     const gpu::Device& device_;
     const KernelCode& code_;

@@ -38,12 +38,6 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
     return features;
 }
 
-const KernelCode& kernelsFor(const Options& options, gpu::Access access, const SceneFeatures& features,
-                             const Methods& methods) {
-    if (options.kernels) return *options.kernels;
-    return basicKernelsDo(features, methods) ? basicKernels(access) : embeddedKernels(access);
-}
-
 }  // namespace
 
 struct Renderer::State {
@@ -78,7 +72,7 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),
-          pipelines(dev, kernelsFor(opts, access, features, packed.methods), access, features,
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features,
                     packed.methods),
           submission(dev) {
         const Stopwatch watch;
@@ -448,6 +442,10 @@ const TraversalChoice& Renderer::traversal() const {
 }
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
+}
+
+uint64_t Renderer::codeBytes() const {
+    return state_->pipelines.codeBytes();
 }
 
 Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {

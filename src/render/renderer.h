@@ -115,6 +115,7 @@ class Renderer {
     gpu::Access access() const;
     const TraversalChoice& traversal() const;
     uint64_t deviceBytes() const;
+    uint64_t codeBytes() const;  // SPIR-V of the kernels used so far
 
   private:
     struct State;

@@ -12,44 +12,38 @@ macro(mutant name file pattern replacement)
   set(${name}_KERNELS ${ARGN})
 endmacro()
 
-# The same among the kernels without further features (GLINT_BASIC), which compile several times faster, for scenes that those can draw.
-macro(basic_mutant name)
-  mutant(${name} ${ARGN})
-  set(${name}_BASIC TRUE)
-endmacro()
-
-basic_mutant(edge_sign intersect.glsl "c2.x * b2.y - c2.y * b2.x" "c2.x * b2.y + c2.y * b2.x" intersect)
-basic_mutant(wrong_weight intersect.glsl "u = uHit;" "u = vHit;" intersect)
-basic_mutant(tie_rule traversal.glsl "id < hit.id" "id > hit.id" intersect)
-basic_mutant(small_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 0.99" intersect light)
+mutant(edge_sign intersect.glsl "c2.x * b2.y - c2.y * b2.x" "c2.x * b2.y + c2.y * b2.x" intersect)
+mutant(wrong_weight intersect.glsl "u = uHit;" "u = vHit;" intersect)
+mutant(tie_rule traversal.glsl "id < hit.id" "id > hit.id" intersect)
+mutant(small_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 0.99" intersect light)
 mutant(instance_normal instance.glsl "return n;" "return normal;" light shade)
 mutant(instance_ray instance.glsl "origin - instance.place" "origin - 1.001 * instance.place" intersect light)
-basic_mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"
+mutant(sphere_normal surface.glsl "vec3 outward = offset / length(offset);"
        "vec3 outward = normalize(offset / length(offset) + vec3(0.01, 0.0, 0.0));" light shade)
-basic_mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
-basic_mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
-basic_mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
-basic_mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
-basic_mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
+mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
+mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
+mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
+mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
+mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(quadric_disc quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
-basic_mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
-basic_mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
+mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
+mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
        "x * camera.originStepX - y * camera.originStepY" generate)
-basic_mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
-basic_mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
-basic_mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
+mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
+mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
+mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
-basic_mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
+mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
 mutant(texel_corner texture.glsl "s * count - 0.5" "s * count - 0.25" light shade)
 mutant(upside_down texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)
 mutant(late_checker texture.glsl "vec3 whole = floor(cell)" "vec3 whole = floor(cell + 0.02)" light shade)
 mutant(turned_sky material.glsl "-direction.z)" "direction.z)" shade)
 mutant(deep_cut material.glsl "surface).w < material.alphaCutoff" "surface).w < 0.9 * material.alphaCutoff" intersect light)
-basic_mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
+mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
-basic_mutant(packet_pair packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+mutant(packet_pair packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
-basic_mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
+mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
 mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first tree.glsl "bool mirrorFirst = both ? entering : reflects;" "bool mirrorFirst = both ? !entering : reflects;" shade)
