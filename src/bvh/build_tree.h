@@ -27,11 +27,11 @@ double expectedCost(const Bvh& bvh, double traversalCost);
 
 // Builds the tree over `primitives`, to which split triangles are added as further entries
 // (splitLargeTriangles).
-// Fast: binned surface area heuristic, nothing else. Default: the same for now. High: besides, subtrees are
-// reinserted where that makes the tree cheaper, and triangles are split if their boxes are mostly empty
-// (boxEmptiness, presplit.h) and the tree is cheaper for it. Not by default: a ray within rounding of a
-// triangle's own plane may meet the triangle where its parts' boxes no longer are, so such grazing hits can
-// differ from those that testing every triangle finds.
+// Fast: binned surface area heuristic, nothing else. Default: besides, triangles are split if their boxes are
+// mostly empty (boxEmptiness, presplit.h) and the tree is cheaper for it, and small trees have subtrees
+// reinserted where that makes them cheaper. High: the same whatever it takes. No quality changes what a ray
+// hits, but for hits by rounding of triangles that a ray lies in the plane of
+// (tests/render/traversal_test.cpp).
 Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options);
 
 }  // namespace glint

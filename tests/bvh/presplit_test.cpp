@@ -94,13 +94,15 @@ Scene beams() {
 
 TEST(BuildTree, SplitsBeams) {
     const PackedScene fast = packScene(beams(), 0, BuildQuality::Fast);
-    const PackedScene split = packScene(beams(), 0, BuildQuality::High);
     EXPECT_EQ(fast.statistics.splitTriangles, 0u);
     EXPECT_EQ(fast.triangles.size(), 400u);
-    EXPECT_GT(split.statistics.splitTriangles, 300u);
-    EXPECT_LE(split.statistics.splitTriangles, 400u);
-    EXPECT_EQ(split.triangles.size(), 400u + split.statistics.splitTriangles);
-    EXPECT_LT(split.statistics.sahCost, 0.6 * fast.statistics.sahCost);
+    for (const BuildQuality quality : {BuildQuality::Default, BuildQuality::High}) {
+        const PackedScene split = packScene(beams(), 0, quality);
+        EXPECT_GT(split.statistics.splitTriangles, 300u);
+        EXPECT_LE(split.statistics.splitTriangles, 400u);
+        EXPECT_EQ(split.triangles.size(), 400u + split.statistics.splitTriangles);
+        EXPECT_LT(split.statistics.sahCost, 0.6 * fast.statistics.sahCost);
+    }
 }
 
 TEST(BuildTree, LeavesEvenMeshesWhole) {

@@ -1,0 +1,98 @@
+// count_tests SCENE...
+//
+// Boxes and primitives that a ray tests, by each build quality: 256x192 camera rays, a shadow ray to the
+// first light and a random bounce from each hit, counted by the reference tracer; with the time to build, the
+// expected cost and the triangles stored. Counts do not depend on the machine.
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "bvh/packed_scene.h"
+#include "core/error.h"
+#include "reference/tracer.h"
+#include "scene/load.h"
+
+namespace glint::bench {
+namespace {
+
+struct Mean {
+    uint64_t rays = 0, tests = 0;
+    double value() const { return rays > 0 ? static_cast<double>(tests) / static_cast<double>(rays) : 0; }
+};
+
+struct Counts {
+    Mean camera, shadow, bounce;
+};
+
+// Cosine-weighted, off the side that the ray came to.
+glm::dvec3 bounceFrom(const glm::dvec3& normal, const glm::dvec3& incoming, std::mt19937& random) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const double z = 2 * unit(random) - 1, angle = 2 * std::numbers::pi * unit(random);
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    const glm::dvec3 sphere(r * std::cos(angle), r * std::sin(angle), z);
+    const glm::dvec3 out = glm::dot(normal, incoming) > 0 ? -normal : normal;
+    return out * 1.0001 + sphere;
+}
+
+Counts count(const Scene& scene, const PackedScene& packed) {
+    constexpr int kWidth = 256, kHeight = 192;
+    const reference::Tracer tracer(packed);
+    const shared::Camera camera = packCamera(scene.camera, kWidth, kHeight, packed.origin);
+    std::mt19937 random(1);
+    Counts counts;
+    const auto closest = [&](const reference::Ray& ray, const reference::Source& source, Mean& mean) {
+        ++mean.rays;
+        return tracer.closest(ray, source, &mean.tests);
+    };
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const reference::Ray ray = tracer.cameraRay(camera, x + 0.5, y + 0.5);
+            const auto hit = closest(ray, {}, counts.camera);
+            if (!hit) continue;
+            const reference::Surface surface = tracer.surface(ray, *hit);
+            if (!packed.lights.empty()) {
+                const shared::Light& light = packed.lights[0];
+                const bool directional = light.kind == shared::kLightDirectional;
+                const glm::dvec3 at(light.position);
+                ++counts.shadow.rays;
+                reference::Ray shadow{surface.position, directional ? at : at - surface.position};
+                if (!directional) shadow.tMax = 1;
+                tracer.occluded(shadow, reference::sourceOf(*hit), &counts.shadow.tests);
+            }
+            const glm::dvec3 direction = bounceFrom(surface.geometricNormal, ray.direction, random);
+            closest({surface.position, direction}, reference::sourceOf(*hit), counts.bounce);
+        }
+    }
+    return counts;
+}
+
+void report(const std::string& file) {
+    const Scene scene = loadScene(file);
+    std::printf("%s\n", std::filesystem::path(file).filename().string().c_str());
+    const char* const names[] = {"fast", "default", "high"};
+    for (const BuildQuality quality : {BuildQuality::Fast, BuildQuality::Default, BuildQuality::High}) {
+        double seconds = 1e9;
+        for (int i = 0; i < 3; ++i)
+            seconds = std::min(seconds, packScene(scene, 0, quality).statistics.buildSeconds);
+        const PackedScene packed = packScene(scene, 0, quality);
+        const Counts counts = count(scene, packed);
+        std::printf(
+            "  %-8s camera %7.2f  shadow %7.2f  bounce %7.2f  SAH %7.2f  build %8.2f ms  triangles %zu\n",
+            names[static_cast<int>(quality)], counts.camera.value(), counts.shadow.value(),
+            counts.bounce.value(), packed.statistics.sahCost, 1e3 * seconds, packed.triangles.size());
+    }
+}
+
+}  // namespace
+}  // namespace glint::bench
+
+int main(int count, char** arguments) {
+    try {
+        for (int i = 1; i < count; ++i) glint::bench::report(arguments[i]);
+    } catch (const glint::Error& error) {
+        std::fprintf(stderr, "count_tests: %s\n", error.what());
+        return 1;
+    }
+    return count > 1 ? 0 : 2;
+}
