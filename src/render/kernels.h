@@ -19,6 +19,10 @@ struct KernelCode {
 // The kernels that read arrays with `access`.
 const KernelCode& embeddedKernels(gpu::Access access);
 
+// The same, but triangles, spheres and planes are tested in double precision; for rays by themselves, not for
+// packets, and for devices with DeviceLimits::float64.
+const KernelCode& doubleKernels(gpu::Access access);
+
 // The same kernels without the code of GLINT_FURTHER_FEATURES and of other methods than the default ones; and
 // whether they can draw such a scene.
 const KernelCode& basicKernels(gpu::Access access);

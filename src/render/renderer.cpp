@@ -33,7 +33,15 @@ Region wholeOrGiven(const RenderSettings& settings) {
 const KernelCode& kernelsFor(const Options& options, gpu::Access access, const SceneFeatures& features,
                              const Methods& methods) {
     if (options.kernels) return *options.kernels;
+    if (options.doublePrecision) return doubleKernels(access);
     return basicKernelsDo(features, methods) ? basicKernels(access) : embeddedKernels(access);
+}
+
+Traversal traversalOf(const Options& options, const gpu::DeviceInfo& device) {
+    if (!options.doublePrecision) return options.traversal;
+    if (!device.limits.float64)
+        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
+    return Traversal::Lane;
 }
 
 }  // namespace
@@ -64,7 +72,7 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
+          traversal(chooseTraversal(traversalOf(opts, dev.info()), dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         !opts.leaveOut || looksUpTextures(packed.features))),
