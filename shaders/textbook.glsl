@@ -5,6 +5,9 @@
 #define GLINT_TEXTBOOK_GLSL
 
 #include "intersect.glsl"
+#ifdef GLINT_FP64
+#include "double.glsl"
+#endif
 
 bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }
 
@@ -83,7 +86,11 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out f
     if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
     if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
     if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
+#ifdef GLINT_FP64
+    return triangleInDouble(ray, triangle, t, u, v);
+#else
     return intersectTriangle(ray, frame, triangle, t, u, v);
+#endif
 }
 
 vec3 sphereCenter(Sphere sphere) {
@@ -128,7 +135,19 @@ bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
     bool own = primitive == ray.source;
     if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
     if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
+#ifdef GLINT_FP64
+    return sphereInDouble(ray, sphere, own, t);
+#else
     return intersectSphere(ray, sphere, primitive, t);
+#endif
+}
+
+bool meetPlane(Ray ray, Plane plane, out float t) {
+#ifdef GLINT_FP64
+    return planeInDouble(ray, plane, t);
+#else
+    return intersectPlane(ray, plane, t);
+#endif
 }
 
 #endif

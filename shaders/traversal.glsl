@@ -221,7 +221,7 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
         Plane plane = loadPlane(index);
         uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
         float t;
-        bool isHit = intersectPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
+        bool isHit = meetPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
         offer(traversal, kKindPlane, isHit, t, 0.0, 0.0, primitive, plane.id);
         if (MODE_COST) ++traversal.cost;
     }

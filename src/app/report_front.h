@@ -18,7 +18,8 @@ Contest contestOf(const Measured& m);
 bool beats(const Measured& a, const Measured& b);
 
 // Sets isDefault and beatenBy of all that was measured: of what beats a setting, the one of least error times
-// time; empty on the front and for depths and cuts, which are the scene's own decisions.
+// time; empty on the front and for depths and cuts, which are the scene's own decisions. Methods are compared
+// at the same number of samples.
 void markFront(SceneReport& scene);
 
 // Why a quicker or more exact setting is not the default all the same; empty if nothing speaks against it.

@@ -100,16 +100,21 @@ std::string keyOf(const Configuration& c) {
     key += " depth=" + (c.maxDepth ? std::to_string(*c.maxDepth) : std::string("scene"));
     key += " cut=" + number(c.minContribution) + (c.leaveOut ? " pruned" : " full");
     if (c.family == kDefaultAmongMethods) key += " among methods";
+    if (c.doublePrecision) key += " fp64";
     if (!c.access) return key + " auto";
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
 
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess) {
+                             std::optional<gpu::Access> otherAccess, bool float64) {
     std::vector<Batch> batches(3);
     addSamplers(batches[0]);
     addBoth({}, kDefaultAmongMethods, batches[1]);
     addMethods(features, hasTree, otherAccess, batches[1]);
+    Configuration wide;
+    wide.doublePrecision = true;
+    if (float64 && (features.triangles || features.spheres || features.planes))
+        addBoth(wide, "fp64 tests", batches[1]);
     if (!features.mirrors && !features.transmission) return batches;
     for (const int depth : depthsUpTo(maxDepth)) {
         Configuration c;

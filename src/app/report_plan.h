@@ -23,6 +23,7 @@ struct Configuration {
     std::optional<int> maxDepth;  // empty: the scene's
     double minContribution = 0;
     bool leaveOut = true;
+    bool doublePrecision = false;       // of triangles, spheres and planes
     std::optional<gpu::Access> access;  // empty: by the device
 };
 
@@ -39,9 +40,9 @@ struct Batch {
 };
 
 // Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
-// that the device would not choose.
+// that the device would not choose; `float64`: whether it computes in double precision.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess);
+                             std::optional<gpu::Access> otherAccess, bool float64);
 
 struct Measured {
     std::string key, family, sampler;

@@ -32,12 +32,15 @@ void openDevice(DeviceState& state) {
     std::vector<const char*> extensions;
     if (state.physical.portabilitySubset) extensions.push_back("VK_KHR_portability_subset");
     if (state.surface != VK_NULL_HANDLE) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    VkPhysicalDeviceFeatures features{};
+    features.shaderFloat64 = state.physical.info.limits.float64 ? VK_TRUE : VK_FALSE;
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
+    info.pEnabledFeatures = &features;
     check(state.instance->vk().vkCreateDevice(state.physical.handle, &info, nullptr, &state.device),
           "vkCreateDevice");
     loadDeviceTable(state);

@@ -80,6 +80,10 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     device.info.limits.subgroupShuffle =
         (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0 &&
         (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+    VkPhysicalDeviceFeatures2 features{};
+    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    vk.vkGetPhysicalDeviceFeatures2(device.handle, &features);
+    device.info.limits.float64 = features.features.shaderFloat64 == VK_TRUE;
     if (knowsDriver) {
         device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
         device.info.llvmpipe = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;

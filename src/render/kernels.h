@@ -19,4 +19,8 @@ struct KernelCode {
 // The kernels that read arrays with `access`.
 const KernelCode& embeddedKernels(gpu::Access access);
 
+// The same, but triangles, spheres and planes are tested in double precision; for rays by themselves, not for
+// packets, and for devices with DeviceLimits::float64.
+const KernelCode& doubleKernels(gpu::Access access);
+
 }  // namespace glint::render

@@ -38,6 +38,18 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
     return features;
 }
 
+const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
+    if (options.kernels) return *options.kernels;
+    return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
+}
+
+Traversal traversalOf(const Options& options, const gpu::DeviceInfo& device) {
+    if (!options.doublePrecision) return options.traversal;
+    if (!device.limits.float64)
+        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
+    return Traversal::Lane;
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -68,12 +80,11 @@ struct Renderer::State {
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed)),
+          traversal(chooseTraversal(traversalOf(opts, dev.info()), dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features,
-                    packed.methods),
+          pipelines(dev, kernelsFor(opts, access), access, features, packed.methods),
           submission(dev) {
         const Stopwatch watch;
         buffers =

@@ -86,7 +86,7 @@ TEST(ReportStatistics, SlopeOfPowerLaws) {
 TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     SceneFeatures features;
     features.spheres = true;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
     std::set<std::string> keys;
     size_t count = 0;
     for (const Batch& batch : batches) {
@@ -97,12 +97,12 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
         }
     }
     EXPECT_EQ(keys.size(), count);
-    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full and access, each at 2
-    // counts; no mirrors, so no depth.
-    EXPECT_EQ(count, 12u + 18u);
+    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full, access and fp64, each
+    // at 2 counts; no mirrors, so no depth.
+    EXPECT_EQ(count, 12u + 20u);
     features.mirrors = true;
     // Depths 0 1 2 3 4 and the whole, and three cuts.
-    EXPECT_EQ(planScene(features, true, 5, std::nullopt)[2].configurations.size(), 9u);
+    EXPECT_EQ(planScene(features, true, 5, std::nullopt, false)[2].configurations.size(), 9u);
 }
 
 Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
@@ -267,10 +267,11 @@ TEST(ReportFront, DefaultIsMarkedAndMethodsAreJudgedApart) {
                       measuredAt("lowDiscrepancy", "lowDiscrepancy", 16, 16, 0.005),
                       measuredAt(kDefaultAmongMethods, "lowDiscrepancy", 4, 8, 0.03),
                       measuredAt("spheres: geometric", "lowDiscrepancy", 4, 6, 0.03),
+                      measuredAt("spheres: geometric", "lowDiscrepancy", 16, 6, 0.01),
                       measuredAt("depth", "lowDiscrepancy", 4, 1, 0.001)};
     markFront(scene);
-    const bool defaults[] = {true, false, false, true, true, false, false};
-    const std::string beatenBy[] = {"", "grid4", "lowDiscrepancy16", "", "spheres: geometric4", "", ""};
+    const bool defaults[] = {true, false, false, true, true, false, false, false};
+    const std::string beatenBy[] = {"", "grid4", "lowDiscrepancy16", "", "spheres: geometric4", "", "", ""};
     for (size_t i = 0; i < scene.measured.size(); ++i) {
         EXPECT_EQ(scene.measured[i].isDefault, defaults[i]) << scene.measured[i].key;
         EXPECT_EQ(scene.measured[i].beatenBy, beatenBy[i]) << scene.measured[i].key;
@@ -298,11 +299,11 @@ TEST(ReportFront, WeaknessesAreOfMethodsThatThereAre) {
     SceneFeatures features;
     features.spheres = features.triangles = true;
     size_t weak = 0;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
     for (const Configuration& c : batches[1].configurations) weak += weaknessOf(c.family).empty() ? 0 : 1;
-    // Three triangle tests, two of spheres, two offsets, two pads, each at two counts; the default, full and
-    // storage buffers have none.
-    EXPECT_EQ(weak, 18u);
+    // Three triangle tests, two of spheres, two offsets, two pads and fp64, each at two counts; the default,
+    // full and storage buffers have none.
+    EXPECT_EQ(weak, 20u);
 }
 
 // By hand from the sample: 0.005 is reached at 4 s; grid's 4 samples, the default, are beaten by that, its 1
