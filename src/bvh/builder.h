@@ -37,7 +37,7 @@ struct BvhOptions {
     uint32_t bins = 16;
     // Of one node, in units of one primitive test: on lavapipe 361 machine instructions against 242 for a
     // triangle; measured: 1.5 and 2 trace 2 to 5 % faster than 1, 0.5 is slower (docs/measurements.md).
-    double traversalCost = 1.5;
+    double traversalCost = 2;
     unsigned threads = 0;  // 0: all
     // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.
     const std::vector<uint8_t>* groups = nullptr;
