@@ -21,7 +21,6 @@
 // The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler half of its time.
 Traversal packet[GLINT_PACKET_RAYS];
 float packetEnds[GLINT_PACKET_RAYS];    // updateEnds
-vec3 packetTurned[GLINT_PACKET_RAYS];   // origins, turned as the corners of triangles are
 
 // The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet that needs more rows is
 // given up and finished ray by ray.
@@ -29,7 +28,7 @@ vec3 packetTurned[GLINT_PACKET_RAYS];   // origins, turned as the corners of tri
 const uint kRowsMask = (1u << GLINT_PACKET_RAYS) - 1u;
 struct PacketStack {
     uvec4 child;  // as in a node
-    uvec4 key;    // see keyOf
+    uvec4 key;    // see keyOf, but with the rows that enter the box (rowsThatEnter) in the low bits
     uint top;
 };
 
@@ -174,7 +173,7 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
 }
 
 // The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is the key of the farthest
-// point that any ray may still reach.
+// point that any ray may still reach. rows: those that enter its box.
 uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
     uint height = 0u;
     for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
@@ -210,7 +209,9 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
     if (MODE_COST && present) ++one.cost;
 }
 
-// Row by row, two triangles for a load and a trip.
+// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or two of four, and on lavapipe only
+// a loop skips. The row is taken out of the packet and put back by selection, 60 instructions, as an index that is no constant costs more.
+// Two triangles for a load and a trip. Any hit needs no more than to be known.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
     do if (left != 0u) {
@@ -224,11 +225,13 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             one.ray.source = mine ? packet[r].ray.source : one.ray.source;
             one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
             one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+            one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+#ifndef GLINT_ANY_HIT
             one.hit.t = mine ? packet[r].hit.t : one.hit.t;
             one.hit.u = mine ? packet[r].hit.u : one.hit.u;
             one.hit.v = mine ? packet[r].hit.v : one.hit.v;
-            one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
             one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+#endif
             one.cost = mine ? packet[r].cost : one.cost;
             taken = taken || mine;
         }
@@ -245,12 +248,14 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         bool given = false;
         GLINT_EACH_RAY {
             bool mine = !given && (left & (1u << r)) != 0u;
+            packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+#ifndef GLINT_ANY_HIT
             packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
             packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
             packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
             packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
-            packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
             packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+#endif
             packet[r].cost = mine ? one.cost : packet[r].cost;
             given = given || mine;
         }
@@ -288,7 +293,7 @@ uint updateEnds() {
     return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
 }
 
-// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most.
+// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most, 15 on the stack.
 uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
     return entered ? (bits & ~7u) | lane : kNone;
@@ -296,7 +301,7 @@ uint keyOf(float distance, uint lane, bool entered) {
 
 // Returns false for a group that was given up: it ran out of trips or of stack.
 // `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
-// and no more than 30 pass between two looks at the budget (8 children and 2, the 2 kMaxLeafSize of a leaf and 4). The per-lane budget, which
+// and no more than 40 pass between two looks at the budget (8 children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which
 // leaves room for every lane to take its own way, is far below what a packet could use, and is kept.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;

@@ -22,6 +22,8 @@ bool isInner(uint32_t child) {
 class Collapse {
   public:
     explicit Collapse(const std::vector<shared::Node>& nodes) : nodes_(nodes), plans_(nodes.size()) {
+        const double area = nodes.empty() ? 0 : boxOf(nodes[0]).halfArea();
+        scale_ = area > 0 ? 1 / area : 0;
         // Children stand behind their parents.
         for (size_t i = nodes.size(); i-- > 0;) plan(i);
     }
@@ -43,11 +45,16 @@ class Collapse {
   private:
     // Of a subtree, in places j + 1 = 1..8 of its wide parent.
     struct Plan {
-        std::array<float, kWidth> cost;       // with at most so many places
-        std::array<uint8_t, kWidth> first;    // the places of the first child, if opened
-        std::array<bool, kWidth> opened{};    // false: it stays, in one place
+        std::array<float, kWidth> cost;     // with at most so many places
+        std::array<uint8_t, kWidth> first;  // the places of the first child, if opened
+        std::array<bool, kWidth> opened{};  // false: it stays, in one place
     };
 
+    static Box boxOf(const shared::Node& node) {
+        Box box{node.lo0, node.hi0};
+        if (node.child1 != shared::kNone) box.include(Box{node.lo1, node.hi1});
+        return box;
+    }
     float costOf(uint32_t child, uint32_t places) const {
         return child != shared::kNone && isInner(child) ? plans_[child].cost[places - 1] : 0;
     }
@@ -55,6 +62,7 @@ class Collapse {
     void plan(size_t index) {
         const shared::Node& node = nodes_[index];
         Plan& plan = plans_[index];
+        plan.first.fill(1);
         std::array<float, kWidth> asForest{};
         for (uint32_t places = 2; places <= kWidth; ++places) {
             float best = std::numeric_limits<float>::infinity();
@@ -67,9 +75,7 @@ class Collapse {
             }
             asForest[places - 1] = best;
         }
-        Box box{node.lo0, node.hi0};
-        if (node.child1 != shared::kNone) box.include(Box{node.lo1, node.hi1});
-        const float whole = static_cast<float>(box.halfArea()) + asForest[kWidth - 1];
+        const float whole = static_cast<float>(scale_ * boxOf(node).halfArea()) + asForest[kWidth - 1];
         plan.cost[0] = whole;
         for (uint32_t places = 2; places <= kWidth; ++places) {
             plan.opened[places - 1] = asForest[places - 1] < whole;
@@ -92,6 +98,7 @@ class Collapse {
 
     const std::vector<shared::Node>& nodes_;
     std::vector<Plan> plans_;
+    double scale_ = 0;  // areas in parts of the root's: coordinates go up to 1e38
 };
 
 }  // namespace
