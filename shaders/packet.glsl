@@ -21,14 +21,14 @@
 // The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler half of its time.
 Traversal packet[GLINT_PACKET_RAYS];
 float packetEnds[GLINT_PACKET_RAYS];    // updateEnds
-vec3 packetTurned[GLINT_PACKET_RAYS];   // origins, turned as the corners of triangles are
 
 // The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet that needs more rows is
 // given up and finished ray by ray.
 #define GLINT_STACK_ROWS 4
+const uint kRowsMask = (1u << GLINT_PACKET_RAYS) - 1u;
 struct PacketStack {
     uvec4 child;  // as in a node
-    uvec4 key;    // see keyOf
+    uvec4 key;    // see keyOf, but with the rows that enter the box (rowsThatEnter) in the low bits
     uint top;
 };
 
@@ -154,13 +154,13 @@ bool groupEnters(PacketBounds bounds, vec3 nearPlane, vec3 farPlane, float tEnd,
     return tNear <= leastFloat(padded, tEnd);
 }
 
-// True in all lanes if some ray enters the box.
-bool someEnter(vec3 nearPlane, vec3 farPlane) {
+// Bit r is set, in all lanes, if some ray of row r enters the box.
+uint rowsThatEnter(vec3 nearPlane, vec3 farPlane) {
     uint entered = 0u;
-    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u : 0u;
+    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u << r : 0u;
     entered |= subgroupShuffleXor(entered, 1u);
     entered |= subgroupShuffleXor(entered, 2u);
-    return (entered | subgroupShuffleXor(entered, 4u)) != 0u;
+    return entered | subgroupShuffleXor(entered, 4u);
 }
 
 void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint lane) {
@@ -173,8 +173,8 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
 }
 
 // The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is the key of the farthest
-// point that any ray may still reach.
-uint popReachable(inout PacketStack stack, uint end, uint lane) {
+// point that any ray may still reach. rows: those that enter its box.
+uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
     uint height = 0u;
     for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
         uint place = 8u * row + lane;
@@ -187,42 +187,81 @@ uint popReachable(inout PacketStack stack, uint end, uint lane) {
     uint row = place >> 3;
     uint held = row == 0u ? stack.child.x : (row == 1u ? stack.child.y : (row == 2u ? stack.child.z : stack.child.w));
     uint child = subgroupShuffle(held, place & 7u);
+    uint heldKey = row == 0u ? stack.key.x : (row == 1u ? stack.key.y : (row == 2u ? stack.key.z : stack.key.w));
+    rows = subgroupShuffle(heldKey, place & 7u) & kRowsMask;
     stack.top = empty ? 0u : place;
     return empty ? kNone : child;
 }
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testPacketTriangle(vec3 corners, uint ids, uint lane,
-                        uint index, bool present) {
+void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index, bool present) {
     vec3 v0 = fromLane(corners, lane);
     vec3 v1 = fromLane(corners, lane + 1u);
     vec3 v2 = fromLane(corners, lane + 2u);
     uint id = subgroupShuffle(ids, lane);
     uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-    GLINT_EACH_RAY {
-        precise vec3 a = v0 - packetTurned[r];
-        precise vec3 b = v1 - packetTurned[r];
-        precise vec3 c = v2 - packetTurned[r];
-        float t, u, v;
-        if (intersectTurned(packet[r].ray, packet[r].frame, a, b, c, t, u, v) && present &&
-            !isOwnTriangle(packet[r], primitive, id))
-            accept(packet[r], t, u, v, primitive, id);
-        if (MODE_COST && present) ++packet[r].cost;
-    }
+    precise vec3 a = v0 - turned;
+    precise vec3 b = v1 - turned;
+    precise vec3 c = v2 - turned;
+    float t, u, v;
+    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present && !isOwnTriangle(one, primitive, id))
+        accept(one, t, u, v, primitive, id);
+    if (MODE_COST && present) ++one.cost;
 }
 
-// Two triangles for a load and a trip.
-void testPacketTriangles(uint axis, uint first, uint end, uint lane, inout uint trips) {
-    GLINT_EACH_RAY packetTurned[r] = turnToZ(packet[r].ray.origin, axis);
-    uint index = first;
-    do if (index < end) {
-        uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-        vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-        testPacketTriangle(corners, texel.w, 0u, index, true);
-        testPacketTriangle(corners, texel.w, 3u, index + 1u, index + 1u < end);
-        index += 2u;
+// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or two of four, and on lavapipe only
+// a loop skips. The row is taken out of the packet and put back by selection, 60 instructions, as an index that is no constant costs more.
+// Two triangles for a load and a trip. Any hit needs no more than to be known.
+void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
+    uint left = first < end ? rows : 0u;
+    do if (left != 0u) {
+        Traversal one = packet[0];
+        bool taken = (left & 1u) != 0u;
+        for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+            bool mine = !taken && (left & (1u << r)) != 0u;
+            one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+            one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+            one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+            one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+            one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
+            one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+            one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+#ifndef GLINT_ANY_HIT
+            one.hit.t = mine ? packet[r].hit.t : one.hit.t;
+            one.hit.u = mine ? packet[r].hit.u : one.hit.u;
+            one.hit.v = mine ? packet[r].hit.v : one.hit.v;
+            one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+#endif
+            one.cost = mine ? packet[r].cost : one.cost;
+            taken = taken || mine;
+        }
+        vec3 turned = turnToZ(one.ray.origin, axis);
+        uint index = first;
+        do if (index < end) {
+            uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
+            vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
+            testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
+            testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
+            index += 2u;
+            ++trips;
+        } while (index < end);
+        bool given = false;
+        GLINT_EACH_RAY {
+            bool mine = !given && (left & (1u << r)) != 0u;
+            packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+#ifndef GLINT_ANY_HIT
+            packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
+            packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
+            packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
+            packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
+            packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+#endif
+            packet[r].cost = mine ? one.cost : packet[r].cost;
+            given = given || mine;
+        }
+        left &= left - 1u;
         ++trips;
-    } while (index < end);
+    } while (left != 0u);
 }
 
 void testPacketSpheres(uint first, uint end, inout uint trips) {
@@ -254,7 +293,7 @@ uint updateEnds() {
     return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
 }
 
-// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most.
+// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most, 15 on the stack.
 uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
     return entered ? (bits & ~7u) | lane : kNone;
@@ -262,7 +301,7 @@ uint keyOf(float distance, uint lane, bool entered) {
 
 // Returns false for a group that was given up: it ran out of trips or of stack.
 // `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
-// and no more than 30 pass between two looks at the budget (8 children and 2, the 2 kMaxLeafSize of a leaf and 4). The per-lane budget, which
+// and no more than 40 pass between two looks at the budget (8 children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which
 // leaves room for every lane to take its own way, is far below what a packet could use, and is kept.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
@@ -274,6 +313,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     uint axis = group & 3u;
     PacketBounds bounds = boundsOf(negative);
     uint current = end == 0u ? kNone : root;
+    uint rows = kRowsMask;
     bool complete = true;
     do if (current != kNone) {
         do if (isNode(current)) {
@@ -295,22 +335,22 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                 uint nextKey = subgroupShuffle(key, farther);
                 uint nextChild = subgroupShuffle(child, farther);
                 uint place = nextKey & 7u;
-                bool some = someEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                pushOne(stack, nextKey, nextChild, some, lane);
+                uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+                pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u, lane);
                 if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
             } while (farther > 0u);
             trips += count + 2u;
-            uint popped = popReachable(stack, end, lane);
+            uint popped = popReachable(stack, end, lane, rows);
             current = full ? kNone : popped;
             if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
         } while (isNode(current));
         uint kind = (current >> kLeafKindShift) & kLeafKindMask;
         uint first = current & kLeafFirstMask;
         uint last = current == kNone ? first : first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-        if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, trips);
+        if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
         if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
         end = updateEnds();
-        uint popped = popReachable(stack, end, lane);
+        uint popped = popReachable(stack, end, lane, rows);
         current = current == kNone || end == 0u ? kNone : popped;
         trips += 4u;
     } while (current != kNone);

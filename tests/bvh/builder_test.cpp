@@ -112,8 +112,9 @@ TEST(Builder, SmallestTrees) {
     EXPECT_EQ(one.nodes[0].box.lo, box.lo);
     EXPECT_EQ(one.nodes[0].box.hi, box.hi);
     EXPECT_EQ(one.depth, 0u);
-    // Two unit boxes far apart: 1 + 2 * 3 / area < 2; touching the same space: one leaf.
-    const Bvh apart = buildBvh({boxAround({0, 0, 0}, 0.5f), boxAround({100, 0, 0}, 0.5f)});
+    // Two unit boxes and one far away: 2 + (2 * 3 + 3) / 203 < 3; touching the same space: one leaf.
+    const Box unit = boxAround({0, 0, 0}, 0.5f);
+    const Bvh apart = buildBvh({unit, unit, boxAround({100, 0, 0}, 0.5f)});
     EXPECT_EQ(apart.nodes.size(), 3u);
     EXPECT_EQ(buildBvh({box, box}).nodes.size(), 1u);
 }

@@ -316,16 +316,19 @@ TEST(PackScene, NothingInTheBvh) {
     }
 }
 
-// Two unit cubes' worth of boxes 9 apart: root 10 x 1 x 1 has half area 21, children 3 each: 1 + 2 * 3 / 21,
-// but for the boxes' margin of 2^-20 (edgeMargin): the share of an area of 3 grows by 4 * 2^-20.
+// Two unit cubes' worth of boxes 9 apart, two triangles in each: root 10 x 1 x 1 has half area 21, children 3
+// each: one node + 2 * 2 * 3 / 21, but for the boxes' margin of 2^-20 (edgeMargin): the share of an area of 3
+// grows by 4 * 2^-20.
 TEST(PackScene, SahCost) {
     Scene scene;
-    addObject(scene, TriangleShape{{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}}});
-    addObject(scene, TriangleShape{{{9, 0, 0}, {10, 1, 0}, {10, 1, 1}}});
+    for (const double x : {0.0, 9.0}) {
+        addObject(scene, TriangleShape{{{x, 0, 0}, {x + 1, 1, 0}, {x + 1, 1, 1}}});
+        addObject(scene, TriangleShape{{{x, 1, 0}, {x + 1, 0, 0}, {x + 1, 1, 1}}});
+    }
     const PackedScene packed = packScene(scene);
     EXPECT_EQ(packed.statistics.leaves, 2u);
     EXPECT_EQ(packed.statistics.depth, 1u);
-    EXPECT_NEAR(packed.statistics.sahCost, BvhOptions().traversalCost + 2 * 3.0 / 21, 4 * 0x1p-20);
+    EXPECT_NEAR(packed.statistics.sahCost, BvhOptions().traversalCost + 4 * 3.0 / 21, 8 * 0x1p-20);
 }
 
 TEST(PackScene, ThreadsDoNotChangeThePacking) {
