@@ -102,6 +102,7 @@ struct Renderer::State {
     // With `packets`, it is the one for packets that starts.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);
+    void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
@@ -231,6 +232,20 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     times.compile += watch.seconds();
 }
 
+void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups,
+                                  bool packets) {
+    if (dispatch.bounce == 0) {
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::primary);
+    } else if (modes.tally && features.transmission) {
+        dispatch.decide = shared::kRayMirrored;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::mirrored);
+        dispatch.decide = shared::kRayRefracted;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::refracted);
+    } else {
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::secondary);
+    }
+}
+
 bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
                                    const RenderSettings& settings, const TraceModes& modes) {
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
@@ -239,8 +254,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     if (options.profile) submit(&KernelTimes::generate);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         const bool packets = traversal.packets && dispatch.bounce == 0;
-        traceRays(KernelId::Intersect, modes, dispatch, groups, packets,
-                  dispatch.bounce == 0 ? &KernelTimes::primary : &KernelTimes::secondary);
+        traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
         for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
              ++dispatch.lightIndex) {
