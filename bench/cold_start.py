@@ -6,7 +6,6 @@
 Ten spheres and scenes of the repository at 640x480, runs of both builds in turn, medians of N (default 7). The target is 0.3 s for the ten
 spheres. About one minute on two idle cores.
 """
-import json
 import pathlib
 import statistics
 import sys
@@ -22,21 +21,21 @@ SCENES = ["scenes/knot.json", "scenes/showcase.json", "scenes/glass.json", "scen
 class Runs:
     def __init__(self, name, glint, scene, picture):
         self.name, self.scene = name, scene.stem
-        self.command = [glint, "render", scene, "-o", picture, "--size", "640x480", "--spp", "1", "--stats", "json", "--progress", "none"]
+        self.command = [glint, "render", scene, "-o", picture, "--size", "640x480", "--spp", "1", "--progress", "none"]
         self.wall, self.cpu, self.stages = [], [], []
 
     def once(self):
         wall, cpu, out, _ = measure.run(self.command, COLD)
         self.wall.append(wall)
         self.cpu.append(cpu)
-        self.stages.append(json.loads(out)["seconds"])
+        self.stages.append(measure.stages(out))
 
     def stage(self, *names):
         return statistics.median(sum(s[name] for name in names) for s in self.stages)
 
     def row(self):
         wall = statistics.median(self.wall)
-        stages = [self.stage("load", "pack"), self.stage("compile"), self.stage("trace"), self.stage("upload", "readback"), self.stage("write")]
+        stages = [self.stage("load", "packing"), self.stage("compile"), self.stage("trace"), self.stage("upload", "readback"), self.stage("write")]
         # Starting the program, opening the device, ending.
         return [self.scene, self.name, measure.seconds(wall), measure.seconds(statistics.median(self.cpu)), measure.seconds(max(wall - sum(stages), 0)),
                 *map(measure.seconds, stages)]

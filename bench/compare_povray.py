@@ -120,13 +120,13 @@ class Contestant:
             found = re.search(r"Trace Time:.*\(([0-9.]+) seconds\)", said)
             self.trace.append(float(found[1]))
         else:
-            self.trace.append(json.loads(out)["seconds"]["trace"])
+            self.trace.append(measure.stages(out)["trace"])
 
 
 def compare(name, files, options, folder, threads):
     ours, theirs, primitives = files
     size = options.size
-    draw = lambda out, *more: [options.glint, "render", ours, "--size", f"{size}x{size}", "-o", folder / f"{name}.{out}.png", "--stats", "json", "--progress", "none", *more]
+    draw = lambda out, *more: [options.glint, "render", ours, "--size", f"{size}x{size}", "-o", folder / f"{name}.{out}.png", "--progress", "none", *more]
     pov = ["povray", f"+I{theirs}", f"+O{folder / name}.povray.png", f"+W{size}", f"+H{size}", f"+WT{threads}", "-D", "-V", "-A"]
     contestants = [Contestant("POV-Ray", pov), Contestant("glint", draw("glint")), Contestant("glint, cold", draw("glint"), COLD),
                    Contestant("glint --backend cpu", draw("reference", "--backend", "cpu"))]

@@ -61,7 +61,7 @@ def main():
     parser = measure.arguments(__doc__)
     parser.add_argument("--traversal", default="auto")
     options = parser.parse_args()
-    repeat = "3" if options.quick else "9"
+    repeat = "3" if options.quick else "7"
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         mesh = folder / "terrain.ply"

@@ -5,6 +5,7 @@ import math
 import os
 import pathlib
 import platform
+import re
 import resource
 import statistics
 import subprocess
@@ -40,6 +41,13 @@ def bench(glint, *options, environment=None):
     """What `glint bench` says about one scene."""
     document = json.loads(run([glint, "bench", "--progress", "none", "--stats", "json", *options], environment)[2])
     return {**document["scenes"][0], "commit": document["commit"], "threads": document["threads"]}
+
+
+def stages(summary):
+    """Seconds of each stage, from what `glint render` prints. (--stats json would ask for more of the device than the picture.)"""
+    line = next(line for line in summary.splitlines() if line.startswith("times:"))
+    found = re.findall(r"(load|packing|upload|compile|trace|readback|write) ([0-9.]+) (ms|s)", line)
+    return {name: float(value) * (1e-3 if unit == "ms" else 1) for name, value, unit in found}
 
 
 def fit(points):

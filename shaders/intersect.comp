@@ -23,6 +23,7 @@ void main() {
     }
     uint before = traversal.hit.primitive;
     bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
+    if (MODE_TALLY && FEATURE_TRANSMISSION) live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.decide;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);

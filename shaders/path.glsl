@@ -29,6 +29,9 @@ bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 // Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
 uint rowInstance() { return MODE_ADAPTIVE ? kPathRowsAdaptive : (MODE_AOVS ? kPathRowsWithAovs : kPathRows); }
 
+// kTreeRow...: after the others.
+uint treeRow(uint row) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + row; }
+
 uvec4 loadInstanceRow(uint path) {
     uvec4 row = uvec4(kNone);
     if (FEATURE_INSTANCES) row = loadRow(rowInstance(), path);

@@ -8,7 +8,6 @@
 #include "optics.glsl"
 #include "path.glsl"
 
-uint treeRow(uint row) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + row; }
 
 float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
@@ -60,6 +59,7 @@ struct Branch {
     vec3 throughput;
     uvec4 media;
     uint depth;  // rays before this one
+    uint kind;   // kRay..., with MODE_TALLY alone
 };
 
 vec3 transmissionAt(uint medium, Surface surface) {
@@ -71,7 +71,8 @@ uint waitingRow(uint slot, uint row) { return treeRow(kTreeRowWaiting + slot * k
 
 void storeWaiting(uint path, uint slot, Branch branch) {
     storeRow(waitingRow(slot, kWaitingOrigin), path, packRow(branch.origin, branch.source));
-    storeRow(waitingRow(slot, kWaitingDirection), path, packRow(branch.direction, branch.depth));
+    uint depth = MODE_TALLY ? branch.depth | branch.kind << kWaitingKindShift : branch.depth;
+    storeRow(waitingRow(slot, kWaitingDirection), path, packRow(branch.direction, depth));
     storeRow(waitingRow(slot, kWaitingThroughput), path, packRow(branch.throughput, branch.sourceInstance));
     storeRow(waitingRow(slot, kWaitingMedia), path, branch.media);
 }
@@ -81,7 +82,8 @@ Branch loadWaiting(uint path, uint slot) {
     uvec4 direction = loadRow(waitingRow(slot, kWaitingDirection), path);
     uvec4 throughput = loadRow(waitingRow(slot, kWaitingThroughput), path);
     return Branch(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), origin.w, throughput.w, uintBitsToFloat(throughput.xyz),
-                  loadRow(waitingRow(slot, kWaitingMedia), path), direction.w);
+                  loadRow(waitingRow(slot, kWaitingMedia), path),
+                  MODE_TALLY ? direction.w & ((1u << kWaitingKindShift) - 1u) : direction.w, MODE_TALLY ? direction.w >> kWaitingKindShift : 0u);
 }
 
 // From the surface that a path has met (`met`; if not, it has left the scene) to the path's next ray, if there is one. Returns false if not.
@@ -100,9 +102,9 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
 
     Branch mirrorBranch = Branch(offsetOrigin(surface.position, surface.error, surface.normal),
                                  splits ? split.reflected : mirrored(surface, ray.direction), hit.primitive, hit.instance, throughput * reflectWeight,
-                                 crossing.before, state.x + 1u);
+                                 crossing.before, state.x + 1u, kRayMirrored);
     Branch innerBranch = Branch(offsetOrigin(surface.position, surface.error, -surface.normal), split.refracted, hit.primitive, hit.instance,
-                                throughput * refractWeight, crossing.after, state.x + 1u);
+                                throughput * refractWeight, crossing.after, state.x + 1u, kRayRefracted);
     reflects = isFollowed(path, reflects, state.x, mirrorBranch.throughput, environment);
     refracts = isFollowed(path, refracts, state.x, innerBranch.throughput, environment);
 
@@ -117,10 +119,7 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
     bool crowded = both && state.y >= kMaxWaiting;
     float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
     if (MODE_LEDGER) book(path, crowded, kLostRoom, weakest * environment.radianceBound);
-    bool keepsSecond = crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput));
-    if (keepsSecond) next = second;
-    bool dropsInner = crowded && mirrorFirst != keepsSecond;
-    if (MODE_TALLY && refracts && !dropsInner) atomicAdd(counters[kCounterRefracted], 1u);
+    if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
     uint waiting = state.y;
     if (both && !crowded) {
         storeWaiting(path, waiting, second);
@@ -134,9 +133,10 @@ bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surfa
     }
     bool goesOn = reflects || refracts || fetch;
     if (goesOn) {
-        storeRow(treeRow(kTreeRowBranch), path, uvec4(next.depth, waiting, 0u, 0u));
+        storeRow(treeRow(kTreeRowBranch), path, uvec4(next.depth, waiting, MODE_TALLY ? next.kind : 0u, 0u));
         storeRow(treeRow(kTreeRowMedia), path, next.media);
     }
+    if (MODE_TALLY && goesOn && next.kind == kRayRefracted) atomicAdd(counters[kCounterRefracted], 1u);
     return goesOn;
 }
 

@@ -40,7 +40,8 @@
 // window may ask for it. ledger: keep account of the branches that are not followed (kTreeRow...), and cut
 // those below Environment::minContribution. scattered: samples come from the array of that name, else all
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
-// (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`.
+// (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
+// scenes with transmission trace those of class Dispatch::decide alone.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
@@ -91,7 +92,8 @@
 // threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:
 // the pixels wanted, tiles are numbered by rows of ceil(regionWidth / 8). capacity: paths in one row of the
 // state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold,
-// decide: of adapt.comp; decide is 1 after the last sample of a round.
+// decide: of adapt.comp; decide is 1 after the last sample of a round. In intersect.comp, with MODE_TALLY,
+// the class of rays (kRay...) to trace.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4)           \
     U4(firstTile, tileCount, interleave, run)       \
     U4(regionX, regionY, regionWidth, regionHeight) \
@@ -154,20 +156,25 @@ GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no
 GLINT_CONST_UINT(kLedgerRows, 2u);
 GLINT_CONST_UINT(kTreeRowMedia,
                  2u);  // the media that the ray is in, oldest first, 0 where the list has ended
-GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one on the way from the eye; branches waiting; 0, 0
+GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one on the way from the eye; branches waiting; with
+                                       // MODE_TALLY the ray's class, kRay..., else 0; 0
 GLINT_CONST_UINT(kTreeRowShadow, 4u);  // of an unfinished shadow ray: optical depth passed so far; 0
 GLINT_CONST_UINT(kTreeRowWaiting, 5u);  // the first waiting branch; its rows, as many times as there is room:
 GLINT_CONST_UINT(kWaitingOrigin, 0u);   // origin.xyz, primitive the ray starts on
-GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction.xyz, rays before this one
+GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction.xyz, rays before this one | class << kWaitingKindShift
 GLINT_CONST_UINT(kWaitingThroughput, 2u);  // rgb, instance the ray starts on
 GLINT_CONST_UINT(kWaitingMedia, 3u);
 GLINT_CONST_UINT(kWaitingRows, 4u);
+GLINT_CONST_UINT(kWaitingKindShift, 30u);  // a depth is far smaller
+GLINT_CONST_UINT(kRayCamera, 0u);
+GLINT_CONST_UINT(kRayMirrored, 1u);
+GLINT_CONST_UINT(kRayRefracted, 2u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
 GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading
 GLINT_CONST_UINT(kCounterFlagged, 2u);     // pixels that take a further round of samples
 GLINT_CONST_UINT(kCounterShadow, 3u);      // with MODE_TALLY: shadow rays
-GLINT_CONST_UINT(kCounterRefracted, 4u);   // with MODE_TALLY: refracted rays that are, or will be, traced
+GLINT_CONST_UINT(kCounterRefracted, 4u);   // with MODE_TALLY: refracted rays that come next
 GLINT_CONST_UINT(kCounterCount, 8u);
 
 #ifdef __cplusplus

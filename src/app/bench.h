@@ -25,6 +25,7 @@ struct BenchResult {
     render::RayCounts rays;  // of one picture
     // Of one picture each. The host's reference does not tell its rays apart: `trace` alone.
     Quartiles generate, primary, shadow, secondary, shade, trace, readback;
+    Quartiles mirrored, refracted;  // where a picture has both: in dispatches of their own
     // The reference's rays, by RayClass: of the first sample of a grid of pixels; on the host, of all.
     std::array<reference::RayTally, reference::kRayClasses> counted;
     uint64_t countedPixels = 0;
@@ -34,7 +35,7 @@ struct BenchResult {
     uint64_t hostPeakBytes = 0;  // of the process so far
     uint64_t deviceBytes = 0;
     uint64_t codeBytes = 0;  // SPIR-V that the driver was given
-    std::string picture;  // hash of the colours
+    std::string picture;     // hash of the colours
 };
 
 // Rays cast and the time they took, in the order that they are shown.

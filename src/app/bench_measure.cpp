@@ -6,7 +6,6 @@
 #include "app/bench.h"
 #include "app/hash.h"
 #include "app/reference_picture.h"
-#include "app/report_sweep.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
@@ -23,6 +22,7 @@ constexpr int kCountedPixels = 1 << 14;
 // The renderer sizes its slices by the pictures before, and the driver compiles on first use.
 constexpr int kMinWarmUps = 2, kMaxWarmUps = 8;
 constexpr double kWarmUpSeconds = 0.3;
+constexpr int kApartRepeats = 3;
 
 [[noreturn]] void stop() {
     throw Error(ExitCode::Interrupted, "interrupted");
@@ -146,6 +146,25 @@ struct Series {
     }
 };
 
+// The rays of a picture, and where they are of both kinds, what each takes for itself.
+void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, render::RenderSettings settings,
+                   BenchResult& result) {
+    settings.tally = true;
+    std::vector<double> mirrored, refracted;
+    for (int i = 0; i <= kApartRepeats; ++i) {
+        const render::KernelTimes before = renderer.times().kernels;
+        if (!renderer.render(camera, settings).complete) stop();
+        const render::KernelTimes& after = renderer.times().kernels;
+        if (i == 0) result.rays = renderer.rays();
+        if (result.rays.mirrored == 0 || result.rays.refracted == 0) return;
+        if (i == 0) continue;  // to warm up
+        mirrored.push_back(after.mirrored - before.mirrored);
+        refracted.push_back(after.refracted - before.refracted);
+    }
+    result.mirrored = quartilesOf(mirrored);
+    result.refracted = quartilesOf(refracted);
+}
+
 void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, const gpu::Device& device,
                      const render::RenderSettings& settings, const std::function<void(double)>& progress,
                      BenchResult& result) {
@@ -177,10 +196,7 @@ void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, con
         series.add(before, renderer.times());
     }
     series.summarize(result);
-    render::RenderSettings tallying = settings;
-    tallying.tally = true;
-    draw(tallying);
-    result.rays = renderer.rays();
+    countOnDevice(renderer, camera, settings, result);
     result.device = device.info().name;
     result.driver = device.info().driver;
     result.traversal = renderer.traversal().packets ? "packet" : "lane";

@@ -134,13 +134,18 @@ std::vector<BenchRate> ratesOf(const BenchResult& r) {
     using enum reference::RayClass;
     const Quartiles none;
     const bool mixed = r.rays.mirrored > 0 && r.rays.refracted > 0;
-    std::vector<BenchRate> rates = {
-        {"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
-        {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
-        {"mirrored", "mirrored", r.rays.mirrored, mixed || r.rays.mirrored == 0 ? none : r.secondary,
-         testsOf(r, {Mirrored})},
-        {"refracted", "refracted", r.rays.refracted, mixed || r.rays.refracted == 0 ? none : r.secondary,
-         testsOf(r, {Refracted})}};
+    std::vector<BenchRate> rates = {{"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
+                                    {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
+                                    {"mirrored", "mirrored", r.rays.mirrored,
+                                     mixed                  ? r.mirrored
+                                     : r.rays.mirrored == 0 ? none
+                                                            : r.secondary,
+                                     testsOf(r, {Mirrored})},
+                                    {"refracted", "refracted", r.rays.refracted,
+                                     mixed                   ? r.refracted
+                                     : r.rays.refracted == 0 ? none
+                                                             : r.secondary,
+                                     testsOf(r, {Refracted})}};
     if (mixed)
         rates.push_back({"mirroredAndRefracted", "mirrored, refracted", r.rays.mirrored + r.rays.refracted,
                          r.secondary, testsOf(r, {Mirrored, Refracted})});

@@ -1,6 +1,8 @@
 #include "render/film.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace glint::render {
 
@@ -23,6 +25,58 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
         if (modes.adaptive) picture.samples[index] = taken;
         picture.checkFinite(pixel.x, pixel.y);
     }
+}
+
+void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
+                const TraceModes& modes, uint32_t firstRow, Picture& picture) {
+    TreeLosses& losses = picture.losses;
+    const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
+    const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
+        glm::ivec2 pixel;
+        if (!slice.pixelOf(path, pixel)) continue;
+        const uint32_t taken =
+            modes.adaptive
+                ? picture.samples[static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() +
+                                  (pixel.x - slice.region.x0)]
+                : picture.samplesPerPixel;
+        const double scale = 1.0 / std::max(taken, 1u);
+        LostBranches* const kinds[] = {&losses.cut, &losses.depth, &losses.room};
+        for (int kind = 0; kind < 3; ++kind) {
+            const double bound = sums[path].f[kind];
+            kinds[kind]->add(counts[path].u[kind], bound < shared::kInfinity
+                                                       ? bound * scale
+                                                       : std::numeric_limits<double>::infinity());
+        }
+        losses.crowdedMedia += counts[path].u[3];
+    }
+}
+
+AovRows::AovRows(const PathState& paths, const gpu::Device& device, uint32_t count)
+    : position(paths.readRow(device, shared::kRowAovPosition, count)),
+      normal(paths.readRow(device, shared::kRowAovNormal, count)),
+      indices(paths.readRow(device, shared::kRowAovIndices, count)),
+      counts(paths.readRow(device, shared::kRowAovCounts, count)),
+      geometry(paths.readRow(device, shared::kRowAovGeometry, count)) {}
+
+PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
+    PixelData data;
+    data.object = indices[path].u[2];
+    data.primitive = indices[path].u[3];
+    if (data.object != shared::kNone) {
+        data.position = origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
+        data.depth = position[path].f[3];
+    }
+    data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
+    data.geometricNormal = {geometry[path].f[0], geometry[path].f[1], geometry[path].f[2]};
+    data.material = normal[path].u[3];
+    data.u = indices[path].f[0];
+    data.v = indices[path].f[1];
+    data.bounces = counts[path].u[0];
+    data.cost = counts[path].u[1];
+    data.shadowBits = counts[path].u[2];
+    data.pathHash = counts[path].u[3];
+    return data;
 }
 
 }  // namespace glint::render

@@ -1,4 +1,4 @@
-// Colours of a slice's pixels, from the path state.
+// Colours, losses and layers of a slice's pixels, from the path state.
 #pragma once
 
 #include "render/path_state.h"
@@ -9,5 +9,17 @@ namespace glint::render {
 // Fills color, done, notFinite and, if adaptive, samples of the slice's pixels.
 void readFilm(const PathState& paths, const gpu::Device& device, const Slice& slice, const TraceModes& modes,
               Picture& picture);
+
+// Adds up Picture::losses, of the rows kTreeRowLost... from `firstRow` on.
+void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
+                const TraceModes& modes, uint32_t firstRow, Picture& picture);
+
+// The layers of the first `count` paths, as read back (kRowAov...).
+struct AovRows {
+    std::vector<RowEntry> position, normal, indices, counts, geometry;
+
+    AovRows(const PathState& paths, const gpu::Device& device, uint32_t count);
+    PixelData at(uint32_t path, const glm::dvec3& origin) const;
+};
 
 }  // namespace glint::render

@@ -107,10 +107,10 @@ struct Renderer::State {
     // With `packets`, it is the one for packets that starts.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);
+    void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
-    void readLosses(const Slice& slice, const TraceModes& modes, Picture& picture) const;
     bool renderSlice(const Slice& slice, const RenderSettings& settings, const PackedSamples& samples,
                      const TraceModes& modes, double progressFrom, double progressTo);
     // After a sample of an adaptive picture; false if no pixel goes on.
@@ -236,6 +236,20 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     times.compile += watch.seconds();
 }
 
+void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups,
+                                  bool packets) {
+    if (dispatch.bounce == 0) {
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::primary);
+    } else if (modes.tally && features.transmission) {
+        dispatch.decide = shared::kRayMirrored;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::mirrored);
+        dispatch.decide = shared::kRayRefracted;
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::refracted);
+    } else {
+        traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::secondary);
+    }
+}
+
 bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
                                    const RenderSettings& settings, const TraceModes& modes) {
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
@@ -244,8 +258,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     if (options.profile) submit(&KernelTimes::generate);
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         const bool packets = traversal.packets && dispatch.bounce == 0;
-        traceRays(KernelId::Intersect, modes, dispatch, groups, packets,
-                  dispatch.bounce == 0 ? &KernelTimes::primary : &KernelTimes::secondary);
+        traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
         for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
              ++dispatch.lightIndex) {
@@ -294,33 +307,10 @@ void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Pic
     const Stopwatch watch;
     readFilm(paths, device, slice, modes, picture);
     if (!picture.data.empty()) readData(slice, picture);
-    if (modes.ledger) readLosses(slice, modes, picture);
-    times.readback += watch.seconds();
-}
-
-void Renderer::State::readLosses(const Slice& slice, const TraceModes& modes, Picture& picture) const {
-    const uint32_t firstRow = commonRows(modes) + (features.instances ? 1 : 0);
-    TreeLosses& losses = picture.losses;
-    const auto sums = paths.readRow(device, firstRow + shared::kTreeRowLost, slice.paths());
-    const auto counts = paths.readRow(device, firstRow + shared::kTreeRowLostCounts, slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
-        const uint32_t taken =
-            modes.adaptive
-                ? picture.samples[static_cast<size_t>(pixel.y - slice.region.y0) * slice.region.width() +
-                                  (pixel.x - slice.region.x0)]
-                : picture.samplesPerPixel;
-        const double scale = 1.0 / std::max(taken, 1u);
-        LostBranches* const kinds[] = {&losses.cut, &losses.depth, &losses.room};
-        for (int kind = 0; kind < 3; ++kind) {
-            const double bound = sums[path].f[kind];
-            kinds[kind]->add(counts[path].u[kind], bound < shared::kInfinity
-                                                       ? bound * scale
-                                                       : std::numeric_limits<double>::infinity());
-        }
-        losses.crowdedMedia += counts[path].u[3];
+    if (modes.ledger) {
+        readLosses(paths, device, slice, modes, commonRows(modes) + (features.instances ? 1 : 0), picture);
     }
+    times.readback += watch.seconds();
 }
 
 // Aims below both bounds, and grows by at most 4: the next slice may be four times dearer a pixel than the
@@ -332,43 +322,6 @@ void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double secon
     sliceTiles = std::clamp(static_cast<uint32_t>(slice.tileCount * factor), slice.interleave,
                             kMaxSlicePaths / shared::kWorkgroupSize);
 }
-
-namespace {
-
-// The layers of the paths of a slice, as read back.
-struct AovRows {
-    std::vector<RowEntry> position, normal, indices, counts, geometry;
-
-    AovRows(const PathState& paths, const gpu::Device& device, uint32_t count)
-        : position(paths.readRow(device, shared::kRowAovPosition, count)),
-          normal(paths.readRow(device, shared::kRowAovNormal, count)),
-          indices(paths.readRow(device, shared::kRowAovIndices, count)),
-          counts(paths.readRow(device, shared::kRowAovCounts, count)),
-          geometry(paths.readRow(device, shared::kRowAovGeometry, count)) {}
-
-    PixelData at(uint32_t path, const glm::dvec3& origin) const {
-        PixelData data;
-        data.object = indices[path].u[2];
-        data.primitive = indices[path].u[3];
-        if (data.object != shared::kNone) {
-            data.position =
-                origin + glm::dvec3(position[path].f[0], position[path].f[1], position[path].f[2]);
-            data.depth = position[path].f[3];
-        }
-        data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
-        data.geometricNormal = {geometry[path].f[0], geometry[path].f[1], geometry[path].f[2]};
-        data.material = normal[path].u[3];
-        data.u = indices[path].f[0];
-        data.v = indices[path].f[1];
-        data.bounces = counts[path].u[0];
-        data.cost = counts[path].u[1];
-        data.shadowBits = counts[path].u[2];
-        data.pathHash = counts[path].u[3];
-        return data;
-    }
-};
-
-}  // namespace
 
 void Renderer::State::readData(const Slice& slice, Picture& picture) const {
     const AovRows rows(paths, device, slice.paths());

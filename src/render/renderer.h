@@ -61,9 +61,11 @@ struct RenderSettings {
 // Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless
 // Options::profile; `shadow` is the kernel that also shades what its light reaches; `secondary`: reflected
-// and refracted rays.
+// and refracted rays together; `mirrored` and `refracted`: apart, each in dispatches of its own, of pictures
+// with RenderSettings::tally whose pipeline knows transmission.
 struct KernelTimes {
     double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0;
+    double mirrored = 0, refracted = 0;
 };
 
 // Rays that were cast, of complete pictures with RenderSettings::tally.

@@ -47,12 +47,14 @@ TEST(Bench, OneKindOfBouncedRaysHasTheirDispatchesForItself) {
     EXPECT_EQ(find(rates, "all")->testsPerRay, 280.0 / 12);
 }
 
-TEST(Bench, TwoKindsInOneDispatchHaveOneRateTogether) {
+TEST(Bench, TwoKindsHaveARateTogetherAndOneEach) {
     BenchResult r = someResult();
     r.rays.refracted = 100;
+    r.mirrored = {0.002, 0.002, 0.002};
+    r.refracted = {0.001, 0.001, 0.001};
     const std::vector<BenchRate> rates = ratesOf(r);
-    EXPECT_EQ(find(rates, "mirrored")->seconds.median, 0);
-    EXPECT_EQ(find(rates, "refracted")->seconds.median, 0);
+    EXPECT_EQ(find(rates, "mirrored")->seconds.median, 0.002);
+    EXPECT_EQ(find(rates, "refracted")->seconds.median, 0.001);
     EXPECT_EQ(find(rates, "mirroredAndRefracted")->rays, 400u);
     EXPECT_EQ(find(rates, "mirroredAndRefracted")->seconds.median, 0.003);
 }

@@ -30,9 +30,7 @@ const Case kCommands[] = {
     {"unknown",
      {"paint"},
      "unknown command \"paint\" (there are: render, view, verify, report, bench, trace, diff, info, "
-     "devices); see "
-     "glint "
-     "--help"},
+     "...); see glint --help"},
     {"misspelt",
      {"rendr", "a.json"},
      "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
