@@ -108,4 +108,10 @@ bool basicKernelsDo(const SceneFeatures& features, const Methods& methods) {
     return !further && methods == Methods{};
 }
 
+const KernelCode& kernelsFor(bool doublePrecision, gpu::Access access, const SceneFeatures& features,
+                             const Methods& methods) {
+    if (doublePrecision) return doubleKernels(access);
+    return basicKernelsDo(features, methods) ? basicKernels(access) : embeddedKernels(access);
+}
+
 }  // namespace glint::render

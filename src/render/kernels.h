@@ -28,4 +28,8 @@ const KernelCode& doubleKernels(gpu::Access access);
 const KernelCode& basicKernels(gpu::Access access);
 bool basicKernelsDo(const SceneFeatures& features, const Methods& methods);
 
+// Of these the leanest that do: in double precision, or basic, or all.
+const KernelCode& kernelsFor(bool doublePrecision, gpu::Access access, const SceneFeatures& features,
+                             const Methods& methods);
+
 }  // namespace glint::render

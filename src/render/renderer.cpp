@@ -30,20 +30,6 @@ Region wholeOrGiven(const RenderSettings& settings) {
     return {0, 0, settings.width, settings.height};
 }
 
-const KernelCode& kernelsFor(const Options& options, gpu::Access access, const SceneFeatures& features,
-                             const Methods& methods) {
-    if (options.kernels) return *options.kernels;
-    if (options.doublePrecision) return doubleKernels(access);
-    return basicKernelsDo(features, methods) ? basicKernels(access) : embeddedKernels(access);
-}
-
-Traversal traversalOf(const Options& options, const gpu::DeviceInfo& device) {
-    if (!options.doublePrecision) return options.traversal;
-    if (!device.limits.float64)
-        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
-    return Traversal::Lane;
-}
-
 }  // namespace
 
 struct Renderer::State {
@@ -72,13 +58,16 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          traversal(chooseTraversal(traversalOf(opts, dev.info()), dev.info(), packed)),
+          traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
+                                    dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         !opts.leaveOut || looksUpTextures(packed.features))),
           features(opts.leaveOut ? packed.features : allFeatures()),
-          pipelines(dev, kernelsFor(opts, access, features, packed.methods), access, features,
-                    packed.methods),
+          pipelines(dev,
+                    opts.kernels ? *opts.kernels
+                                 : kernelsFor(opts.doublePrecision, access, features, packed.methods),
+                    access, features, packed.methods),
           submission(dev) {
         const Stopwatch watch;
         buffers =
