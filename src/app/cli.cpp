@@ -223,7 +223,7 @@ void addReport(CLI::App& app, ReportCommand& c) {
             [&](const Text& t) { c.budget = parseWhole("--budget", t, 0, 10'000'000); });
     addText(command, "--only", "LIST",
             "with commas, the settings to measure: grid, jittered, lowDiscrepancy, default, "
-            "triangles, spheres, offset, slab, nothing, storage, texel, fp64, depth, cut",
+            "triangles, spheres, offset, slab, nothing, storage, texel, ray, fp64, depth, cut",
             [&](const Text& t) { c.only = parseFamilies(t); });
     addDevice(command, c.device);
     addProgress(command, c.progress);

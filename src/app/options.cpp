@@ -139,8 +139,8 @@ std::vector<std::string> parseAovs(const std::string& text) {
 
 std::vector<std::string> parseFamilies(const std::string& text) {
     static const std::vector<std::string_view> known = {
-        "grid", "jittered", "lowDiscrepancy", "default", "triangles", "spheres", "offset",
-        "slab", "nothing",  "storage",        "texel",   "fp64",      "depth",   "cut"};
+        "grid",    "jittered", "lowDiscrepancy", "default", "triangles", "spheres", "offset", "slab",
+        "nothing", "storage",  "texel",          "ray",     "fp64",      "depth",   "cut"};
     std::vector<std::string> names;
     for (const std::string& part : split(text, ',')) {
         const std::string name = trimmed(part);

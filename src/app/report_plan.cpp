@@ -101,16 +101,20 @@ std::string keyOf(const Configuration& c) {
     key += " cut=" + number(c.minContribution) + (c.leaveOut ? " pruned" : " full");
     if (c.family == kDefaultAmongMethods) key += " among methods";
     if (c.doublePrecision) key += " fp64";
+    if (c.rayByRay) key += " lane";
     if (!c.access) return key + " auto";
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
 
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64) {
+                             std::optional<gpu::Access> otherAccess, bool float64, bool packets) {
     std::vector<Batch> batches(3);
     addSamplers(batches[0]);
     addBoth({}, kDefaultAmongMethods, batches[1]);
     addMethods(features, hasTree, otherAccess, batches[1]);
+    Configuration single;
+    single.rayByRay = true;
+    if (packets) addBoth(single, "ray by ray", batches[1]);
     Configuration wide;
     wide.doublePrecision = true;
     if (float64 && (features.triangles || features.spheres || features.planes))

@@ -24,6 +24,7 @@ struct Configuration {
     double minContribution = 0;
     bool leaveOut = true;
     bool doublePrecision = false;       // of triangles, spheres and planes
+    bool rayByRay = false;              // where the device and the scene would take packets
     std::optional<gpu::Access> access;  // empty: by the device
 };
 
@@ -40,9 +41,10 @@ struct Batch {
 };
 
 // Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
-// that the device would not choose; `float64`: whether it computes in double precision.
+// that the device would not choose; `float64`: whether it computes in double precision; `packets`:
+// whether the default methods go by packets of rays, which know no others.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64);
+                             std::optional<gpu::Access> otherAccess, bool float64, bool packets);
 
 struct Measured {
     std::string key, family, sampler;

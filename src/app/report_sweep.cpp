@@ -108,7 +108,8 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     camera_ = cameraOf(loaded_);
     const render::Renderer probe(device_, loaded_.packed);
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                         loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64);
+                         loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
+                         probe.traversal().packets);
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
 }
@@ -188,6 +189,7 @@ SceneSweep::Machine& SceneSweep::machineOf(const Configuration& c) {
     render::Options options;
     options.leaveOut = c.leaveOut;
     options.doublePrecision = c.doublePrecision;
+    if (c.rayByRay) options.traversal = render::Traversal::Lane;
     options.access = c.access;
     machine->renderer = std::make_unique<render::Renderer>(device_, machine->scene, options);
     return *machine;

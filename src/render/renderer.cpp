@@ -43,13 +43,6 @@ const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
     return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
 }
 
-Traversal traversalOf(const Options& options, const gpu::DeviceInfo& device) {
-    if (!options.doublePrecision) return options.traversal;
-    if (!device.limits.float64)
-        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
-    return Traversal::Lane;
-}
-
 }  // namespace
 
 struct Renderer::State {
@@ -80,7 +73,8 @@ struct Renderer::State {
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          traversal(chooseTraversal(traversalOf(opts, dev.info()), dev.info(), packed)),
+          traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
+                                    dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),

@@ -52,4 +52,11 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
+Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device) {
+    if (!doublePrecision) return wanted;
+    if (!device.limits.float64)
+        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
+    return Traversal::Lane;
+}
+
 }  // namespace glint::render

@@ -28,6 +28,10 @@ struct TraversalChoice {
     std::string reason;  // one phrase
 };
 
+// What may be wanted with tests in double precision, which packets do not know: Lane, or else `wanted`
+// itself. Throws Error(Device) if the device has no double precision.
+Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device);
+
 // What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
 // spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
 // and from kFewestForPackets triangles and spheres on.

@@ -44,7 +44,8 @@ Enum readName(const JsonCursor& value, std::optional<Enum> (*named)(std::string_
 
 void parseSampling(const JsonCursor& image, ImageSettings& settings) {
     if (const auto sampler = image.find("sampler"))
-        settings.sampler = readName(*sampler, samplerNamed, "\"auto\", \"grid\", \"jittered\" or \"lowDiscrepancy\"");
+        settings.sampler =
+            readName(*sampler, samplerNamed, "\"auto\", \"grid\", \"jittered\" or \"lowDiscrepancy\"");
     if (const auto filter = image.find("filter")) {
         settings.filter = readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
         settings.filterRadius = defaultRadius(settings.filter);

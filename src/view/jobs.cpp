@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bvh/pack_samples.h"
 #include "core/error.h"
 #include "core/image_io.h"
+#include "scene/sampling.h"
 #include "verify/verify.h"
 
 namespace glint::view {
@@ -43,7 +45,11 @@ std::string save(const gpu::Device& device, SaveRequest request, JobControl& con
     render::RenderSettings settings;
     settings.width = request.width;
     settings.height = request.height;
-    settings.sampleOffsets = sampleOffsets(request.samplesPerPixel);
+    ImageSettings image = request.scene->scene.image;
+    image.samplesPerPixel = request.samplesPerPixel;
+    const std::string conflict = samplingConflict(image);
+    if (!conflict.empty()) return "not saved: " + conflict;
+    settings.samples = packSamples(image, false);  // the window's camera is a pinhole
     settings.data = settings.cost = isExr(request.file);
     settings.shadows = request.shadows;
     settings.progress = [&](double fraction) { control.progress = fraction; };

@@ -86,7 +86,7 @@ TEST(ReportStatistics, SlopeOfPowerLaws) {
 TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     SceneFeatures features;
     features.spheres = true;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true, true);
     std::set<std::string> keys;
     size_t count = 0;
     for (const Batch& batch : batches) {
@@ -97,12 +97,12 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
         }
     }
     EXPECT_EQ(keys.size(), count);
-    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full, access and fp64, each
-    // at 2 counts; no mirrors, so no depth.
-    EXPECT_EQ(count, 12u + 20u);
+    // 3 samplers x 4 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full, access, ray by ray and
+    // fp64, each at 2 counts; no mirrors, so no depth.
+    EXPECT_EQ(count, 12u + 22u);
     features.mirrors = true;
     // Depths 0 1 2 3 4 and the whole, and three cuts.
-    EXPECT_EQ(planScene(features, true, 5, std::nullopt, false)[2].configurations.size(), 9u);
+    EXPECT_EQ(planScene(features, true, 5, std::nullopt, false, false)[2].configurations.size(), 9u);
 }
 
 Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
@@ -299,10 +299,10 @@ TEST(ReportFront, WeaknessesAreOfMethodsThatThereAre) {
     SceneFeatures features;
     features.spheres = features.triangles = true;
     size_t weak = 0;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true, true);
     for (const Configuration& c : batches[1].configurations) weak += weaknessOf(c.family).empty() ? 0 : 1;
     // Three triangle tests, two of spheres, two offsets, two pads and fp64, each at two counts; the default,
-    // full and storage buffers have none.
+    // full, storage buffers and ray by ray have none.
     EXPECT_EQ(weak, 20u);
 }
 

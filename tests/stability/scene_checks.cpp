@@ -24,6 +24,7 @@ class SubjectRenderer {
     SubjectRenderer(const Subject& subject, const PackedScene& scene)
         : code_(subject.mutant.empty() ? render::embeddedKernels(gpu::Access::TexelBuffer)
                                        : render::test::mutantKernels(subject.mutant)),
+          mutant_(!subject.mutant.empty()),
           renderer_(*subject.device, scene, options()) {}
     Renderer& operator*() { return renderer_; }
 
@@ -32,9 +33,12 @@ class SubjectRenderer {
         Options o;
         o.access = gpu::Access::TexelBuffer;
         o.kernels = &code_;
+        // Of a mutant the kernels for packets are sound.
+        if (mutant_) o.traversal = render::Traversal::Lane;
         return o;
     }
     render::KernelCode code_;
+    bool mutant_;
     Renderer renderer_;
 };
 

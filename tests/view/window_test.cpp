@@ -52,6 +52,16 @@ TEST_F(Window, ScreenshotHasTheBytesOfRender) {
     EXPECT_EQ(readBytes("shot.exr"), readBytes("rendered.exr"));
 }
 
+// From 16 samples on by another sampler.
+TEST_F(Window, ScreenshotTakesTheSampler) {
+    const Ran ran = view("screenshot shot.png\n", {"--spp", "16"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.png", {"--spp", "16"});
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+    render("scene.json", "grid.png", {"--spp", "16", "--sampler", "grid"});
+    EXPECT_NE(readBytes("shot.png"), readBytes("grid.png"));
+}
+
 // The key S takes a name that is free.
 TEST_F(Window, SavesBesideEarlierPictures) {
     const Ran ran = view("key S\nsettle\nkey S\nsettle\nkey shift+S\nsettle\n", {"--spp", "1"});
