@@ -87,6 +87,7 @@ void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded,
     outcome.driver = device.info().driver;
     render::Options options;
     options.traversal = traversal;
+    options.expected = &settings;
     render::Renderer renderer(device, loaded.packed, options);
     outcome.traversal = renderer.traversal().packets ? "packet" : "lane";
     outcome.picture = renderer.render(cameraOf(loaded), settings);
@@ -236,7 +237,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     // each other. What is wrong with the scene is said first.
     std::future<gpu::Device> opening;
     if (command.backend == Backend::Gpu) {
-        opening = std::async(std::launch::async, [&device = command.device] {
+        opening = std::async(std::launch::async | std::launch::deferred, [&device = command.device] {
             return gpu::Device({device.selector, device.validation});
         });
     }

@@ -98,7 +98,9 @@ const gpu::Kernel& Pipelines::get(KernelId id, const TraceModes& modes) {
     const auto key = std::make_pair(id, modes);
     const auto found = kernels_.find(key);
     if (found != kernels_.end()) return found->second;
-    return kernels_.emplace(key, make(id, modes)).first->second;
+    gpu::Kernel kernel = make(id, modes);
+    kernel.bind(buffers_);
+    return kernels_.emplace(key, std::move(kernel)).first->second;
 }
 
 uint64_t Pipelines::codeBytes() const {
@@ -120,9 +122,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.constants = constantsOf(features_, modes, methods_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
-    gpu::Kernel kernel(device_, options);
-    kernel.bind(buffers_);
-    return kernel;
+    return gpu::Kernel(device_, options);
 }
 
 }  // namespace glint::render

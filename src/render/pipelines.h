@@ -42,8 +42,9 @@ class Pipelines {
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
     const gpu::Kernel& get(KernelId id, const TraceModes& modes);
 
-    // A kernel that `add` may keep for `get`; bound. From any thread, while nothing else changes.
+    // A kernel that `add` may keep for `get`, once it is bound. From any thread, at any time.
     gpu::Kernel make(KernelId id, const TraceModes& modes) const;
+    void bindTo(gpu::Kernel& kernel) const { kernel.bind(buffers_); }
     void add(KernelId id, const TraceModes& modes, gpu::Kernel kernel);
 
     // SPIR-V of the kernels made so far.

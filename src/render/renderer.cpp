@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <future>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -43,6 +45,22 @@ const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
     return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
 }
 
+PackedSamples samplesOf(const RenderSettings& settings) {
+    return settings.samples ? *settings.samples : PackedSamples::fixed(settings.sampleOffsets);
+}
+
+TraceModes modesOf(const RenderSettings& settings, const PackedSamples& samples) {
+    TraceModes modes;
+    modes.cost = settings.cost;
+    modes.aovs = settings.data || settings.cost;
+    modes.shadowless = !settings.shadows;
+    modes.ledger = settings.ledger;
+    modes.tally = settings.tally;
+    modes.scattered = samples.scattered();
+    modes.adaptive = samples.threshold.has_value();
+    return modes;
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -56,6 +74,7 @@ struct Renderer::State {
     SceneBuffers buffers;
     gpu::Buffer counters;
     Pipelines pipelines;
+    std::map<std::pair<KernelId, TraceModes>, std::future<gpu::Kernel>> translating;  // as Options::expected
     PathState paths;
     gpu::Submission submission;
     StageTimes times;
@@ -80,6 +99,7 @@ struct Renderer::State {
                                                         looksUpTextures(features))),
           pipelines(dev, kernelsFor(opts, access), access, features, packed.methods),
           submission(dev) {
+        if (opts.expected) startTranslating(modesOf(*opts.expected, samplesOf(*opts.expected)));
         const Stopwatch watch;
         buffers =
             SceneBuffers(device, scene, access,
@@ -102,6 +122,9 @@ struct Renderer::State {
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);
     void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
+    std::vector<KernelId> kernelsOf(const TraceModes& modes) const;
+    void startTranslating(const TraceModes& modes);
+    gpu::Kernel translated(KernelId id, const TraceModes& modes);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
     shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
@@ -200,6 +223,31 @@ void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dis
     }
 }
 
+std::vector<KernelId> Renderer::State::kernelsOf(const TraceModes& modes) const {
+    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
+    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
+        if (id == KernelId::Light && scene.environment.lightCount == 0) continue;
+        if (traversal.packets) kernels.push_back(packetKernel(id));
+        if (!traversal.packets || scene.features.mirrors) kernels.push_back(id);
+    }
+    if (modes.adaptive) kernels.push_back(KernelId::Adapt);
+    return kernels;
+}
+
+void Renderer::State::startTranslating(const TraceModes& modes) {
+    for (const KernelId id : kernelsOf(modes)) {
+        translating[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
+                                              [this, id, modes] { return pipelines.make(id, modes); });
+    }
+}
+
+gpu::Kernel Renderer::State::translated(KernelId id, const TraceModes& modes) {
+    const auto started = translating.find({id, modes});
+    gpu::Kernel kernel = started == translating.end() ? pipelines.make(id, modes) : started->second.get();
+    pipelines.bindTo(kernel);
+    return kernel;
+}
+
 // The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all. Each
 // has a thread: drivers translate SPIR-V on the caller's, and lavapipe then makes machine code of one kernel
 // after the other on a thread of its own (docs/performance.md, Cold start).
@@ -220,7 +268,7 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     parallelFor(
         fresh.size(),
         [&](size_t i) {
-            kernels[i] = pipelines.make(fresh[i], modes);
+            kernels[i] = translated(fresh[i], modes);
             gpu::Submission first(device);
             first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
             first.submit();
@@ -416,16 +464,8 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();
     picture.color = Image(picture.region.width(), picture.region.height(), 4);
     picture.done.assign(pixels, 0);
-    TraceModes modes;
-    modes.cost = settings.cost;
-    modes.aovs = settings.data || settings.cost;
-    modes.shadowless = !settings.shadows;
-    modes.ledger = settings.ledger;
-    modes.tally = settings.tally;
-    const PackedSamples samples =
-        settings.samples ? *settings.samples : PackedSamples::fixed(settings.sampleOffsets);
-    modes.scattered = samples.scattered();
-    modes.adaptive = samples.threshold.has_value();
+    const PackedSamples samples = samplesOf(settings);
+    const TraceModes modes = modesOf(settings, samples);
     picture.samplesPerPixel = samples.count();
     if (modes.adaptive) picture.samples.assign(pixels, 0);
     if (modes.aovs) picture.data.resize(pixels);
@@ -444,14 +484,7 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setEnvironment(environment);
-    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
-    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
-        if (id == KernelId::Light && s.scene.environment.lightCount == 0) continue;
-        if (s.traversal.packets) kernels.push_back(packetKernel(id));
-        if (!s.traversal.packets || s.scene.features.mirrors) kernels.push_back(id);
-    }
-    if (modes.adaptive) kernels.push_back(KernelId::Adapt);
-    s.compile(modes, kernels);
+    s.compile(modes, s.kernelsOf(modes));
 
     const uint64_t before = s.times.pathRays;
     const RayCounts counted = s.rayCounts;

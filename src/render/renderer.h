@@ -19,6 +19,8 @@
 
 namespace glint::render {
 
+struct RenderSettings;
+
 struct Options {
     double sliceSeconds = 0.1;    // aim for the longest single submission
     uint32_t maxSlicePixels = 0;  // 0: chosen; else at most so many pixels a slice (a test shows that the
@@ -33,6 +35,8 @@ struct Options {
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
+    // A picture that will be asked for: its kernels are translated while the arrays are uploaded.
+    const RenderSettings* expected = nullptr;
 };
 
 // Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the
