@@ -210,7 +210,7 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
 }
 
 // Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or two of four, and on lavapipe only
-// a loop skips. The row is taken out of the packet and put back by selection, 60 instructions, as an index that is no constant costs more.
+// a loop skips. The row is taken out of the packet and put back by selection, as an index that is no constant costs more.
 // Two triangles for a load and a trip. Any hit needs no more than to be known.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;

@@ -11,7 +11,8 @@ namespace glint {
 // The values are those of INTERSECTOR and SPHERE_FORM in shaders/shared/dispatch.h.
 enum class TriangleMethod : uint32_t { Watertight, Barycentric, Projection, Planar3d };
 enum class SphereMethod : uint32_t { Robust, Algebraic, Geometric };
-// By how much the far planes of boxes are moved away: 1 + 2 gamma_7, 1 + 2 gamma_3, not at all; and how far
+// By how much the far planes of boxes are moved away: 1 + 2 (gamma_7 + 11 u) (kFarPad in
+// shaders/intersect.glsl), 1 + 2 gamma_3, not at all; and how far
 // from a surface rays start that leave it: by the error box of the point, by 1e-4, not at all. Of the device
 // alone, and for `glint report` alone, which shows what the defaults are worth (docs/accuracy.md).
 enum class SlabPad : uint32_t { Gamma7, Gamma3, None };

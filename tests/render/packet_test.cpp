@@ -194,15 +194,18 @@ TEST_F(PacketTest, packetsThatGiveUpLoseNothing) {
     for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(c.packed, rays, budget);
 }
 
-// Triangles across the x axis at 1, 1/2, 1/4...: a node holds the seven largest and all that is smaller,
-// which is entered first, while seven more wait at each level than the stack's 32 entries can hold. 60
-// triangles take too few trips to give up for those.
+// Triangles and spheres in turn across the x axis at 1, 1/2, 1/4...: a node holds the largest and all that is
+// smaller, which is entered first, while more wait than the stack's 32 entries can hold; two kinds, as a leaf
+// holds one. 60 primitives take too few trips to give up for those.
 TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
-    constexpr uint32_t kTriangles = 60;
+    constexpr uint32_t kCount = 60;
     Scene scene = emptyScene();
-    for (uint32_t i = 0; i < kTriangles; ++i) {
+    for (uint32_t i = 0; i < kCount; ++i) {
         const double s = std::ldexp(1.0, -static_cast<int>(i));
-        addTriangle(scene, {s, -s, -s}, {s, s, -s}, {s, 0, s});
+        if (i % 2 == 0)
+            addTriangle(scene, {s, -s, -s}, {s, s, -s}, {s, 0, s});
+        else
+            addSphere(scene, {s, 0, 0}, 0.3 * s);
     }
     const Case c = makeCase(scene, 8, 8);
     std::vector<RayInput> rays;
@@ -212,7 +215,7 @@ TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
     Renderer packet(device(), c.packed, with(Traversal::Packet));
     const std::vector<RayHit> hits = packet.trace(rays, false);
     EXPECT_GT(packet.times().resumes, 0u) << "no packet ran out of stack: the test shows nothing";
-    for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kTriangles - 1);
+    for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kCount - 1);
     expectSameTrace(c.packed, rays);
 }
 
