@@ -27,6 +27,15 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
     }
 }
 
+void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
+              Picture& picture) {
+    const AovRows rows(paths, device, slice.paths());
+    for (uint32_t path = 0; path < slice.paths(); ++path) {
+        glm::ivec2 pixel;
+        if (slice.pixelOf(path, pixel)) picture.data[slice.indexOf(pixel)] = rows.at(path, origin);
+    }
+}
+
 void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
                 const TraceModes& modes, uint32_t firstRow, Picture& picture) {
     TreeLosses& losses = picture.losses;

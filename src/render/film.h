@@ -14,6 +14,10 @@ void readFilm(const PathState& paths, const gpu::Device& device, const Slice& sl
 void readLosses(const PathState& paths, const gpu::Device& device, const Slice& slice,
                 const TraceModes& modes, uint32_t firstRow, Picture& picture);
 
+// Fills data.
+void readData(const PathState& paths, const gpu::Device& device, const Slice& slice, const glm::dvec3& origin,
+              Picture& picture);
+
 // The layers of the first `count` paths, as read back (kRowAov...).
 struct AovRows {
     std::vector<RowEntry> position, normal, indices, counts, geometry;

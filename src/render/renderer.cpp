@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "render/film.h"
+#include "render/host_rays.h"
 #include "render/path_limits.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
@@ -136,9 +137,7 @@ struct Renderer::State {
     bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
                       const TraceModes& modes);
     void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
-    void readData(const Slice& slice, Picture& picture) const;
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
-    void writeRays(std::span<const RayInput> rays, const TraceModes& modes) const;
     void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
 };
 
@@ -348,7 +347,7 @@ bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& sett
 void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Picture& picture) {
     const Stopwatch watch;
     readFilm(paths, device, slice, modes, picture);
-    if (!picture.data.empty()) readData(slice, picture);
+    if (!picture.data.empty()) readData(paths, device, slice, scene.origin, picture);
     if (modes.ledger) {
         readLosses(paths, device, slice, modes, commonRows(modes) + (features.instances ? 1 : 0), picture);
     }
@@ -365,49 +364,9 @@ void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double secon
                             kMaxSlicePaths / shared::kWorkgroupSize);
 }
 
-void Renderer::State::readData(const Slice& slice, Picture& picture) const {
-    const AovRows rows(paths, device, slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (slice.pixelOf(path, pixel)) picture.data[slice.indexOf(pixel)] = rows.at(path, scene.origin);
-    }
-}
-
-// What generate.comp would have written, for rays that the host brings.
-void Renderer::State::writeRays(std::span<const RayInput> rays, const TraceModes& modes) const {
-    const RowEntry zero = {{0, 0, 0, 0}};
-    std::vector<RowEntry> origin(paths.capacity(), zero), direction = origin, hit = origin, walk = origin;
-    for (uint32_t i = 0; i < paths.capacity(); ++i) {
-        const RayInput ray = i < rays.size() ? rays[i] : RayInput{.tMin = shared::kInfinity};
-        origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
-        origin[i].u[3] = shared::kNone;
-        direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
-        hit[i].f[0] = ray.tMax;
-        hit[i].u[3] = shared::kNone;
-        walk[i].u[0] = shared::kNone;
-    }
-    const std::vector<RowEntry> zeros(paths.capacity(), zero);
-    paths.writeRow(device, shared::kRowOrigin, origin);
-    paths.writeRow(device, shared::kRowDirection, direction);
-    paths.writeRow(device, shared::kRowHit, hit);
-    paths.writeRow(device, shared::kRowWalk, walk);
-    paths.writeRow(device, shared::kRowThroughput, zeros);
-    paths.writeRow(device, shared::kRowRadiance, zeros);
-    uint32_t further = commonRows(modes);
-    if (features.instances) {
-        RowEntry none;
-        std::fill_n(none.u, 4, shared::kNone);
-        paths.writeRow(device, further++, std::vector<RowEntry>(paths.capacity(), none));
-    }
-    if (features.transmission) {
-        paths.writeRow(device, further + shared::kTreeRowMedia, zeros);
-        paths.writeRow(device, further + shared::kTreeRowBranch, zeros);
-    }
-}
-
 void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits) {
     const TraceModes modes = {.aovs = !any};
-    writeRays(rays, modes);
+    writeRays(paths, device, features, modes, rays);
     const uint32_t count = static_cast<uint32_t>(rays.size());
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
     Slice slice;

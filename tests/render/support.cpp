@@ -68,10 +68,10 @@ PackedScene withOpenBoxes(PackedScene scene) {
     return scene;
 }
 
-Case makeCase(Scene scene, int width, int height) {
+Case makeCase(Scene scene, int width, int height, BuildQuality quality) {
     Case c;
     c.scene = std::move(scene);
-    c.packed = packScene(c.scene);
+    c.packed = packScene(c.scene, 0, quality);
     c.camera = packCamera(c.scene.camera, width, height, c.packed.origin);
     c.width = width;
     c.height = height;

@@ -42,7 +42,7 @@ struct Case {
     shared::Camera camera;
     int width = 0, height = 0;
 };
-Case makeCase(Scene scene, int width, int height);
+Case makeCase(Scene scene, int width, int height, BuildQuality quality = BuildQuality::Default);
 // scenes/NAME.json
 Case fileCase(const std::string& name, int width, int height);
 // Scene text as in a file.

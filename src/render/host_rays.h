@@ -1,0 +1,16 @@
+// Rays that the host brings instead of a camera.
+#pragma once
+
+#include <span>
+
+#include "render/path_state.h"
+#include "render/pipelines.h"
+#include "render/renderer.h"
+
+namespace glint::render {
+
+// Writes what generate.comp would have written; paths beyond the last ray have none.
+void writeRays(const PathState& paths, const gpu::Device& device, const SceneFeatures& features,
+               const TraceModes& modes, std::span<const RayInput> rays);
+
+}  // namespace glint::render
