@@ -335,6 +335,8 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
         if (FEATURE_INSTANCES) {
             traversal.worldSlot = place.y;
             enterSpace(traversal, place.x, sound && slot != kNone && place.x != kNone);
+            // Not counted, or with a budget of one trip the walk would stay where it is for ever.
+            traversal.trips = 0u;
         }
         return walk(traversal, sound ? slot : kNone);
     }

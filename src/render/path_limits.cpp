@@ -41,20 +41,21 @@ bool looksUpTextures(const SceneFeatures& features) {
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
 // lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = (1 +
-// kQuadricHits) kMaxLeafSize + 3 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
-// last check. Besides, lavapipe enters each inner loop once in every trip of the one around it even with no
-// lane live, and the outer loop's trips are those of its longest lane: L (B + 2) more, where L is 9 (nodes,
-// triangles, spheres, discs, polygons and their edges, quadrics and their further hits, the way into an
-// instance). The planes' loop comes on top. So S (B + slack) + L (B + 2) + kMaxPlanes <= 65535, and one more
-// beside L leaves room for the compiler's own. With alpha masks each test, of a plane too, holds loops of
-// kMaskTrips trips at most, which each lane counts; those in the loops of triangles, discs and polygons (3
-// each), of spheres (6) and of quadrics (6) are entered once more in every trip of the outer loop.
+// kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
+// last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
+// once in every trip of the one around it even with no lane live, and the outer loop's trips are those of its
+// longest lane: L (B + 2) more, where L is 9 (nodes, triangles, spheres, discs, polygons and their edges,
+// quadrics and their further hits, the way into an instance). The planes' loop comes on top. So S (B + slack)
+// + L (B + 2) + kMaxPlanes <= 65535, and one more beside L leaves room for the compiler's own. With alpha
+// masks each test, of a plane too, holds loops of kMaskTrips trips at most, which each lane counts; those in
+// the loops of triangles, discs and polygons (3 each), of spheres (6) and of quadrics (6) are entered once
+// more in every trip of the outer loop.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
     const uint32_t slack =
-        (1 + shared::kQuadricHits) * (1 + mask) * shared::kMaxLeafSize + 3 + polygonTripsPerLeaf;
+        (1 + shared::kQuadricHits) * (1 + mask) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
     const uint32_t entered = 10 + (alphaMask ? 3 * 3 + 2 * 6 : 0);
     const uint32_t fixed =
         shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips + lanes * slack + 2 * entered;
