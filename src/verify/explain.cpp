@@ -1,8 +1,8 @@
 #include "verify/explain.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <vector>
 
 namespace glint::verify {
 
@@ -43,6 +43,16 @@ bool isTie(const DifferingPixel& pixel) {
                       pixel.reference.surface->primitive == pixel.device.primitive;
     const double t = pixel.reference.hit->t;
     return !same && std::abs(t - pixel.device.depth) <= 2 * 16 * kUnit * std::max(t, pixel.device.depth);
+}
+
+// Jitters that are tried, up to the bound. Steps of 8 at most: of much wider ones hardly any jitter is as
+// small as what happened, and the bound of a textbook's sphere test goes up to 1e7.
+std::vector<double> levelsTo(double bound) {
+    std::vector<double> levels = {1.0};
+    const double first = std::min(8.0, bound);
+    const int steps = std::max(2, static_cast<int>(std::ceil(std::log(bound / first) / std::log(8.0))));
+    for (int i = 0; i <= steps; ++i) levels.push_back(first * std::pow(bound / first, 1.0 * i / steps));
+    return levels;
 }
 
 }  // namespace
@@ -91,11 +101,10 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
              double tolerance, DifferingPixel& pixel) {
     const double bound = roundingBound(scene, pixel.reference, pixel.device);
-    const std::array<double, 4> levels = {1.0, std::min(8.0, bound), std::sqrt(8.0 * bound), bound};
     ColorHull hull = {pixel.reference.color, pixel.reference.color};
     bool changed = false;
     uint64_t seed = 1;
-    for (double ulps : levels) {
+    for (const double ulps : levelsTo(bound)) {
         for (int i = 0; i < kJittersPerLevel; ++i) {
             const reference::PixelRecord moved = tracer.trace(cameraRay, {seed++, ulps}, false);
             hull.include(moved.color);
