@@ -1,6 +1,7 @@
 # glint_commit(<target> <output.cpp>): a source of <target> that says which commit is built, written anew only when that changes, so that
 # a build without changes compiles nothing. Without git, or outside a repository (a tarball): "unknown".
 if(CMAKE_SCRIPT_MODE_FILE)
+  cmake_minimum_required(VERSION 3.25)
   set(commit unknown)
   find_program(git git)
   if(git)
