@@ -1,5 +1,4 @@
-// Linked into the tests of sanitizer builds (cmake/GlintModule.cmake): `glint info` asks for the devices in
-// unit tests too.
+// Linked into the program and all tests of sanitizer builds (cmake/GlintModule.cmake).
 //
 // The Vulkan loader unloads the driver and the validation layer with the instance; what their globals still
 // point to then looks leaked (Mesa 22.3.6: 128 bytes), and nobody can tell any more which library it belongs
