@@ -11,7 +11,6 @@
 // Triangles are 48 bytes. 256x192 camera rays, a shadow ray to the first light and a random bounce from each
 // hit. Counts do not depend on the machine; a GPU's caches and divergence are not in them.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -167,15 +166,13 @@ double walk(const PackedScene& scene, const Format& format, Ray ray, bool any, C
             continue;
         }
         ++counts.nodes;
-        std::array<Entry, 8> entered;
-        size_t count = 0;
+        const auto first = static_cast<std::ptrdiff_t>(stack.size());
         for (const Child& c : format.nodes[top.child]) {
             const double begin = entry(ray, inverse, c);
-            if (begin >= 0) entered[count++] = {c.child, begin};
+            if (begin >= 0) stack.push_back({c.child, begin});
         }
-        std::sort(entered.begin(), entered.begin() + static_cast<std::ptrdiff_t>(count),
+        std::sort(stack.begin() + first, stack.end(),
                   [](const Entry& a, const Entry& b) { return a.begin > b.begin; });
-        stack.insert(stack.end(), entered.begin(), entered.begin() + static_cast<std::ptrdiff_t>(count));
     }
     return found;
 }
