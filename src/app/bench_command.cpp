@@ -36,7 +36,7 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
     double openSeconds = 0;
     if (command.backend == Backend::Gpu) {
         const Stopwatch watch;
-        device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation});
+        device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation, {}, false});
         openSeconds = watch.seconds();
     }
     const bool json = command.stats == "json";

@@ -132,7 +132,8 @@ void makeFolder(const fs::path& folder) {
 int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     makeFolder(command.folder);
-    const gpu::Device device({command.device.selector, command.device.validation});
+    // What compiling takes is told of each setting.
+    const gpu::Device device({command.device.selector, command.device.validation, {}, false});
     installInterruptHandler();
     ReportData data = freshReport(command, device.info());
     const std::optional<ReportData> earlier = earlierReport(command, data, err);

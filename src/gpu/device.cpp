@@ -84,6 +84,7 @@ void DeviceState::closeDevice() {
 
 Device::Device(const DeviceOptions& options) : state_(std::make_unique<DeviceState>()) {
     state_->log = std::make_shared<ValidationLog>();
+    state_->keepsPrograms = options.keepPrograms;
     state_->instance = std::make_unique<Instance>(options.validation ? state_->log.get() : nullptr,
                                                   options.window.instanceExtensions);
     if (options.window.makeSurface && state_->instance->get() != VK_NULL_HANDLE) {

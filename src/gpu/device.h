@@ -56,6 +56,7 @@ struct DeviceOptions {
     std::string selector;      // empty: the best; a number: the index; else part of the name, any case
     bool validation = false;   // validation layer with synchronization validation; its messages are collected
     WindowSystem window = {};  // for a device that presents, see swapchain.h
+    bool keepPrograms = true;  // a kernel like one that was compiled before is not compiled again
 };
 
 // The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.

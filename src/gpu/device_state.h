@@ -133,6 +133,7 @@ struct DeviceState : DeviceContext {
     std::mutex programsMutex;
     std::vector<std::shared_ptr<const Program>> programs;
     static constexpr size_t kKeptPrograms = 64;
+    bool keepsPrograms = true;
 
     std::mutex stagingMutex;
     std::unique_ptr<Staging> staging;  // made at the first transfer that needs it

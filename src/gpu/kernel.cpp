@@ -121,6 +121,7 @@ std::shared_ptr<const Program> programOf(DeviceState& device, const KernelOption
         }
     }
     auto program = compile(device, std::move(key));
+    if (!device.keepsPrograms) return program;
     const std::lock_guard lock(device.programsMutex);
     device.programs.insert(device.programs.begin(), program);
     if (device.programs.size() > DeviceState::kKeptPrograms) device.programs.pop_back();

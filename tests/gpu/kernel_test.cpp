@@ -127,6 +127,14 @@ TEST_F(OneKernelTest, sharesItsProgram) {
     EXPECT_NE(Kernel(device_, options).state().program, first.state().program);  // dropped since
 }
 
+TEST_F(OneKernelTest, compilesAgainWhereProgramsAreNotKept) {
+    DeviceOptions options;
+    options.keepPrograms = false;
+    const Device device(options);
+    const Kernel first = emptyKernel(device);
+    EXPECT_NE(first.state().program, emptyKernel(device).state().program);
+}
+
 TEST_F(OneKernelTest, limitsAreChecked) {
     DeviceLimits& limits = device_.state().physical.info.limits;
     const DeviceLimits real = limits;
