@@ -17,8 +17,8 @@ namespace glint {
 using Color = glm::dvec3;  // linear RGB radiance or reflectance
 
 // Where the samples of a pixel lie (docs/sampling.md). Grid: the same regular grid in every pixel. Jittered:
-// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel. Auto: Grid or
-// LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
+// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel. Auto: Grid
+// or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
 enum class Sampler { Auto, Grid, Jittered, LowDiscrepancy };
 
 // How samples are weighted into pixels, by their distance from the pixel's centre.
