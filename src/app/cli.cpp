@@ -172,20 +172,27 @@ void addView(CLI::App& app, ViewCommand& c) {
             [&](const Text& t) { c.target = parseWhole("--target", t, 1, 10'000); });
 }
 
-void addVerify(CLI::App& app, VerifyCommand& c) {
-    CLI::App& command =
-        *app.add_subcommand("verify", "compare the shaders' picture with the reference's, pixel by pixel");
+void addScenes(CLI::App& command, std::vector<std::filesystem::path>& scenes) {
     command
         .add_option_function<std::vector<Text>>(
-            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
+            "SCENE", [&](const std::vector<Text>& list) { scenes.assign(list.begin(), list.end()); },
             "scenes or models")
         ->type_name("")
         ->required();
-    addText(command, "-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
-            [&](const Text& t) {
-                if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
-                c.folder = t;
-            });
+}
+
+CLI::Option* addFolder(CLI::App& command, const char* description, std::filesystem::path& folder) {
+    return addText(command, "-o,--output", "FOLDER", description, [&](const Text& t) {
+        if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
+        folder = t;
+    });
+}
+
+void addVerify(CLI::App& app, VerifyCommand& c) {
+    CLI::App& command =
+        *app.add_subcommand("verify", "compare the shaders' picture with the reference's, pixel by pixel");
+    addScenes(command, c.scenes);
+    addFolder(command, "for the difference pictures NAME.verify.png (default: here)", c.folder);
     addSceneOverrides(command, c.common);
     addMethods(command, c.common);
     addMinContribution(command, c.common);
@@ -198,18 +205,8 @@ void addVerify(CLI::App& app, VerifyCommand& c) {
 void addReport(CLI::App& app, ReportCommand& c) {
     CLI::App& command =
         *app.add_subcommand("report", "error against run time, for many settings of each scene");
-    command
-        .add_option_function<std::vector<Text>>(
-            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
-            "scenes or models")
-        ->type_name("")
-        ->required();
-    addText(command, "-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
-            [&](const Text& t) {
-                if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
-                c.folder = t;
-            })
-        ->required();
+    addScenes(command, c.scenes);
+    addFolder(command, "for report.html, report.csv, report.json and the diagrams", c.folder)->required();
     addText(command, "--size", "WIDTH", "of the pictures in pixels (default 160); the height follows",
             [&](const Text& t) { c.width = parseWhole("--size", t, 4, 4096); });
     addText(command, "--repeats", "N", "runs of each setting (default 5)",
@@ -232,12 +229,7 @@ void addReport(CLI::App& app, ReportCommand& c) {
 void addBench(CLI::App& app, BenchCommand& c) {
     CLI::App& command = *app.add_subcommand(
         "bench", "rays a second for each class of rays, and the time that each stage takes");
-    command
-        .add_option_function<std::vector<Text>>(
-            "SCENE", [&](const std::vector<Text>& list) { c.scenes.assign(list.begin(), list.end()); },
-            "scenes or models")
-        ->type_name("")
-        ->required();
+    addScenes(command, c.scenes);
     addSceneOverrides(command, c.common);
     addMethods(command, c.common);
     addMinContribution(command, c.common);
