@@ -5,9 +5,9 @@
 // expected cost and the triangles stored. Counts do not depend on the machine.
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <random>
 
+#include "bounce.h"
 #include "bvh/packed_scene.h"
 #include "core/error.h"
 #include "reference/tracer.h"
@@ -24,16 +24,6 @@ struct Mean {
 struct Counts {
     Mean camera, shadow, bounce;
 };
-
-// Cosine-weighted, off the side that the ray came to.
-glm::dvec3 bounceFrom(const glm::dvec3& normal, const glm::dvec3& incoming, std::mt19937& random) {
-    std::uniform_real_distribution<double> unit(0, 1);
-    const double z = 2 * unit(random) - 1, angle = 2 * std::numbers::pi * unit(random);
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    const glm::dvec3 sphere(r * std::cos(angle), r * std::sin(angle), z);
-    const glm::dvec3 out = glm::dot(normal, incoming) > 0 ? -normal : normal;
-    return out * 1.0001 + sphere;
-}
 
 Counts count(const Scene& scene, const PackedScene& packed) {
     constexpr int kWidth = 256, kHeight = 192;
@@ -60,7 +50,9 @@ Counts count(const Scene& scene, const PackedScene& packed) {
                 if (!directional) shadow.tMax = 1;
                 tracer.occluded(shadow, reference::sourceOf(*hit), &counts.shadow.tests);
             }
-            const glm::dvec3 direction = bounceFrom(surface.geometricNormal, ray.direction, random);
+            const bool behind = glm::dot(surface.geometricNormal, ray.direction) > 0;
+            const glm::dvec3 direction =
+                bounceAbout(behind ? -surface.geometricNormal : surface.geometricNormal, random);
             closest({surface.position, direction}, reference::sourceOf(*hit), counts.bounce);
         }
     }

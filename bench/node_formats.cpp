@@ -14,10 +14,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "bounce.h"
 #include "bvh/packed_scene.h"
 #include "bvh/packet_tree.h"
 #include "core/error.h"
@@ -177,13 +177,6 @@ double walk(const PackedScene& scene, const Format& format, Ray ray, bool any, C
     return found;
 }
 
-dvec3 bounceFrom(const dvec3& normal, std::mt19937& random) {
-    std::uniform_real_distribution<double> unit(0, 1);
-    const double z = 2 * unit(random) - 1, angle = 2 * std::numbers::pi * unit(random);
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return normal * 1.0001 + dvec3(r * std::cos(angle), r * std::sin(angle), z);
-}
-
 struct Rays {
     std::vector<Ray> camera, shadow, bounce;
 };
@@ -212,7 +205,7 @@ Rays raysOf(const Scene& scene, const PackedScene& packed) {
                 const dvec3 at(light.position);
                 rays.shadow.push_back({start, directional ? at : at - start, directional ? 1e30 : 1.0});
             }
-            rays.bounce.push_back({start, bounceFrom(normal, random), 1e30});
+            rays.bounce.push_back({start, bounceAbout(normal, random), 1e30});
         }
     }
     return rays;
