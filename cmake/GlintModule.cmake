@@ -31,9 +31,10 @@ function(glint_test name)
       message(FATAL_ERROR "xvfb-run not found: the tests of the window need it. Install the Debian packages xvfb and xauth, or set "
                           "GLINT_WINDOW to OFF.")
     endif()
-    # CTest starts the program by way of its emulator. Two xvfb-run at once may pick the same screen.
+    # CTest starts the program by way of its emulator. Two xvfb-run at once may pick the same screen. Without -noreset the server
+    # begins anew when its last client has gone, and refuses whoever comes meanwhile (3 of 300 windows, one after the other).
     set_target_properties(${name} PROPERTIES
-      CROSSCOMPILING_EMULATOR "${GLINT_XVFB_RUN};-a;-s;-screen 0 1280x1024x24")
+      CROSSCOMPILING_EMULATOR "${GLINT_XVFB_RUN};-a;-s;-screen 0 1280x1024x24 -noreset")
     set(lock RESOURCE_LOCK screen)
   endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES

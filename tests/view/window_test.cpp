@@ -221,7 +221,8 @@ TEST_F(Window, PaceSaysHowFast) {
 
 TEST_F(Window, EveryPresentModeWorks) {
     for (const char* mode : {"fifo", "mailbox", "immediate"}) {
-        EXPECT_EQ(view("wait 3\norbit 30 0\nwait 3\n", {"--present", mode}).code, 0) << mode;
+        const Ran ran = view("wait 3\norbit 30 0\nwait 3\n", {"--present", mode});
+        EXPECT_EQ(ran.code, 0) << mode << ": " << ran.err;
     }
 }
 
