@@ -4,6 +4,7 @@
 knot.obj    (2,3) torus knot, 240 x 24 quads, vertex normals
 gem.obj     icosahedron whose faces are raised to a point (a small stellated dodecahedron's cousin), flat
 floor.obj   checkered floor of 24 x 24 quads in two materials (floor.mtl), from -12 to 12
+panes.obj   four upright blocks side by side, a material of panes.mtl each
 cube.obj    the unit cube from (0, 0, 0) to (1, 1, 1), 6 quads
 """
 import math
@@ -55,6 +56,19 @@ def knot(rings=240, sides=24, radius=0.42):
                  i * sides + (j + 1) % sides]
             lines.append("f " + " ".join("%d//%d" % (k + 1, k + 1) for k in q))
     write("knot.obj", lines)
+
+
+def panes(names=("wall", "veil", "tinted", "glass"), width=0.8, height=1.4, depth=0.3, step=1.2):
+    lines = ["# four blocks, see panes.mtl", "mtllib panes.mtl"]
+    for i, name in enumerate(names):
+        middle = (i - (len(names) - 1) / 2) * step
+        for c in range(8):
+            lines.append("v %g %g %g" % (middle + (width / 2 if c & 1 else -width / 2), height if c & 2 else 0,
+                                         depth / 2 if c & 4 else -depth / 2))
+        lines.append("usemtl " + name)
+        for q in ((1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)):
+            lines.append("f " + " ".join(str(8 * i + k) for k in q))
+    write("panes.obj", lines)
 
 
 def gem(height=1.7):
@@ -115,3 +129,4 @@ knot()
 gem()
 floor()
 cube()
+panes()
