@@ -50,6 +50,10 @@ TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene) {
 
 }  // namespace
 
+bool runsPackets(const gpu::DeviceInfo& device) {
+    return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+}
+
 const char* nameOf(const TraversalChoice& choice) {
     if (choice.packets) return "packet";
     static const char* const names[] = {"lane", "bvh4", "cwbvh"};
@@ -62,7 +66,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     if (wanted == Traversal::Bvh4 || wanted == Traversal::Cwbvh ||
         (wanted == Traversal::Auto && isGpu(device)))
         return chooseWide(wanted, scene);
-    const bool able = device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+    const bool able = runsPackets(device);
     if (wanted == Traversal::Packet && !able) {
         throw Error(ExitCode::Device,
                     "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +

@@ -51,6 +51,9 @@ const char* nameOf(const TraversalChoice& choice);
 // itself. Throws Error(Device) if the device has no double precision.
 Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device);
 
+// Subgroups of 8 lanes that can shuffle.
+bool runsPackets(const gpu::DeviceInfo& device);
+
 // What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
 // spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
 // and from kFewestForPackets triangles and spheres on. On a GPU (discrete, integrated or virtual) rays walk
