@@ -12,8 +12,14 @@ dvec3 turnedInDouble(vec3 vertex, Ray ray, uint axis) {
     return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v);
 }
 
-// intersectTurned (intersect.glsl) with another number type, and the shear worked out anew.
-bool triangleInDouble(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+// SeenTriangle (intersect.glsl), with another number type and the shear worked out anew, and the edges' products.
+struct DoubleTriangle {
+    dvec2 a, b, c;
+    dvec3 z;
+    double ea, eb, ec;
+    double shear;
+};
+DoubleTriangle seenInDouble(Ray ray, Triangle triangle) {
     vec3 size = abs(ray.direction);
     uint axis = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
     dvec3 direction = dvec3(ray.direction);
@@ -28,16 +34,32 @@ bool triangleInDouble(Ray ray, Triangle triangle, out float t, out float u, out 
     precise double ea = c2.x * b2.y - c2.y * b2.x;
     precise double eb = a2.x * c2.y - a2.y * c2.x;
     precise double ec = b2.x * a2.y - b2.y * a2.x;
-    precise double det = ea + eb + ec;
-    precise double height = ea * a.z + eb * b.z + ec * c.z;
-    precise double tHit = height * shear.z / det;
-    precise double uHit = eb / det;
-    precise double vHit = ec / det;
+    return DoubleTriangle(a2, b2, c2, dvec3(a.z, b.z, c.z), ea, eb, ec, shear.z);
+}
+
+bool triangleInDouble(Ray ray, Triangle triangle, out float t, out float u, out float v) {
+    DoubleTriangle s = seenInDouble(ray, triangle);
+    precise double det = s.ea + s.eb + s.ec;
+    precise double height = s.ea * s.z.x + s.eb * s.z.y + s.ec * s.z.z;
+    precise double tHit = height * s.shear / det;
+    precise double uHit = s.eb / det;
+    precise double vHit = s.ec / det;
     t = float(tHit);
     u = float(uHit);
     v = float(vHit);
-    bool inside = (ea >= 0.0lf && eb >= 0.0lf && ec >= 0.0lf) || (ea <= 0.0lf && eb <= 0.0lf && ec <= 0.0lf);
+    bool inside = (s.ea >= 0.0lf && s.eb >= 0.0lf && s.ec >= 0.0lf) || (s.ea <= 0.0lf && s.eb <= 0.0lf && s.ec <= 0.0lf);
     return inside && det != 0.0lf && t > 0.0 && t > ray.tMin && t <= ray.tMax;
+}
+
+// sideOfEdge and crossesTriangle (intersect.glsl).
+bool isLeft(double product, dvec2 p, dvec2 q) {
+    double moved = p.y != q.y ? p.y - q.y : q.x - p.x;
+    return (product != 0.0lf ? product : moved) > 0.0lf;
+}
+bool crossesInDouble(Ray ray, Triangle triangle) {
+    DoubleTriangle s = seenInDouble(ray, triangle);
+    bool left = isLeft(s.ea, s.c, s.b);
+    return left == isLeft(s.eb, s.a, s.c) && left == isLeft(s.ec, s.b, s.a);
 }
 
 // intersectSphere and nearestRoot.

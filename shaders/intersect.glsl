@@ -39,14 +39,27 @@ bool intersectBox(Ray ray, RayFrame frame, vec3 lo, vec3 hi, float tEnd, out flo
 // same roundings, so no ray slips between them. The weights are formed before t: the paper's sum of products of three lengths
 // overflows at 1e15. PBRT's bound on t's error (4th ed., sec. 6.8.7) is left out: it cost 12 to 15 % of the time, refused
 // true grazing hits, and spared no self-hit that the moved origin and the source primitive do not (docs/measurements.md).
+// The corners across the ray, and of each edge on which side of it the ray passes.
+struct SeenTriangle {
+    vec2 a, b, c;
+    float ea, eb, ec;
+};
 // a, b, c: the corners as seen from the origin, turned.
-bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
+SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
     precise vec2 a2 = a.xy - frame.shear.xy * a.z;
     precise vec2 b2 = b.xy - frame.shear.xy * b.z;
     precise vec2 c2 = c.xy - frame.shear.xy * c.z;
     precise float ea = c2.x * b2.y - c2.y * b2.x;
     precise float eb = a2.x * c2.y - a2.y * c2.x;
     precise float ec = b2.x * a2.y - b2.y * a2.x;
+    return SeenTriangle(a2, b2, c2, ea, eb, ec);
+}
+
+bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
+    SeenTriangle seen = seenAlong(frame, a, b, c);
+    float ea = seen.ea;
+    float eb = seen.eb;
+    float ec = seen.ec;
     precise float det = ea + eb + ec;
     precise float az = frame.shear.z * a.z;
     precise float bz = frame.shear.z * b.z;
@@ -69,6 +82,25 @@ bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, 
     precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
     precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
     return intersectTurned(ray, frame, a, b, c, t, u, v);
+}
+
+// Of an edge from p to q that the ray meets as exactly as rounding tells: the side on which a ray passes that is moved by (e, e^2), e > 0 as small
+// as one likes. (p - m) x (q - m) = p x q + e (p.y - q.y) + e^2 (q.x - p.x): the other triangle of the edge, which goes from q to p, gets the
+// other sign (Edelsbrunner, Mucke, "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
+float sideOfEdge(float product, vec2 p, vec2 q) {
+    float moved = p.y != q.y ? p.y - q.y : q.x - p.x;
+    return product != 0.0 ? product : moved;
+}
+
+// Of a triangle that intersectTriangle says is hit: whether it is the one of those that share the edge, or the corner, that the ray crosses. Where a ray
+// ends an edge may belong to both; where it goes through and counts what it crosses, to one.
+bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    SeenTriangle seen = seenAlong(frame, a, b, c);
+    bool left = sideOfEdge(seen.ea, seen.c, seen.b) > 0.0;
+    return left == (sideOfEdge(seen.eb, seen.a, seen.c) > 0.0) && left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
 }
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al., Numerical Recipes, sec. 5.6).

@@ -10,12 +10,13 @@ struct Passage {
     vec3 depth;   // optical depth so far
     float reach;  // t of the light, 0 for one infinitely far away
     float scale;  // length of a unit of t
+    bool counts;  // of the triangle at hand: crossesOnce
 };
 
 // The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters; a light that is itself inside
 // is a last one where it leaves, so every t is counted from the light. media: those that the ray starts in.
 Passage startPassage(uvec4 media, float reach, float scale) {
-    Passage passage = Passage(vec3(0.0), reach, scale);
+    Passage passage = Passage(vec3(0.0), reach, scale, true);
     if (FEATURE_ATTENUATION) {
         vec3 sum = attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
         passage.depth = sum * (reach * scale);
@@ -42,7 +43,7 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
         float way = (passage.reach - hit.t) * passage.scale;
         depth += optics.attenuation * (dot(surface.normal, ray.direction) > 0.0 ? -way : way);
     }
-    if (medium != 0u) passage.depth += depth;
+    if (medium != 0u && (kind != kKindTriangle || passage.counts)) passage.depth += depth;
     return medium != 0u;
 }
 

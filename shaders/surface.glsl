@@ -6,6 +6,7 @@
 #include "intersect.glsl"
 #include "quadric.glsl"
 #include "texcoord.glsl"
+#include "textbook.glsl"
 
 struct Surface {
     vec3 position;
@@ -77,6 +78,17 @@ void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     if (FEATURE_UVS || FEATURE_VERTEX_COLORS) triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
 }
 
+// A textbook's discriminant is 0 for many rays that pass just outside: t is then that of the closest approach, and the rounding of t alone says
+// whether the normal looks at the ray. Seen from outside it does. t errs by gamma_8 |w| / |d| in either form, and so n.d by gamma_8 |w| / r.
+vec3 towardsRayAtLimb(Ray ray, Sphere sphere, vec3 outward) {
+    vec3 w = ray.origin - sphereCenter(sphere);
+    float away = dot(outward, ray.direction);
+    float square = dot(w, w);
+    float size = dot(ray.direction, ray.direction);
+    bool isLimb = away > 0.0 && away * away <= gammaBound(8.0) * gammaBound(8.0) * size * square / (sphere.radius * sphere.radius);
+    return isLimb && square > sphere.radius * sphere.radius ? outward - 2.0 * away / size * ray.direction : outward;
+}
+
 // The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5), plus the rounding of adding the centre.
 void sphereSurface(Ray ray, Hit hit, inout Surface surface) {
     Sphere sphere = loadSphere(hit.primitive & kPrimitiveIndexMask);
@@ -95,6 +107,7 @@ void sphereSurface(Ray ray, Hit hit, inout Surface surface) {
     precise vec3 position = sphere.point + scaled;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(scaled) + abs(sphere.point));
+    if (SPHERE_FORM != kSphereRobust) outward = towardsRayAtLimb(ray, sphere, outward);
     surface.normal = outward;
     surface.shadingNormal = outward;
     surface.object = sphere.object;

@@ -93,6 +93,16 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out f
 #endif
 }
 
+// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each triangle is for itself.
+bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
+    if (INTERSECTOR != kTriangleWatertight) return true;
+#ifdef GLINT_FP64
+    return crossesInDouble(ray, triangle);
+#else
+    return crossesTriangle(ray, frame, triangle);
+#endif
+}
+
 vec3 sphereCenter(Sphere sphere) {
     if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
     precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;

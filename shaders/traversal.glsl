@@ -154,6 +154,9 @@ void testLeaf(inout Traversal traversal, uint leaf) {
             float t, u, v;
             bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                          !isOwnTriangle(traversal, primitive, triangle.id);
+#ifdef GLINT_SHADOW_RAYS
+            if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
+#endif
             offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
             ++index;
             ++traversal.trips;

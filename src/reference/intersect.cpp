@@ -89,6 +89,17 @@ bool lineHitsTriangle(const shared::Triangle& triangle, const PreparedRay& ray) 
     return positive != negative;
 }
 
+// edgeSide, and of a line that passes the edge exactly the side of one whose origin is moved by (e, e^2, e^3)
+// for a tiny e: d.((b - m) x (c - m)) = d.(b x c) - m.(d x (b - c)). Edelsbrunner, Muecke, "Simulation of
+// Simplicity", ACM Transactions on Graphics 9(1), 1990.
+int edgeSideMoved(const Vec<Quad>& d, const Vec<Quad>& b, const Vec<Quad>& c) {
+    if (const int side = edgeSide(d, b, c); side != 0) return side;
+    const Vec<Quad> change = cross(d, b - c);
+    for (const Quad component : {change.x, change.y, change.z})
+        if (component != 0) return component < 0 ? 1 : -1;
+    return 0;
+}
+
 // a t^2 - 2 b t + c = 0 for w = point - origin, ordinary: b = w.d, c = w.w - r^2; anchored: b = (w - r n).d,
 // c = w.w - 2 r n.w.
 template <class T>
@@ -147,6 +158,14 @@ PreparedRay::PreparedRay(const Ray& ray) {
     ky = (kx + 1) % 3;
     shearX = direction[kx] / direction[kz];
     shearY = direction[ky] / direction[kz];
+}
+
+bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
+    const Vec<Quad> o = toVec<Quad>(ray.origin), d = toVec<Quad>(ray.direction);
+    const Vec<Quad> a = toVec<Quad>(triangle.v0) - o, b = toVec<Quad>(triangle.v1) - o,
+                    c = toVec<Quad>(triangle.v2) - o;
+    const int side = edgeSideMoved(d, b, c);
+    return side == edgeSideMoved(d, c, a) && side == edgeSideMoved(d, a, b);
 }
 
 bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,

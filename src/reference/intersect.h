@@ -42,6 +42,10 @@ struct Root {
 bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
                    Root& root);
 
+// Of a triangle that the ray hits: whether it is the one of those that share the edge or the corner met which
+// the ray crosses. Of a closed surface's triangles around a point, as many as a ray just beside it crosses.
+bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray);
+
 // Watertight by the argument of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
 // 2013, section 3: an edge function is a function of its edge and the ray alone, its sign is right or it is
 // zero, and zero counts as inside.

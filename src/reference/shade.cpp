@@ -213,15 +213,18 @@ std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, 
         if (occluded) return std::nullopt;
         return dvec3(1);
     }
-    const std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
+    std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
     count(RayClass::Shadow, before);
     dvec3 left(1), sigma(0), fade(0);
     for (uint32_t medium : media) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
+    // What is opaque blocks with its edges too.
+    for (const Hit& hit : hits)
+        if (scene_.materials[tracer_.surface(ray, hit).material].medium == 0) return std::nullopt;
+    std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
     for (const Hit& hit : hits) {
         const Surface surface = tracer_.surface(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
-        if (medium == 0) return std::nullopt;
         left *= transmissionAt(scene_, medium, surface);
         const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
         change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));

@@ -125,10 +125,15 @@ class Tracer {
     std::optional<Hit> closest(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // True if anything is hit.
     bool occluded(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
-    // Every hit, nearest first.
+    // Every hit, nearest first; of triangles that share the edge or corner that is hit, all.
     std::vector<Hit> allHits(const Ray& ray, const Source& source = {}, uint64_t* cost = nullptr) const;
     // The same as `closest` by testing every primitive, without the BVH: the oracle's oracle.
     std::optional<Hit> closestBruteForce(const Ray& ray, const Source& source = {}) const;
+
+    // False for a hit in a triangle's edge or corner that counts as another triangle's, where a ray goes
+    // through: crossesTriangle. The textbooks' triangle tests do not agree about edges; with them each counts
+    // for itself.
+    bool crosses(const Ray& ray, const Hit& hit) const;
 
     Surface surface(const Ray& ray, const Hit& hit) const;
 

@@ -321,6 +321,15 @@ std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t*
     return hits;
 }
 
+bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
+    if (hit.primitive >> shared::kPrimitiveKindShift != shared::kKindTriangle ||
+        scene_.methods.triangles != TriangleMethod::Watertight)
+        return true;
+    const PreparedRay seen(
+        hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).entered(ray));
+    return crossesTriangle(scene_.triangles[hit.primitive & shared::kPrimitiveIndexMask], seen);
+}
+
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
     Search search;
     const PreparedRay prepared(ray);

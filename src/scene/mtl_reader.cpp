@@ -55,6 +55,26 @@ Material convert(const tinyobj::material_t& m) {
     return material;
 }
 
+// What shines through: 1 - d of the light, filtered by Tf; or all of it, where the illumination model is one
+// of clear things and Tf says so. Tf black stands for no Tf: the parser knows no difference, and exporters
+// write both. The models 6 and 7 refract, with Fresnel's law in the place of the mirror colour; all others
+// let light go straight on. What shines through is not there to reflect.
+void letThrough(const tinyobj::material_t& m, Material& material) {
+    const bool refracts = m.illum == 6 || m.illum == 7;
+    const bool clear = refracts || m.illum == 4 || m.illum == 9;
+    const Color filter = color(m.transmittance);
+    const double through = 1 - std::clamp(m.dissolve, 0.0, 1.0);
+    if (through > 0)
+        material.transmission = through * (filter == Color(0) ? Color(1) : glm::min(filter, Color(1)));
+    else if (clear)
+        material.transmission = glm::min(filter, Color(1));
+    if (material.transmission == Color(0)) return;
+    material.ior = refracts ? m.ior : 1;
+    for (Color* part : {&material.ambient, &material.diffuse, &material.specular, &material.mirror})
+        *part *= 1 - through;
+    if (refracts) material.mirror = Color(0);
+}
+
 }  // namespace
 
 void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
@@ -72,11 +92,12 @@ void readMtl(const std::filesystem::path& path, std::vector<Material>& materials
         if (m.name.empty()) continue;  // what stands before the first newmtl
         for (const char* map : ignoredMaps(m))
             if (std::find(ignored.begin(), ignored.end(), map) == ignored.end()) ignored.emplace_back(map);
-        if (m.dissolve < 1)
+        if (color(m.emission) != Color(0))
             warnings.push_back(file + ": material \"" + m.name +
-                               "\": d and Tr (transparency) are not supported by this version; drawn opaque");
+                               "\": Ke is ignored, surfaces that glow are not supported");
         Material material = convert(m);
         maps.apply(m, material);
+        letThrough(m, material);
         validateMaterial(material, {file, "material \"" + m.name + "\""});
         materials.push_back(material);
     }

@@ -49,6 +49,17 @@ TEST_F(Methods, ExerciseOneTheSphere) {
     }
 }
 
+// Samples on balls' limbs showed a dark side where the light comes from: the discriminant was 0 beyond the
+// limb, and the normal looked away by the rounding of t (towardsRayAtLimb).
+TEST_F(Methods, TextbookSpheresVerifyThroughALens) {
+    for (const char* sphere : {"algebraic", "geometric"}) {
+        const Ran ran = runGlint({"verify", GLINT_SOURCE_DIR "/scenes/lens.json", "--size", "160x120",
+                                  "--sphere", sphere, "--progress", "none"});
+        EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+        EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
+    }
+}
+
 // The same ray meets the triangle of the unit points where 3 (1 - t) = 1, in its middle.
 TEST_F(Methods, ExerciseTwoTheTriangle) {
     writeText("a.json",

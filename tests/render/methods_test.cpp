@@ -155,6 +155,40 @@ TEST_F(MethodsTest, onlyTheRobustSphereIsRoundFromAfar) {
     }
 }
 
+// Seen from outside, whatever a test takes for a hit beyond the limb, its normal does not look away. Rays
+// within a few roundings of the limb; half a unit of 2^-24 for each product of n.d.
+TEST_F(MethodsTest, aSphereSeenFromOutsideShowsItsOutside) {
+    constexpr double kDistance = 40, kFewRoundings = 4 * kDistance * kDistance * 0x1p-24;
+    Scene scene = emptyScene();
+    addSphere(scene, dvec3(0.3, -0.2, 0.1), 1);
+    scene.camera.eye = {0, 0, kDistance};
+    PackedScene packed = packScene(scene);
+    Random random(13);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 20000; ++i) {
+        const dvec3 away = random.direction();
+        const dvec3 aside = glm::normalize(glm::cross(away, random.direction()));
+        const dvec3 center(0.3, -0.2, 0.1);
+        // The limb's ring lies 1 / D before the centre.
+        const dvec3 limb = away / kDistance + std::sqrt(1 - 1 / (kDistance * kDistance)) *
+                                                  (1 + random.uniform(-kFewRoundings, kFewRoundings)) * aside;
+        rays.push_back(rayTowards(center + kDistance * away - packed.origin, center + limb - packed.origin));
+    }
+    for (const SphereMethod method : kSphereMethods) {
+        packed.methods.spheres = method;
+        const auto hits = Renderer(device(), packed).trace(rays, false);
+        size_t hit = 0, away = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            if (!hits[i].hit) continue;
+            ++hit;
+            const dvec3 n(hits[i].data.geometricNormal), d(rays[i].direction);
+            away += glm::dot(n, d) > 2 * 0x1p-24 * glm::length(d);
+        }
+        EXPECT_GT(hit, rays.size() / 4) << nameOf(method);
+        EXPECT_EQ(away, 0u) << nameOf(method);
+    }
+}
+
 // Near a sphere of radius 1e6 only the anchored form knows the height.
 TEST_F(MethodsTest, onlyTheRobustSphereHoldsUnderTheEye) {
     Scene scene = emptyScene();

@@ -161,8 +161,7 @@ Scene shadowScene(const Light& light) {
     addPlane(scene, {0, 0, 0}, {0, 1, 0});
     const uint32_t glass = addGlass(scene, 1.5, {0.5, 0.8, 1});
     scene.materials[glass].attenuation = {0, 0.25, 1.5};
-    // Off the middle: a ray in the edge between two triangles crosses both.
-    addBox(scene, {-1, 1, -1}, {1.3, 1.75, 1.1}, glass);
+    addBox(scene, {-1, 1, -1}, {1, 1.75, 1}, glass);
     addSphere(scene, {0, 3, 0}, 0.5, glass);
     look(scene, {0.3, 0.5, 0}, {-0.3, -0.5, 0});
     scene.camera.height = 0.4;
@@ -191,6 +190,50 @@ TEST_F(OpticsTest, shadowsAreColoured) {
     Scene full = shadowScene(Light(sun));
     full.transmissiveShadows = TransmissiveShadows::Full;
     EXPECT_EQ(channel(draw(device(), makeCase(full, 1, 1))), 0);
+}
+
+// Light that comes down through a slab, on points of a grid that meet the slab's diagonals, edges and corners
+// exactly: it crosses two surfaces and 0.75 of glass, or passes the slab. Where both triangles of an edge
+// were counted it was dimmed four times over, and by as much glass more or less.
+TEST_F(OpticsTest, shadowsCrossAnEdgeOnce) {
+    Scene scene = emptyScene();
+    scene.materials[0].diffuse = Color(1);
+    DirectionalLight sun;
+    sun.direction = {0, -1, 0};
+    scene.lights.push_back(Light(sun));
+    addPlane(scene, {0, 0, 0}, {0, 1, 0});
+    const uint32_t glass = addGlass(scene, 1.5, Color(0.5));
+    scene.materials[glass].attenuation = Color(0.5);
+    addBox(scene, {-1, 1, -1}, {1, 1.75, 1}, glass);
+    look(scene, {0.125, 0.5, 0.125}, {0, -1, 0});
+    scene.camera.height = 3;
+    const Case c = makeCase(scene, 12, 12);
+    const double through = 0.25 * std::exp(-0.5 * 0.75);
+    const Picture whole = draw(device(), c);
+    Options few;
+    few.tripBudget = 2;
+    const Picture pieces = draw(device(), c, few);
+    const reference::Tracer tracer(c.packed);
+    int inside = 0, onDiagonals = 0;
+    for (int y = 0; y < c.height; ++y) {
+        for (int x = 0; x < c.width; ++x) {
+            const dvec3 p = whole.at(x, y).position;
+            const double reach = std::max(std::abs(p.x), std::abs(p.z));
+            ASSERT_EQ(reach * 4, std::round(reach * 4)) << "the grid is met exactly";
+            inside += reach < 1;
+            onDiagonals += reach < 1 && std::abs(p.x) == std::abs(p.z);
+            const auto judge = [&](double seen, const char* who) {
+                const bool dimmed = std::abs(seen - through) < 1e-6, bright = std::abs(seen - 1) < 1e-6;
+                EXPECT_TRUE(reach < 1 ? dimmed : (reach > 1 ? bright : dimmed || bright))
+                    << who << ' ' << p.x << ' ' << p.z << ": " << seen;
+            };
+            judge(whole.color.at(x, y, 0), "device");
+            judge(pieces.color.at(x, y, 0), "device, in pieces");
+            judge(tracer.trace(tracer.cameraRay(c.camera, x + 0.5, y + 0.5)).color.x, "reference");
+        }
+    }
+    EXPECT_EQ(inside, 49);
+    EXPECT_EQ(onDiagonals, 13);
 }
 
 // A lamp inside the glass, 0.25 above the underside: one surface and 0.25 of glass.

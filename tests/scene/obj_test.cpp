@@ -222,10 +222,52 @@ TEST(Obj, materials) {
     EXPECT_EQ(paper.specular, Color(0));
 }
 
+// Wavefront's d (and Tr = 1 - d), Tf, Ni and illumination models.
+TEST(Obj, materialsLetLightThrough) {
+    const TemporaryFolder folder;
+    folder.write("m.mtl",
+                 "newmtl veil\nKd 0.8 0.4 0\nKs 0.5 0.5 0.5\nNs 10\nd 0.25\nNi 1.5\nillum 2\n"
+                 "newmtl tinted\nKd 0.8 0.8 0.8\nTr 0.5\nTf 1 0.5 0\nillum 4\n"
+                 "newmtl glass\nKd 0 0 0\nKs 1 1 1\nNs 100\nTf 0.9 1 2\nNi 1.45\nillum 7\n"
+                 "newmtl painted\nKd 0.5 0.5 0.5\nTf 1 1 1\nNi 1.5\nillum 2\n");
+    const auto file =
+        folder.write("m.obj", "mtllib m.mtl\n" + kFour +
+                                  "usemtl veil\nf 1 2 3\nusemtl tinted\nf 1 2 3\nusemtl glass\nf 1 2 3\n"
+                                  "usemtl painted\nf 1 2 3\n");
+    const ImportedMesh imported = importMesh(file);
+    EXPECT_TRUE(imported.warnings.empty());
+    ASSERT_EQ(imported.materials.size(), 4u);
+    const Material& veil = imported.materials[0];
+    expectNear(veil.transmission, Color(0.75));
+    expectNear(veil.diffuse, Color(0.2, 0.1, 0));
+    expectNear(veil.ambient, Color(0.2, 0.1, 0));
+    expectNear(veil.specular, Color(0.125));
+    EXPECT_EQ(veil.ior, 1);  // Ni bends light in the models 6 and 7 alone
+    const Material& tinted = imported.materials[1];
+    expectNear(tinted.transmission, Color(0.5, 0.25, 0));
+    expectNear(tinted.diffuse, Color(0.4));
+    EXPECT_EQ(tinted.ior, 1);
+    const Material& glass = imported.materials[2];
+    expectNear(glass.transmission, Color(0.9, 1, 1));
+    expectNear(glass.specular, Color(1));
+    EXPECT_EQ(glass.mirror, Color(0));  // Fresnel's law instead
+    EXPECT_DOUBLE_EQ(glass.ior, 1.45);
+    const Material& painted = imported.materials[3];  // exporters write Tf of opaque things too
+    EXPECT_EQ(painted.transmission, Color(0));
+    expectNear(painted.diffuse, Color(0.5));
+}
+
+TEST(Obj, materialsThatBendLightNeedAnIndex) {
+    const TemporaryFolder folder;
+    const auto mtl = folder.write("m.mtl", "newmtl a\nTf 1 1 1\nNi 0\nillum 7\n");
+    const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "usemtl a\nf 1 2 3\n");
+    EXPECT_NE(errorOf([&] { importMesh(file); }).find("material \"a\"/ior: must be from"), std::string::npos);
+}
+
 TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
     const TemporaryFolder folder;
     const auto mtl = folder.write("m.mtl",
-                                  "newmtl a\nKd 1 1 1\nKa 0 0 0\nKs 1 1 1\nNs 0\nd 0.5\nmap_Kd a.png\n"
+                                  "newmtl a\nKd 1 1 1\nKa 0 0 0\nKs 1 1 1\nNs 0\nKe 2 0 0\nmap_Kd a.png\n"
                                   "newmtl b\nKd 1 1 1\nmap_Kd b.png\nmap_bump c.png\n");
     const auto file = folder.write(
         "m.obj", "mtllib m.mtl gone.mtl\n" + kFour +
@@ -234,8 +276,7 @@ TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
     EXPECT_EQ(
         imported.warnings,
         (std::vector<std::string>{
-            mtl.string() +
-                ": material \"a\": d and Tr (transparency) are not supported by this version; drawn opaque",
+            mtl.string() + ": material \"a\": Ke is ignored, surfaces that glow are not supported",
             mtl.string() + ": " + (folder.path() / "a.png").string() + ": no such file; drawn without it",
             mtl.string() + ": " + (folder.path() / "b.png").string() + ": no such file; drawn without it",
             mtl.string() + ": map_bump is ignored, such maps are not supported by this version",
