@@ -109,6 +109,11 @@ std::string milliseconds(const Quartiles& q) {
     return line("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
 }
 
+std::string traversalText(const BenchResult& r) {
+    const bool wide = r.traversal != "lane" && r.traversal != "packet";
+    return wide ? "lanes in a " + r.traversal : r.traversal + "s";
+}
+
 std::string rateLine(const BenchRate& rate) {
     std::string text = line("  %-20s %11llu", rate.name, static_cast<unsigned long long>(rate.rays));
     text += rate.rays > 0 ? line(" %10.1f", rate.testsPerRay) : line(" %10s", "-");
@@ -175,7 +180,7 @@ std::string benchTable(const BenchResult& r) {
                  counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.maxDepth);
     text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
     text += "  " + r.device + ", " + r.driver;
-    if (!r.traversal.empty()) text += ", " + r.traversal + "s, " + r.access + " buffers";
+    if (!r.traversal.empty()) text += ", " + traversalText(r) + ", " + r.access + " buffers";
     text += std::string(", commit ") + builtCommit() + "\n";
     if (!r.also.empty()) {
         text += "  with the code of";
