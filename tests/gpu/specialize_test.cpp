@@ -27,7 +27,9 @@ std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code)
 
 std::vector<uint32_t> constantsWhere(auto isOn) {
     std::vector<uint32_t> constants(kIds, 0);
-    for (uint32_t id = 0; id < 70 || (id > 71 && id < 77); ++id) constants[id] = isOn(id) ? 1 : 0;
+    // 70, 71, 77 and 78 choose among methods.
+    for (uint32_t id = 0; id < kIds; ++id)
+        if (id < 70 || (id > 71 && id != 77 && id != 78)) constants[id] = isOn(id) ? 1 : 0;
     return constants;
 }
 
