@@ -4,8 +4,6 @@
 #include <array>
 #include <stdexcept>
 
-#include "bvh/packet_tree.h"
-
 namespace glint::bench {
 
 using render::KernelId;
@@ -54,7 +52,7 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
       scene_(scene),
       access_(render::chooseAccess(device.info(), render::largestArray(scene))),
       slice_(wholePicture(width, height)),
-      buffers_(device, scene, access_, packetTree(scene.nodes)),
+      buffers_(device, scene, access_, {.packets = true, .reason = {}}),
       paths_(device, access_, slice_.paths(), shared::kPathRows),
       counters_(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
                 gpu::MemoryKind::Host),

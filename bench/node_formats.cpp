@@ -1,16 +1,19 @@
 // node_formats SCENE...
 //
 // Which format of node would a GPU like best? Nodes visited, triangles tested and bytes loaded by a ray that
-// walks by itself, nearest child first, through the same leaves in four formats:
-//   BVH2  64 bytes: two boxes of floats, as glint's own nodes;
-//   BVH4  128 bytes: four boxes of floats;
-//   BVH8  256 bytes: eight boxes of floats, as packets have them;
+// walks by itself through the same leaves:
+//   BVH2  64 bytes: two boxes of floats, the nearer child first (--traversal lane);
+//   BVH4  128 bytes: four boxes of floats, nearest child first (bvh4);
+//   BVH8  256 bytes: eight boxes of floats, as packets have them, nearest child first;
 //   CWBVH 80 bytes: eight boxes of bytes in a frame of the node (Ylitie, Karras, Laine, "Efficient Incoherent
-//         Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, sec. 2), sorted here, in octant order
-//         there.
-// Triangles are 48 bytes. 256x192 camera rays, a shadow ray to the first light and a random bounce from each
-// hit. Counts do not depend on the machine; a GPU's caches and divergence are not in them.
+//         Ray Traversal on GPUs Through Compressed Wide BVHs", 2017), in octant order, leaves at once
+//         (cwbvh); and, not built, nearest child first.
+// + t: distances stand on the stack, and what has come to lie behind a hit is dropped when it is taken off;
+// not built either. Triangles are 48 bytes, the word of a compressed node's leaf 16. 256x192 camera rays, a
+// shadow ray to the first light and a random bounce from each hit. Counts do not depend on the machine; a
+// GPU's caches and divergence are not in them.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +23,7 @@
 #include "bounce.h"
 #include "bvh/packed_scene.h"
 #include "bvh/packet_tree.h"
+#include "bvh/wide_tree.h"
 #include "core/error.h"
 #include "reference/tracer.h"
 #include "scene/load.h"
@@ -34,10 +38,6 @@ struct Child {
     vec3 lo{0}, hi{0};
     uint32_t child = shared::kNone;
 
-    float halfArea() const {
-        const vec3 e = hi - lo;
-        return e.x * e.y + e.y * e.z + e.z * e.x;
-    }
     bool isInner() const { return (child & shared::kLeafFlag) == 0; }
 };
 
@@ -47,32 +47,75 @@ struct Format {
     const char* name;
     size_t bytes;  // of a node
     std::vector<Node> nodes;
+    bool byOctant = false;  // children are in slots
+    bool keepsDistances = false;
+    size_t leafBytes = 0;
 };
 
-std::vector<Child> childrenOf(const shared::Node& node) {
-    std::vector<Child> children;
-    if (node.child0 != shared::kNone) children.push_back({node.lo0, node.hi0, node.child0});
-    if (node.child1 != shared::kNone) children.push_back({node.lo1, node.hi1, node.child1});
-    return children;
-}
-
-// Opens the largest child until there are `width`. Nodes that were opened stay in the list, unused.
-std::vector<Node> widened(const std::vector<shared::Node>& binary, size_t width) {
+std::vector<Node> binaryNodes(const std::vector<shared::Node>& binary) {
     std::vector<Node> nodes;
     for (const shared::Node& node : binary) {
-        Node children = childrenOf(node);
-        for (;;) {
-            const Child* largest = nullptr;
-            for (const Child& c : children) {
-                if (c.isInner() && (!largest || c.halfArea() > largest->halfArea())) largest = &c;
-            }
-            if (!largest) break;
-            const Node below = childrenOf(binary[largest->child]);
-            if (children.size() - 1 + below.size() > width) break;
-            children.erase(children.begin() + (largest - children.data()));
-            children.insert(children.end(), below.begin(), below.end());
-        }
+        Node children;
+        if (node.child0 != shared::kNone) children.push_back({node.lo0, node.hi0, node.child0});
+        if (node.child1 != shared::kNone) children.push_back({node.lo1, node.hi1, node.child1});
         nodes.push_back(std::move(children));
+    }
+    return nodes;
+}
+
+uint32_t wordOf(const shared::WideRow& row, uint32_t i) {
+    return i == 0 ? row.x : i == 1 ? row.y : i == 2 ? row.z : row.w;
+}
+
+std::vector<Node> fourNodes(const std::vector<shared::Node>& binary) {
+    const std::vector<shared::WideRow> rows = wideTree(binary, NodeFormat::Four).rows;
+    std::vector<Node> nodes;
+    for (size_t first = 0; first < rows.size(); first += shared::kFourRows) {
+        Node node;
+        for (uint32_t i = 0; i < 4; ++i) {
+            Child c;
+            c.child = wordOf(rows[first + 6], i);
+            for (int axis = 0; axis < 3; ++axis) {
+                const size_t row = first + 2 * static_cast<size_t>(axis);
+                c.lo[axis] = std::bit_cast<float>(wordOf(rows[row], i));
+                c.hi[axis] = std::bit_cast<float>(wordOf(rows[row + 1], i));
+            }
+            if (c.child != shared::kNone) node.push_back(c);
+        }
+        nodes.push_back(std::move(node));
+    }
+    return nodes;
+}
+
+// In their slots; those without a child hold kNone.
+Node compressedNode(const std::vector<shared::WideRow>& rows, size_t first) {
+    const shared::WideRow &head = rows[first], &links = rows[first + 1];
+    uint32_t nextNode = links.x, nextLeaf = links.y;
+    Node node(8);
+    for (uint32_t i = 0; i < 8; ++i) {
+        Child& c = node[i];
+        if (head.w >> 24 >> i & 1) c.child = nextNode++;
+        if (links.z >> i & 1) c.child = wordOf(rows[nextLeaf / 4], nextLeaf % 4), ++nextLeaf;
+        for (int axis = 0; axis < 3; ++axis) {
+            const shared::WideRow& planes = rows[first + 2 + static_cast<size_t>(axis)];
+            const float origin = std::bit_cast<float>(wordOf(head, static_cast<uint32_t>(axis)));
+            const float step = std::bit_cast<float>((head.w >> 8 * axis & 0xff) << 23);
+            const uint32_t shift = 8 * (i % 4);
+            c.lo[axis] = origin + step * static_cast<float>((i < 4 ? planes.x : planes.y) >> shift & 0xff);
+            c.hi[axis] = origin + step * static_cast<float>((i < 4 ? planes.z : planes.w) >> shift & 0xff);
+        }
+    }
+    return node;
+}
+
+std::vector<Node> compressedNodes(const std::vector<shared::Node>& binary) {
+    const std::vector<shared::WideRow> rows = wideTree(binary, NodeFormat::Compressed).rows;
+    std::vector<Node> nodes;
+    // The first leaf's word follows the last node; leaves go to nodes in their order.
+    size_t end = rows.size();
+    for (size_t first = 0; first < end; first += shared::kCompressedRows) {
+        if (rows[first + 1].z != 0) end = std::min<size_t>(end, rows[first + 1].y / 4);
+        nodes.push_back(compressedNode(rows, first));
     }
     return nodes;
 }
@@ -91,35 +134,13 @@ std::vector<Node> packetNodes(const std::vector<shared::Node>& binary) {
     return nodes;
 }
 
-// Corners on a grid of 256 steps of a power of two from the node's lower corner, rounded outwards.
-std::vector<Node> quantized(std::vector<Node> nodes) {
-    for (Node& node : nodes) {
-        if (node.empty()) continue;
-        vec3 lo = node[0].lo, hi = node[0].hi;
-        for (const Child& c : node) {
-            lo = glm::min(lo, c.lo);
-            hi = glm::max(hi, c.hi);
-        }
-        for (int axis = 0; axis < 3; ++axis) {
-            const float extent = hi[axis] - lo[axis];
-            const float step = extent > 0 ? std::exp2(std::ceil(std::log2(extent / 255))) : 0;
-            if (step == 0) continue;
-            for (Child& c : node) {
-                c.lo[axis] = lo[axis] + step * std::floor((c.lo[axis] - lo[axis]) / step);
-                c.hi[axis] = lo[axis] + step * std::ceil((c.hi[axis] - lo[axis]) / step);
-            }
-        }
-    }
-    return nodes;
-}
-
 struct Ray {
     dvec3 origin, direction;
     double tMax;
 };
 
 struct Counts {
-    uint64_t rays = 0, nodes = 0, triangles = 0;
+    uint64_t rays = 0, nodes = 0, leaves = 0, triangles = 0;
 };
 
 double entry(const Ray& ray, const dvec3& inverse, const Child& c) {
@@ -139,43 +160,83 @@ double hitOf(const Ray& ray, const shared::Triangle& triangle) {
     return u >= 0 && v >= 0 && u + v <= 1 && t > 1e-9 ? t : -1;
 }
 
-// Returns t of the nearest hit, of any if `any`, or a negative number.
-double walk(const PackedScene& scene, const Format& format, Ray ray, bool any, Counts& counts) {
-    ++counts.rays;
-    const dvec3 inverse = 1.0 / ray.direction;
-    struct Entry {
-        uint32_t child;
-        double begin;
-    };
-    std::vector<Entry> stack = {{0, 0}};
-    double found = -1;
-    while (!stack.empty()) {
-        const Entry top = stack.back();
-        stack.pop_back();
-        if (top.begin > ray.tMax) continue;
-        if (top.child & shared::kLeafFlag) {
-            const uint32_t first = top.child & shared::kLeafFirstMask;
-            const uint32_t size = ((top.child >> shared::kLeafCountShift) & shared::kLeafCountMask) + 1;
-            for (uint32_t i = first; i < first + size; ++i) {
-                ++counts.triangles;
-                const double t = hitOf(ray, scene.triangles[i]);
-                if (t < 0 || t > ray.tMax) continue;
-                ray.tMax = found = t;
-                if (any) return found;
-            }
-            continue;
+struct Entry {
+    uint32_t child;
+    double begin;
+};
+
+// A ray on its way through a tree.
+class Walk {
+  public:
+    Walk(const PackedScene& scene, const Format& format, const Ray& ray, bool any, Counts& counts)
+        : scene_(scene),
+          format_(format),
+          ray_(ray),
+          inverse_(1.0 / ray.direction),
+          any_(any),
+          counts_(counts) {}
+
+    // Returns t of the nearest hit, of any if `any`, or a negative number.
+    double run() {
+        ++counts_.rays;
+        stack_ = {{0, 0}};
+        while (!stack_.empty() && !(any_ && found_ >= 0)) {
+            const Entry top = stack_.back();
+            stack_.pop_back();
+            if (format_.keepsDistances && top.begin > ray_.tMax) continue;
+            if (top.child & shared::kLeafFlag)
+                leaf(top.child);
+            else
+                node(format_.nodes[top.child]);
         }
-        ++counts.nodes;
-        const auto first = static_cast<std::ptrdiff_t>(stack.size());
-        for (const Child& c : format.nodes[top.child]) {
-            const double begin = entry(ray, inverse, c);
-            if (begin >= 0) stack.push_back({c.child, begin});
-        }
-        std::sort(stack.begin() + first, stack.end(),
-                  [](const Entry& a, const Entry& b) { return a.begin > b.begin; });
+        return found_;
     }
-    return found;
-}
+
+  private:
+    void leaf(uint32_t child) {
+        ++counts_.leaves;
+        const uint32_t first = child & shared::kLeafFirstMask;
+        const uint32_t size = ((child >> shared::kLeafCountShift) & shared::kLeafCountMask) + 1;
+        for (uint32_t i = first; i < first + size; ++i) {
+            ++counts_.triangles;
+            const double t = hitOf(ray_, scene_.triangles[i]);
+            if (t < 0 || t > ray_.tMax) continue;
+            ray_.tMax = found_ = t;
+            if (any_) return;
+        }
+    }
+    void node(const Node& children) {
+        ++counts_.nodes;
+        std::vector<Entry> entered;
+        const size_t octant =
+            (ray_.direction.x < 0 ? 1 : 0) | (ray_.direction.y < 0 ? 2 : 0) | (ray_.direction.z < 0 ? 4 : 0);
+        for (size_t i = 0; i < children.size(); ++i) {
+            const Child& c = children[format_.byOctant ? i ^ octant : i];
+            if (c.child == shared::kNone) continue;
+            const double begin = entry(ray_, inverse_, c);
+            if (begin >= 0) entered.push_back({c.child, begin});
+        }
+        if (format_.byOctant) {
+            for (const Entry& e : entered) {
+                if ((e.child & shared::kLeafFlag) && !(any_ && found_ >= 0)) leaf(e.child);
+            }
+            std::erase_if(entered, [](const Entry& e) { return (e.child & shared::kLeafFlag) != 0; });
+        } else {
+            std::sort(entered.begin(), entered.end(),
+                      [](const Entry& a, const Entry& b) { return a.begin < b.begin; });
+        }
+        stack_.insert(stack_.end(), entered.rbegin(), entered.rend());
+    }
+
+    const PackedScene& scene_;
+    const Format& format_;
+    Ray ray_;
+    dvec3 inverse_;
+    bool any_;
+    Counts& counts_;
+    std::vector<Entry> stack_;
+    double found_ = -1;
+};
 
 struct Rays {
     std::vector<Ray> camera, shadow, bounce;
@@ -216,11 +277,16 @@ void report(const std::string& file) {
     const PackedScene packed = packScene(scene);
     if (packed.triangles.empty() || !packed.spheres.empty() || !packed.instances.empty())
         throw Error(ExitCode::Usage, file + ": not a scene of triangles alone");
-    const std::vector<Node> wide = packetNodes(packed.nodes);
-    const Format formats[] = {{"BVH2", 64, widened(packed.nodes, 2)},
-                              {"BVH4", 128, widened(packed.nodes, 4)},
-                              {"BVH8", 256, wide},
-                              {"CWBVH", 80, quantized(wide)}};
+    const std::vector<Node> two = binaryNodes(packed.nodes), four = fourNodes(packed.nodes),
+                            eight = packetNodes(packed.nodes), compressed = compressedNodes(packed.nodes);
+    const Format formats[] = {{"BVH2", 64, two},
+                              {"BVH2 + t", 64, two, false, true},
+                              {"BVH4", 128, four},
+                              {"BVH4 + t", 128, four, false, true},
+                              {"BVH8 + t", 256, eight, false, true},
+                              {"CWBVH", 80, compressed, true, false, 16},
+                              {"CWBVH, nearest first", 80, compressed, false, false, 16},
+                              {"CWBVH, nearest first + t", 80, compressed, false, true, 16}};
     const Rays rays = raysOf(scene, packed);
     const struct {
         const char* name;
@@ -234,12 +300,14 @@ void report(const std::string& file) {
         for (const auto& kind : classes) {
             Counts counts;
             uint64_t hits = 0;
-            for (const Ray& ray : kind.rays) hits += walk(packed, format, ray, kind.any, counts) >= 0;
+            for (const Ray& ray : kind.rays) hits += Walk(packed, format, ray, kind.any, counts).run() >= 0;
             const double n = std::max<double>(1, static_cast<double>(counts.rays));
             const double nodes = static_cast<double>(counts.nodes) / n;
             const double triangles = static_cast<double>(counts.triangles) / n;
+            const double leaves = static_cast<double>(counts.leaves) / n;
             std::printf(" %.1f, %.1f, %.0f |", nodes, triangles,
-                        nodes * static_cast<double>(format.bytes) + 48 * triangles);
+                        nodes * static_cast<double>(format.bytes) +
+                            leaves * static_cast<double>(format.leafBytes) + 48 * triangles);
             std::fprintf(stderr, "%s %s %s: %llu hits\n", name.c_str(), format.name, kind.name,
                          static_cast<unsigned long long>(hits));
         }

@@ -186,6 +186,11 @@ GLINT_READ_ARRAY(17, packetCornersArray)
 GLINT_LOADER(PacketCorner, GLINT_PACKET_CORNER_ROWS)
 #undef GLINT_ARRAY_NAME
 
+GLINT_READ_ARRAY(24, wideRowsArray)
+#define GLINT_ARRAY_NAME wideRowsArray
+GLINT_LOADER(WideRow, GLINT_WIDE_ROW_ROWS)
+#undef GLINT_ARRAY_NAME
+
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };
@@ -203,5 +208,6 @@ uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 GLINT_FEATURES(GLINT_FEATURE_CONSTANT)
 GLINT_MODES(GLINT_MODE_CONSTANT)
 GLINT_CHOICES(GLINT_CHOICE_CONSTANT)
+GLINT_LANE_WALK(GLINT_CHOICE_CONSTANT)
 
 #endif

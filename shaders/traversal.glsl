@@ -12,6 +12,7 @@
 #include "material.glsl"
 #include "quadric.glsl"
 #include "textbook.glsl"
+#include "wide_nodes.glsl"
 
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
@@ -88,7 +89,8 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         traversal.instance = target;
         traversal.idBase = toWorld ? 0u : instance.idBase;
         traversal.mirrored = !toWorld && instance.mirrored != 0u;
-        root = toWorld ? kNone : instance.root;
+        uint first = NODE_FORMAT == kNodesTwo || MODE_RESUME ? instance.root : instance.wideRoot;
+        root = toWorld ? kNone : first;
         enters = false;
         ++traversal.trips;
     } while (enters);
@@ -230,45 +232,73 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
     }
 }
 
-// From the root with a stack, nearer child first. Returns kNone when finished, else the slot to resume from: 0, the beginning;
+// Each pushes what the ray enters of a node's children but the nearest, farthest first, and returns that one, kNone if there is none:
+// which `none` says too, as comparing with kNone took 6 % of the time of scenes/instances.json on lavapipe.
+uint stepTwo(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
+    Node node = loadNode(index);
+    float near0, near1;
+    bool hit0 = intersectBox(ray, frame, node.lo0, node.hi0, tEnd, near0);
+    bool hit1 = intersectBox(ray, frame, node.lo1, node.hi1, tEnd, near1);
+    bool swapped = near1 < near0;
+    uint nearChild = swapped ? node.child1 : node.child0;
+    uint farChild = swapped ? node.child0 : node.child1;
+    bool both = hit0 && hit1;
+    if (both) stackPut(top, farChild);
+    top += both ? 1u : 0u;
+    none = !hit0 && !hit1;
+    return both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
+}
+
+uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
+    uvec4 child = enterFour(ray, frame, index, tEnd);
+    if (child.w != kNone) stackPut(top, child.w);
+    top += child.w != kNone ? 1u : 0u;
+    if (child.z != kNone) stackPut(top, child.z);
+    top += child.z != kNone ? 1u : 0u;
+    if (child.y != kNone) stackPut(top, child.y);
+    top += child.y != kNone ? 1u : 0u;
+    none = child.x == kNone;
+    return child.x;
+}
+
+// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from: 0, the beginning;
 // what is known by then keeps the second pass short.
 uint traverse(inout Traversal traversal, uint root) {
-    // One entry for each level at most: the far child of a node on the current path.
-    uint stack[kMaxBvhDepth + 1u];
+    const bool kFour = NODE_FORMAT == kNodesFour;
+    // Of the binary tree there is one entry for each level at most: the far child of a node on the current path.
+    const bool kMayOverflow = kFour || STACK_PLACE == kStackShared;
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     do if (current != kNone && traversal.trips < dispatch.tripBudget) {
         do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
-            Node node = loadNode(current);
             precise float tEnd = traversal.ray.tMax * farPad();
-            float near0, near1;
-            bool hit0 = intersectBox(traversal.ray, traversal.frame, node.lo0, node.hi0, tEnd, near0);
-            bool hit1 = intersectBox(traversal.ray, traversal.frame, node.lo1, node.hi1, tEnd, near1);
-            bool swapped = near1 < near0;
-            uint nearChild = swapped ? node.child1 : node.child0;
-            uint farChild = swapped ? node.child0 : node.child1;
-            bool both = hit0 && hit1;
-            if (both) stack[top] = farChild;
-            top += both ? 1u : 0u;
-            bool pop = !hit0 && !hit1;
+            uint next;
+            bool none;
+            if (kFour) {
+                next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
+            } else {
+                next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+            }
             bool empty = top == base;
-            uint popped = stack[empty ? 0u : top - 1u];
-            top -= pop && !empty ? 1u : 0u;
-            current = both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : (empty ? kNone : popped)));
+            uint popped = stackAt(empty ? 0u : top - 1u);
+            top -= none && !empty ? 1u : 0u;
+            current = none ? (empty ? kNone : popped) : next;
             ++traversal.trips;
-            if (MODE_COST) traversal.cost += 2u;
+            // No room for what the next node may push: the ray is started again, by the walk without a stack.
+            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = dispatch.tripBudget;
+            if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
         } while (isNode(current) && traversal.trips < dispatch.tripBudget);
         if (current != kNone && !isNode(current) && !isInstance(current)) {
             testLeaf(traversal, current);
             bool done = top == base || settled(traversal);
-            current = done ? kNone : stack[top == 0u ? 0u : top - 1u];
+            current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
             top -= done ? 0u : 1u;
         }
         if (FEATURE_INSTANCES) {
             // The way out of an instance may lead straight into the next.
             bool leaves = current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
-            if (leaves) current = stack[top == 0u ? 0u : top - 1u];
+            if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
             top -= leaves ? 1u : 0u;
             bool enters = current != kNone && isInstance(current);
             uint root = enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
@@ -308,6 +338,8 @@ uint walk(inout Traversal traversal, uint slot) {
     } while (slot != kNone && traversal.trips < dispatch.tripBudget);
     return slot;
 }
+
+#include "compressed.glsl"
 
 // Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without direction.
 bool prepare(inout Traversal traversal, Environment environment) {
@@ -350,7 +382,13 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
 #endif
     bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS ||
                    FEATURE_INSTANCES) && sound && !settled(traversal);
-    uint left = traverse(traversal, inTree ? environment.root : kNone);
+    uint root = inTree ? environment.root : kNone;
+    uint left;
+    if (NODE_FORMAT == kNodesCompressed) {
+        left = traverseCompressed(traversal, root);
+    } else {
+        left = traverse(traversal, root);
+    }
 #ifdef GLINT_SHADOW_RAYS
     if (left != kNone) traversal.passage = afterPlanes;
 #endif

@@ -60,6 +60,12 @@
     X(77, SLAB_PAD, slabs)        \
     X(78, ORIGIN_OFFSET, offsets)
 
+// X(constant id, GLSL name, C++ field of LaneWalk): what rays that walk by themselves walk, kNodes..., and
+// where their stacks are, kStack..., below.
+#define GLINT_LANE_WALK(X)      \
+    X(75, NODE_FORMAT, nodes)   \
+    X(76, STACK_PLACE, stack)
+
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
 #define GLINT_SCENE_ARRAYS(X)                \
     X(2, nodes, Node)                        \
@@ -83,9 +89,10 @@
     X(20, vertexAttributes, VertexAttribute) \
     X(21, objectFrames, ObjectFrame)         \
     X(22, samples, Sample)                   \
-    X(23, optics, Optics)
+    X(23, optics, Optics)                    \
+    X(24, wideRows, WideRow)
 
-#define GLINT_BINDING_COUNT 24
+#define GLINT_BINDING_COUNT 25
 
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
@@ -148,6 +155,11 @@ GLINT_CONST_UINT(kSlabPlain, 2u);
 GLINT_CONST_UINT(kOffsetErrorBox, 0u);
 GLINT_CONST_UINT(kOffsetFixed, 1u);
 GLINT_CONST_UINT(kOffsetNone, 2u);
+GLINT_CONST_UINT(kNodesTwo, 0u);  // the binary tree
+GLINT_CONST_UINT(kNodesFour, 1u);
+GLINT_CONST_UINT(kNodesCompressed, 2u);
+GLINT_CONST_UINT(kStackPrivate, 0u);  // in memory of the lane's own
+GLINT_CONST_UINT(kStackShared, 1u);   // in that of its workgroup
 // Rows that only some pictures have come after these, and after that of the instances. First those of
 // MODE_LEDGER, then those of scenes with transmission.
 GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,

@@ -88,14 +88,15 @@
 // counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
 // toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
 // mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
-// with them u and v of a hit, are exchanged; else 0.
+// with them u and v of a hit, are exchanged; else 0. wideRoot: as root, among the nodes of the wide tree, if
+// there is one (bvh/wide_tree.h); filled in for the device.
 #define GLINT_INSTANCE_ROWS(V3F, V3U, U4) \
     V3U(place, root)                      \
     V3U(toObjectX, idBase)                \
     V3U(toObjectY, object)                \
     V3U(toObjectZ, material)              \
     V3U(toWorldX, mirrored)               \
-    V3F(toWorldY, reserved1)              \
+    V3U(toWorldY, wideRoot)               \
     V3F(toWorldZ, reserved2)
 
 // ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below
@@ -198,6 +199,9 @@
 // One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
 #define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4) V3U(corner, child)
 
+// A row of a wide node, or four words for leaves: see wideTree (src/bvh/wide_tree.h).
+#define GLINT_WIDE_ROW_ROWS(V3F, V3U, U4) U4(x, y, z, w)
+
 #define GLINT_STRUCTS(X)                            \
     X(Node, GLINT_NODE_ROWS)                        \
     X(Triangle, GLINT_TRIANGLE_ROWS)                \
@@ -220,7 +224,8 @@
     X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
     X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)         \
     X(Sample, GLINT_SAMPLE_ROWS)                    \
-    X(PacketCorner, GLINT_PACKET_CORNER_ROWS)
+    X(PacketCorner, GLINT_PACKET_CORNER_ROWS)       \
+    X(WideRow, GLINT_WIDE_ROW_ROWS)
 
 // ---- The C++ side
 // ----------------------------------------------------------------------------------------------
@@ -364,6 +369,10 @@ GLINT_CONST_UINT(kTileSize, 8u);
 
 // Children of a node of the packets' tree, and lanes of the subgroups that walk it.
 GLINT_CONST_UINT(kPacketWidth, 8u);
+
+// Rows of a node of four children, and of a compressed one of eight.
+GLINT_CONST_UINT(kFourRows, 8u);
+GLINT_CONST_UINT(kCompressedRows, 5u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

@@ -18,6 +18,7 @@ struct BenchResult {
     std::string scene;
     Backend backend = Backend::Gpu;
     std::string device, driver, traversal, access;  // the last two empty on the host
+    std::string stack;                              // of lanes, in `walks` alone: "private" or "shared"
     int width = 0, height = 0, samples = 1, maxDepth = 0, repeats = 0;
     size_t lights = 0, triangles = 0, primitives = 0;
     std::vector<std::string> used, also;  // features of the scene; further ones that there is code for
@@ -36,6 +37,8 @@ struct BenchResult {
     uint64_t deviceBytes = 0;
     uint64_t codeBytes = 0;  // SPIR-V that the driver was given
     std::string picture;     // hash of the colours
+    // With --traversal all: each way to find hits that device and scene have, measured in turns.
+    std::vector<BenchResult> walks;
 };
 
 // Rays cast and the time they took, in the order that they are shown.
@@ -53,6 +56,7 @@ BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene,
                          double openSeconds, const std::function<void(double)>& progress, std::ostream& err);
 
 std::string benchTable(const BenchResult& result);
+std::string walkTable(const std::vector<BenchResult>& walks);
 // One document for all scenes.
 std::string benchJson(const std::vector<BenchResult>& results);
 

@@ -165,44 +165,115 @@ void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, ren
     result.refracted = quartilesOf(refracted);
 }
 
-void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, const gpu::Device& device,
-                     const render::RenderSettings& settings, const std::function<void(double)>& progress,
-                     BenchResult& result) {
+// A renderer whose pictures are timed.
+class Contestant {
+  public:
+    Contestant(const gpu::Device& device, const LoadedScene& loaded, const render::Options& options,
+               const render::RenderSettings& settings, const BenchResult& described)
+        : renderer_(device, loaded.packed, options),
+          camera_(cameraOf(loaded)),
+          settings_(settings),
+          result_(described) {
+        result_.device = device.info().name;
+        result_.driver = device.info().driver;
+        result_.traversal = nameOf(renderer_.traversal());
+        result_.access = renderer_.access() == gpu::Access::TexelBuffer ? "texel" : "storage";
+    }
+
+    void warmUp() {
+        const Stopwatch warming;
+        for (int i = 0; i < kMaxWarmUps && (i < kMinWarmUps || warming.seconds() < kWarmUpSeconds); ++i) {
+            const Picture picture = draw();
+            if (i > 0) continue;
+            result_.compile = renderer_.times().compile;
+            result_.codeBytes = renderer_.codeBytes();
+            result_.picture = pictureHash(picture);
+        }
+    }
+    void timeOne() {
+        const render::StageTimes before = renderer_.times();
+        draw();
+        series_.add(before, renderer_.times());
+    }
+    BenchResult finish() {
+        series_.summarize(result_);
+        countOnDevice(renderer_, camera_, settings_, result_);
+        result_.upload = renderer_.times().upload;
+        result_.deviceBytes = renderer_.deviceBytes();
+        return result_;
+    }
+
+  private:
+    Picture draw() {
+        Picture picture = renderer_.render(camera_, settings_);
+        if (!picture.complete) stop();
+        return picture;
+    }
+
+    render::Renderer renderer_;
+    shared::Camera camera_;
+    render::RenderSettings settings_;
+    BenchResult result_;
+    Series series_;
+};
+
+render::Options optionsOf(const BenchCommand& command) {
     render::Options options;
     options.traversal = command.device.traversal;
     options.leaveOut = !command.full;
     options.also = featuresNamed(command.with);
     options.profile = true;
-    render::Renderer renderer(device, loaded.packed, options);
-    const shared::Camera camera = cameraOf(loaded);
-    const auto draw = [&](const render::RenderSettings& how) {
-        Picture picture = renderer.render(camera, how);
-        if (!picture.complete) stop();
-        return picture;
-    };
-    const Stopwatch warming;
-    for (int i = 0; i < kMaxWarmUps && (i < kMinWarmUps || warming.seconds() < kWarmUpSeconds); ++i) {
-        const Picture picture = draw(settings);
-        if (i > 0) continue;
-        result.compile = renderer.times().compile;
-        result.codeBytes = renderer.codeBytes();
-        result.picture = pictureHash(picture);
-    }
-    Series series;
+    return options;
+}
+
+BenchResult measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, const gpu::Device& device,
+                            const render::RenderSettings& settings,
+                            const std::function<void(double)>& progress, const BenchResult& described) {
+    Contestant contestant(device, loaded, optionsOf(command), settings, described);
+    contestant.warmUp();
     for (int i = 0; i < command.repeats; ++i) {
         progress((i + 1.0) / (command.repeats + 2));
-        const render::StageTimes before = renderer.times();
-        draw(settings);
-        series.add(before, renderer.times());
+        contestant.timeOne();
     }
-    series.summarize(result);
-    countOnDevice(renderer, camera, settings, result);
-    result.device = device.info().name;
-    result.driver = device.info().driver;
-    result.traversal = renderer.traversal().packets ? "packet" : "lane";
-    result.access = renderer.access() == gpu::Access::TexelBuffer ? "texel" : "storage";
-    result.upload = renderer.times().upload;
-    result.deviceBytes = renderer.deviceBytes();
+    return contestant.finish();
+}
+
+// Each way to find hits that the device and the scene have, a picture each in turns, so that what else the
+// machine does meets all alike.
+std::vector<BenchResult> measureWalks(const BenchCommand& command, const LoadedScene& loaded,
+                                      const gpu::Device& device, const render::RenderSettings& settings,
+                                      const std::function<void(double)>& progress,
+                                      const BenchResult& described) {
+    using enum render::Traversal;
+    const struct {
+        render::Traversal traversal;
+        const char* name;
+        render::StackPlace stack;
+    } ways[] = {
+        {Lane, "lane", render::StackPlace::Private},     {Lane, "lane", render::StackPlace::Shared},
+        {Packet, "packet", render::StackPlace::Private}, {Bvh4, "bvh4", render::StackPlace::Private},
+        {Bvh4, "bvh4", render::StackPlace::Shared},      {Cwbvh, "cwbvh", render::StackPlace::Private},
+        {Cwbvh, "cwbvh", render::StackPlace::Shared}};
+    std::vector<std::unique_ptr<Contestant>> contestants;
+    for (const auto& way : ways) {
+        if (way.traversal == Packet && !render::runsPackets(device.info())) continue;
+        if (nameOf(chooseTraversal(way.traversal, device.info(), loaded.packed)) != std::string(way.name))
+            continue;
+        render::Options options = optionsOf(command);
+        options.traversal = way.traversal;
+        options.stack = way.stack;
+        BenchResult base = described;
+        base.stack = way.stack == render::StackPlace::Shared ? "shared" : "private";
+        contestants.push_back(std::make_unique<Contestant>(device, loaded, options, settings, base));
+        contestants.back()->warmUp();
+    }
+    for (int i = 0; i < command.repeats; ++i) {
+        progress((i + 1.0) / (command.repeats + 2));
+        for (const auto& contestant : contestants) contestant->timeOne();
+    }
+    std::vector<BenchResult> walks;
+    for (const auto& contestant : contestants) walks.push_back(contestant->finish());
+    return walks;
 }
 
 void measureOnHost(const BenchCommand& command, const LoadedScene& loaded,
@@ -240,11 +311,14 @@ BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene,
     result.also = command.full ? namesOf(allFeatures()) : command.with;
     result.open = openSeconds;
     describe(loaded, result);
+    const BenchResult described = result;
     const render::RenderSettings settings = settingsOf(loaded, options);
     const double pixels = static_cast<double>(result.width) * result.height;
     const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kCountedPixels))));
     if (device != nullptr) {
-        measureOnDevice(command, loaded, *device, settings, progress, result);
+        result = measureOnDevice(command, loaded, *device, settings, progress, result);
+        if (command.everyWalk)
+            result.walks = measureWalks(command, loaded, *device, settings, progress, described);
         countRays(loaded, stride, 1, result);
     } else {
         measureOnHost(command, loaded, settings, progress, result);

@@ -48,6 +48,19 @@ Json raysJson(const BenchResult& result) {
     return json;
 }
 
+Json walkJson(const BenchResult& r) {
+    Json json;
+    json["traversal"] = r.traversal;
+    json["stack"] = r.stack;
+    for (const BenchRate& rate : ratesOf(r)) {
+        if (rate.seconds.median > 0) json["perSecond"][rate.key] = quartilesJson(perSecond(rate));
+    }
+    json["seconds"] = {{"upload", r.upload}, {"compile", r.compile}, {"trace", quartilesJson(r.trace)}};
+    json["bytes"] = {{"device", r.deviceBytes}, {"spirv", r.codeBytes}};
+    json["picture"] = r.picture;
+    return json;
+}
+
 Json sceneJson(const BenchResult& r) {
     Json json;
     json["scene"] = r.scene;
@@ -81,6 +94,7 @@ Json sceneJson(const BenchResult& r) {
     json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
     json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
     json["picture"] = r.picture;
+    for (const BenchResult& walk : r.walks) json["walks"].push_back(walkJson(walk));
     return json;
 }
 
@@ -93,6 +107,11 @@ std::string line(const char* format, Values... values) {
 
 std::string milliseconds(const Quartiles& q) {
     return line("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
+}
+
+std::string traversalText(const BenchResult& r) {
+    const bool wide = r.traversal != "lane" && r.traversal != "packet";
+    return wide ? "lanes in a " + r.traversal : r.traversal + "s";
 }
 
 std::string rateLine(const BenchRate& rate) {
@@ -161,7 +180,7 @@ std::string benchTable(const BenchResult& r) {
                  counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.maxDepth);
     text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
     text += "  " + r.device + ", " + r.driver;
-    if (!r.traversal.empty()) text += ", " + r.traversal + "s, " + r.access + " buffers";
+    if (!r.traversal.empty()) text += ", " + traversalText(r) + ", " + r.access + " buffers";
     text += std::string(", commit ") + builtCommit() + "\n";
     if (!r.also.empty()) {
         text += "  with the code of";
@@ -178,7 +197,25 @@ std::string benchTable(const BenchResult& r) {
     if (r.backend == Backend::Gpu)
         text += line(", device buffers %.1f MiB, SPIR-V %.1f KiB",
                      static_cast<double>(r.deviceBytes) / 1048576, static_cast<double>(r.codeBytes) / 1024);
-    return text + "\n  picture      " + r.picture + "\n";
+    text += "\n  picture      " + r.picture + "\n";
+    return r.walks.empty() ? text : text + "\n" + walkTable(r.walks);
+}
+
+std::string walkTable(const std::vector<BenchResult>& walks) {
+    std::string text = line("  %-9s %-8s", "traversal", "stack");
+    for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"}) text += line(" %9s", name);
+    text += line(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
+    for (const BenchResult& r : walks) {
+        text += line("  %-9s %-8s", r.traversal.c_str(), r.stack.c_str());
+        for (const BenchRate& rate : ratesOf(r)) {
+            if (std::string(rate.key) == "mirroredAndRefracted") continue;
+            text +=
+                rate.seconds.median > 0 ? line(" %9.3f", perSecond(rate).median / 1e6) : line(" %9s", "-");
+        }
+        text += line(" %9.2f %9.2f %9.1f  %s\n", r.trace.median * 1e3, r.upload * 1e3,
+                     static_cast<double>(r.deviceBytes) / 1048576, r.picture.c_str());
+    }
+    return text;
 }
 
 std::string benchJson(const std::vector<BenchResult>& results) {

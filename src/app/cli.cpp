@@ -101,8 +101,9 @@ void addDevice(CLI::App& command, DeviceChoice& device) {
 }
 
 void addTraversal(CLI::App& command, DeviceChoice& device) {
-    addText(command, "--traversal", "auto|lane|packet",
-            "how the device finds hits: ray by ray, or packets of rays (default auto: see glint info)",
+    addText(command, "--traversal", "auto|lane|packet|bvh4|cwbvh",
+            "how the device finds hits: ray by ray, by packets of rays, or ray by ray in a wide tree "
+            "(default auto: see glint info)",
             [&](const Text& t) { device.traversal = parseTraversal(t); });
 }
 
@@ -235,7 +236,12 @@ void addBench(CLI::App& app, BenchCommand& c) {
     addMinContribution(command, c.common);
     addBackend(command, c.backend);
     addDevice(command, c.device);
-    addTraversal(command, c.device);
+    addText(command, "--traversal", "auto|lane|packet|bvh4|cwbvh|all",
+            "how the device finds hits (default auto: see glint info); all: each way in turn besides",
+            [&](const Text& t) {
+                c.everyWalk = t == "all";
+                c.device.traversal = c.everyWalk ? render::Traversal::Auto : parseTraversal(t);
+            });
     addText(command, "--repeat", "N", "pictures to take the median of, after the warm-up (default 7)",
             [&](const Text& t) { c.repeats = parseWhole("--repeat", t, 1, 1000); });
     addText(command, "--with", "LIST",
@@ -348,6 +354,8 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
     }
     if (chosen("bench")) {
         checkDeviceOptions(c.bench.backend, c.bench.device);
+        if (c.bench.backend == Backend::Cpu && c.bench.everyWalk)
+            throw Error(ExitCode::Usage, "--traversal: needs --backend gpu");
         if (c.bench.backend == Backend::Cpu && (c.bench.full || !c.bench.with.empty()))
             throw Error(ExitCode::Usage, "--full, --with: need --backend gpu");
         return runBench(c.bench, out, err);

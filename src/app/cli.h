@@ -101,6 +101,7 @@ struct BenchCommand {
     Backend backend = Backend::Gpu;
     DeviceChoice device;
     int repeats = 7;
+    bool everyWalk = false;         // --traversal all
     bool full = false;              // the code of every feature
     std::vector<std::string> with;  // the code of these features, as in SceneFeatures
     std::string stats;              // "" or "json"

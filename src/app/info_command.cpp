@@ -47,7 +47,7 @@ std::string traversalText(const PackedScene& packed) {
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
             render::chooseTraversal(render::Traversal::Auto, device, packed);
-        return std::string(choice.packets ? "packet" : "lane") + " (" + choice.reason + ")";
+        return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";
     }

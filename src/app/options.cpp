@@ -211,7 +211,9 @@ render::Traversal parseTraversal(const std::string& text) {
     if (text == "auto") return render::Traversal::Auto;
     if (text == "lane") return render::Traversal::Lane;
     if (text == "packet") return render::Traversal::Packet;
-    refuse("--traversal", "auto, lane or packet", text);
+    if (text == "bvh4") return render::Traversal::Bvh4;
+    if (text == "cwbvh") return render::Traversal::Cwbvh;
+    refuse("--traversal", "auto, lane, packet, bvh4 or cwbvh", text);
 }
 
 ProgressMode parseProgress(const std::string& text) {

@@ -89,7 +89,7 @@ void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded,
     options.traversal = traversal;
     options.expected = &settings;
     render::Renderer renderer(device, loaded.packed, options);
-    outcome.traversal = renderer.traversal().packets ? "packet" : "lane";
+    outcome.traversal = render::nameOf(renderer.traversal());
     outcome.picture = renderer.render(cameraOf(loaded), settings);
     outcome.times = renderer.times();
 }

@@ -23,8 +23,8 @@ struct Configuration {
     std::optional<int> maxDepth;  // empty: the scene's
     double minContribution = 0;
     bool leaveOut = true;
-    bool doublePrecision = false;       // of triangles, spheres and planes
-    bool rayByRay = false;              // where the device and the scene would take packets
+    bool doublePrecision = false;  // of triangles, spheres and planes
+    bool rayByRay = false;  // in the binary tree, where the device and the scene would take another way
     std::optional<gpu::Access> access;  // empty: by the device
 };
 
@@ -42,7 +42,7 @@ struct Batch {
 
 // Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
 // that the device would not choose; `float64`: whether it computes in double precision; `packets`:
-// whether the default methods go by packets of rays, which know no others.
+// whether the default methods go by packets of rays or wide nodes, which do not know all others.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets);
 

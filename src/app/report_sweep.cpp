@@ -109,7 +109,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     const render::Renderer probe(device_, loaded_.packed);
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
-                         probe.traversal().packets);
+                         nameOf(probe.traversal()) != std::string("lane"));
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kWorkgroupInvocations = 64;  // local size of every kernel
 constexpr uint32_t kPushConstantBytes = 128;    // what Vulkan guarantees (table 33, required limits)
-constexpr uint32_t kBindings = 24;  // arrays of one kernel, as storage buffers or as storage texel buffers
+constexpr uint32_t kBindings = 25;  // arrays of one kernel, as storage buffers or as storage texel buffers
 
 int rank(const DeviceInfo& device) {
     constexpr const char* kOrder[] = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};

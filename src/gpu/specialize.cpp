@@ -30,6 +30,7 @@ enum Op : uint32_t {
     OpFunction = 54,
     OpFunctionEnd = 56,
     OpFunctionCall = 57,
+    OpVariable = 59,
     OpStore = 62,
     OpDecorate = 71,
     OpImageWrite = 99,
@@ -52,6 +53,7 @@ enum Op : uint32_t {
     OpModuleProcessed = 330
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kDecorationSpecId = 1;
+constexpr uint32_t kWorkgroup = 4, kPrivate = 6;  // storage classes
 
 using Words = std::span<const uint32_t>;
 using Instruction = std::vector<uint32_t>;
@@ -265,6 +267,7 @@ class Module {
     std::vector<uint32_t> written() {
         for (Function& function : functions_) simplify(function, known_);
         keepCalledFunctions();
+        keepUsedVariables();
         collectIds();
         std::vector<uint32_t> words = header_;
         const auto add = [&](const Instruction& i) { words.insert(words.end(), i.begin(), i.end()); };
@@ -361,6 +364,18 @@ class Module {
                     if (opOf(i) == OpFunctionCall) pending.push_back(i[3]);
         }
         std::erase_if(functions_, [&](const Function& f) { return !called.contains(f.id()); });
+    }
+
+    // Of invocations and workgroups: memory that a driver might set aside. A number that is no id may keep
+    // one for nothing.
+    void keepUsedVariables() {
+        std::unordered_set<uint32_t> used;
+        for (const Function& function : functions_)
+            for (const Block& block : function.blocks)
+                for (const Instruction& i : block.body) used.insert(i.begin() + 1, i.end());
+        std::erase_if(globals_, [&](const Instruction& i) {
+            return opOf(i) == OpVariable && (i[3] == kWorkgroup || i[3] == kPrivate) && !used.contains(i[2]);
+        });
     }
 
     static bool hasResult(const Instruction& i) {

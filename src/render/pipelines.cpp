@@ -40,7 +40,7 @@ const char* nameOf(KernelId id) {
 constexpr uint32_t kConstantIds = 80;
 
 std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes,
-                                  const Methods& methods) {
+                                  const Methods& methods, const LaneWalk& walk) {
     std::vector<uint32_t> constants(kConstantIds, 0u);
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
@@ -50,6 +50,9 @@ std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceMode
 #undef GLINT_CONSTANT
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(methods.field);
     GLINT_CHOICES(GLINT_CONSTANT)
+#undef GLINT_CONSTANT
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(walk.field);
+    GLINT_LANE_WALK(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
     return constants;
 }
@@ -62,6 +65,7 @@ constexpr bool idsAreUnique() {
     GLINT_FEATURES(GLINT_CHECK)
     GLINT_MODES(GLINT_CHECK)
     GLINT_CHOICES(GLINT_CHECK)
+    GLINT_LANE_WALK(GLINT_CHECK)
 #undef GLINT_CHECK
     return true;
 }
@@ -84,8 +88,8 @@ KernelId packetKernel(KernelId id) {
 }
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-                     const SceneFeatures& features, const Methods& methods)
-    : device_(device), code_(code), access_(access), features_(features), methods_(methods) {}
+                     const SceneFeatures& features, const Methods& methods, const LaneWalk& walk)
+    : device_(device), code_(code), access_(access), features_(features), methods_(methods), walk_(walk) {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
@@ -119,7 +123,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.spirv = codeOf(code_, id);
     options.bindings.assign(GLINT_BINDING_COUNT, access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    options.constants = constantsOf(features_, modes, methods_);
+    options.constants = constantsOf(features_, modes, methods_, walk_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

@@ -8,6 +8,7 @@
 #include "gpu/compute.h"
 #include "render/kernels.h"
 #include "render/scene_buffers.h"
+#include "render/traversal_choice.h"
 
 namespace glint::render {
 
@@ -36,7 +37,7 @@ struct TraceModes {
 class Pipelines {
   public:
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-              const SceneFeatures& features, const Methods& methods);
+              const SceneFeatures& features, const Methods& methods, const LaneWalk& walk = {});
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
@@ -56,6 +57,7 @@ class Pipelines {
     gpu::Access access_;
     SceneFeatures features_;
     Methods methods_;
+    LaneWalk walk_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
 };

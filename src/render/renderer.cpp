@@ -8,7 +8,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "bvh/packet_tree.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "render/film.h"
@@ -98,13 +97,12 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),
-          pipelines(dev, kernelsFor(opts, access), access, features, packed.methods),
+          pipelines(dev, kernelsFor(opts, access), access, features, packed.methods,
+                    {traversal.nodes, opts.stack}),
           submission(dev) {
         if (opts.expected) startTranslating(modesOf(*opts.expected, samplesOf(*opts.expected)));
         const Stopwatch watch;
-        buffers =
-            SceneBuffers(device, scene, access,
-                         traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>());
+        buffers = SceneBuffers(device, scene, access, traversal);
         environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);

@@ -31,6 +31,7 @@ struct Options {
     bool profile = false;         // times camera rays' generation apart, see KernelTimes
     std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
     Traversal traversal = Traversal::Auto;
+    StackPlace stack = StackPlace::Private;
     // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;

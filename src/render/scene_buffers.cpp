@@ -4,6 +4,8 @@
 #include <string>
 #include <type_traits>
 
+#include "bvh/packet_tree.h"
+
 namespace glint::render {
 
 namespace {
@@ -11,12 +13,14 @@ namespace {
 constexpr uint32_t kLightsBinding = 9;
 constexpr uint32_t kEnvironmentBinding = 10;
 constexpr uint32_t kCameraBinding = 11;
+constexpr uint32_t kInstancesBinding = 16;
 constexpr uint32_t kSamplesBinding = 22;
 
 // Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
 struct Others {
     shared::Camera camera;
     std::vector<shared::PacketCorner> packetCorners;
+    std::vector<shared::WideRow> wideRows;
     std::vector<shared::Sample> samples;
 };
 
@@ -51,14 +55,21 @@ uint64_t largestArray(const PackedScene& scene) {
 }
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                           const std::vector<shared::PacketCorner>& packetCorners) {
-    visitArrays(scene, Others{{}, packetCorners, {}},
-                [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
-                    if (data.empty()) return;
-                    buffers_[binding] =
-                        gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
-                    gpu::upload(device, buffers_[binding], data);
-                });
+                           const TraversalChoice& traversal) {
+    WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
+    const Others others{{},
+                        traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>(),
+                        std::move(tree.rows),
+                        {}};
+    visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+        if (data.empty()) return;
+        buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
+        gpu::upload(device, buffers_[binding], data);
+    });
+    if (tree.roots.empty()) return;
+    std::vector<shared::Instance> instances = scene.instances;
+    for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];
+    gpu::upload(device, buffers_[kInstancesBinding], std::as_bytes(std::span(instances)));
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {

@@ -7,6 +7,7 @@
 
 #include "bvh/packed_scene.h"
 #include "gpu/compute.h"
+#include "render/traversal_choice.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
@@ -17,9 +18,9 @@ uint64_t largestArray(const PackedScene& scene);
 class SceneBuffers {
   public:
     SceneBuffers() = default;
-    // `packetCorners`: what packetTree made of the scene, empty where no kernel of packets will run.
+    // Makes what further trees `traversal` needs.
     SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                 const std::vector<shared::PacketCorner>& packetCorners = {});
+                 const TraversalChoice& traversal);
 
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;

@@ -28,12 +28,45 @@ std::string unknownToPackets(const SceneFeatures& features) {
     return unknown;
 }
 
+bool isGpu(const gpu::DeviceInfo& device) {
+    return device.type == "discrete GPU" || device.type == "integrated GPU" || device.type == "virtual GPU";
+}
+
+// Of the tree, instances as one each.
+size_t primitivesIn(const PackedScene& scene) {
+    return scene.triangles.size() + scene.spheres.size() + scene.discs.size() + scene.polygons.size() +
+           scene.quadrics.size() + scene.instances.size();
+}
+
+TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene) {
+    if (scene.nodes.empty()) return {false, "the scene has no tree"};
+    if (scene.methods.slabs != SlabPad::Gamma7)
+        return {false, "wide nodes know no other padding of boxes than the default one"};
+    if (wanted == Traversal::Bvh4) return {false, "as asked for", NodeFormat::Four};
+    if (wanted == Traversal::Cwbvh) return {false, "as asked for", NodeFormat::Compressed};
+    if (primitivesIn(scene) < kFewestForWide) return {false, "so few primitives that wide nodes do not pay"};
+    return {false, "a GPU: fewest steps and bytes a ray, by counts", NodeFormat::Compressed};
+}
+
 }  // namespace
+
+bool runsPackets(const gpu::DeviceInfo& device) {
+    return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+}
+
+const char* nameOf(const TraversalChoice& choice) {
+    if (choice.packets) return "packet";
+    static const char* const names[] = {"lane", "bvh4", "cwbvh"};
+    return names[static_cast<size_t>(choice.nodes)];
+}
 
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene) {
     const SceneFeatures& features = scene.features;
     if (wanted == Traversal::Lane) return {false, "as asked for"};
-    const bool able = device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
+    if (wanted == Traversal::Bvh4 || wanted == Traversal::Cwbvh ||
+        (wanted == Traversal::Auto && isGpu(device)))
+        return chooseWide(wanted, scene);
+    const bool able = runsPackets(device);
     if (wanted == Traversal::Packet && !able) {
         throw Error(ExitCode::Device,
                     "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +

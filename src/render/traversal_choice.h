@@ -1,10 +1,11 @@
-// Which kernels find hits: one lane a ray, or packets of coherent rays.
+// Which kernels find hits: one lane a ray, or packets of coherent rays; and which tree they walk.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "bvh/packed_scene.h"
+#include "bvh/wide_tree.h"
 #include "gpu/device.h"
 
 namespace glint::render {
@@ -18,25 +19,52 @@ inline constexpr uint32_t kPacketRays = 4;
 inline constexpr size_t kFewestForPackets = 32;
 
 enum class Traversal {
-    Auto,   // by the device and the scene
-    Lane,   // each lane walks the binary tree with a ray of its own
-    Packet  // the lanes of a subgroup walk an 8-wide tree together, for camera rays and their shadow rays
+    Auto,    // by the device and the scene
+    Lane,    // each lane walks the binary tree with a ray of its own
+    Packet,  // the lanes of a subgroup walk an 8-wide tree together, for camera rays and their shadow rays
+    Bvh4,    // each lane walks a tree of four children a node
+    Cwbvh    // or one of compressed nodes of eight
+};
+
+// Where the stack of a ray that walks by itself is: in memory of the lane's own, or in that which its
+// workgroup shares. The values are kStack... of shared/dispatch.h.
+enum class StackPlace : uint32_t { Private, Shared };
+static_assert(static_cast<uint32_t>(StackPlace::Shared) == shared::kStackShared);
+
+// What kernels of rays that walk by themselves are specialized for.
+struct LaneWalk {
+    NodeFormat nodes = NodeFormat::Two;
+    StackPlace stack = StackPlace::Private;
 };
 
 struct TraversalChoice {
     bool packets = false;
     std::string reason;  // one phrase
+    NodeFormat nodes =
+        NodeFormat::Two;  // of rays that walk by themselves, further bounces beside packets too
 };
+
+// As --traversal names it.
+const char* nameOf(const TraversalChoice& choice);
 
 // What may be wanted with tests in double precision, which packets do not know: Lane, or else `wanted`
 // itself. Throws Error(Device) if the device has no double precision.
 Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device);
 
+// Subgroups of 8 lanes that can shuffle.
+bool runsPackets(const gpu::DeviceInfo& device);
+
 // What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
 // spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
-// and from kFewestForPackets triangles and spheres on.
-// Throws Error(Device) if packets are asked for where the device cannot run them; a scene they cannot take is
-// traced by lanes.
+// and from kFewestForPackets triangles and spheres on. On a GPU (discrete, integrated or virtual) rays walk
+// compressed nodes where the scene has kFewestForWide primitives in its tree: by counts, not by measurement
+// (docs/performance.md, Nodes for a GPU). Wide nodes know every scene with a tree, but not SlabPad, whose
+// leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree.
+// Throws Error(Device) if packets are asked for where the device cannot run them; a scene that the traversal
+// asked for cannot take is traced by lanes.
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene);
+
+// With so few primitives the binary tree has a handful of nodes, all in the cache.
+inline constexpr size_t kFewestForWide = 32;
 
 }  // namespace glint::render

@@ -1,6 +1,7 @@
 // `glint bench` on a device: counts against the reference's, and what a pipeline with more code draws.
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "support.h"
 
@@ -70,6 +71,36 @@ TEST_F(GpuBench, MoreCodeDrawsTheSameBits) {
     EXPECT_EQ(with["also"], (std::vector<std::string>{"discs", "mirrors"}));
     EXPECT_EQ(with["picture"], pruned["picture"]);
     EXPECT_EQ(with["rays"]["all"]["number"], pruned["rays"]["all"]["number"]);
+}
+
+// Everything that this device and the scene have: what is not lavapipe with 8 lanes has no packets.
+TEST_F(GpuBench, EveryWalkDrawsTheSameBits) {
+    std::string triangles;
+    for (int i = 0; i < 40; ++i) {
+        const std::string x = std::to_string(0.1 * i - 2);
+        triangles += R"({"type": "triangle", "vertices": [[)" + x + ", -1, 0], [" + x + ", 1, 0], [" + x +
+                     R"(, 0, 1]], "material": "m"},)";
+    }
+    writeText("a.json",
+              sceneText(32, 24,
+                        R"("maxDepth": 2,
+  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
+  "materials": {"m": {"diffuse": 0.5, "mirror": 0.5}},
+  "objects": [)" + triangles +
+                            R"({"type": "sphere", "center": [0, 0, -1], "radius": 0.9, "material": "m"}])"));
+    const nlohmann::json all = bench({"--traversal", "all"});
+    std::set<std::string> ways;
+    for (const nlohmann::json& walk : all["walks"]) {
+        ways.insert(walk["traversal"].get<std::string>() + " " + walk["stack"].get<std::string>());
+        EXPECT_EQ(walk["picture"], all["picture"]) << walk;
+        for (const char* key : {"primary", "shadow", "mirrored", "all"})
+            EXPECT_GT(walk["perSecond"][key]["median"].get<double>(), 0) << key;
+    }
+    EXPECT_EQ(ways.size(), all["walks"].size());
+    ways.erase("packet private");
+    EXPECT_EQ(ways, (std::set<std::string>{"bvh4 private", "bvh4 shared", "cwbvh private", "cwbvh shared",
+                                           "lane private", "lane shared"}));
+    EXPECT_FALSE(bench({}).contains("walks"));
 }
 
 }  // namespace

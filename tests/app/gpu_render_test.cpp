@@ -33,14 +33,15 @@ TEST_F(GpuRender, SameBytesOnEveryRun) {
 }
 
 TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
-    for (const std::string traversal : {"lane", "packet"}) {
+    for (const std::string traversal : {"lane", "packet", "bvh4", "cwbvh"}) {
         const Ran ran = runGlint({"render", "a.json", "--traversal", traversal, "--stats", "json", "-o",
                                   traversal + ".exr", "--aov", "color,depth,uv,primitive,bounces"});
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_NE(ran.out.find("\"traversal\": \"" + traversal + "\""), std::string::npos) << ran.out;
     }
     EXPECT_FALSE(readBytes("lane.exr").empty());
-    EXPECT_EQ(readBytes("lane.exr"), readBytes("packet.exr"));
+    for (const char* other : {"packet.exr", "bvh4.exr", "cwbvh.exr"})
+        EXPECT_EQ(readBytes("lane.exr"), readBytes(other)) << other;
 }
 
 TEST_F(GpuRender, CropIsThePartOfTheWhole) {

@@ -119,8 +119,8 @@ DeviceLimits sufficientLimits() {
     limits.maxWorkgroupInvocations = 128;
     limits.maxWorkgroupSizeX = 128;
     limits.maxPushConstantBytes = 128;
-    limits.maxStorageBuffersPerStage = 24;
-    limits.maxStorageImagesPerStage = 24;
+    limits.maxStorageBuffersPerStage = 25;
+    limits.maxStorageImagesPerStage = 25;
     return limits;
 }
 
@@ -161,9 +161,9 @@ TEST(Refusal, needsEnoughBindingsOfEitherKind) {
     limits = sufficientLimits();
     limits.maxStorageImagesPerStage = 4;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
-    limits.maxStorageBuffersPerStage = 23;
+    limits.maxStorageBuffersPerStage = 24;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
-              "binds 23 storage buffers and 4 storage texel buffers to a kernel, glint needs 24 of one kind");
+              "binds 24 storage buffers and 4 storage texel buffers to a kernel, glint needs 25 of one kind");
 }
 
 TEST(Refusal, countsNoTexelBuffersWithoutTheFormat) {
@@ -171,7 +171,7 @@ TEST(Refusal, countsNoTexelBuffersWithoutTheFormat) {
     limits.maxStorageBuffersPerStage = 4;
     limits.maxTexelBufferElements = 0;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
-              "binds 4 storage buffers and 0 storage texel buffers to a kernel, glint needs 24 of one kind");
+              "binds 4 storage buffers and 0 storage texel buffers to a kernel, glint needs 25 of one kind");
 }
 
 }  // namespace

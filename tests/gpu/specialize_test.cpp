@@ -27,7 +27,9 @@ std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code)
 
 std::vector<uint32_t> constantsWhere(auto isOn) {
     std::vector<uint32_t> constants(kIds, 0);
-    for (uint32_t id = 0; id < 70 || (id > 71 && id < 77); ++id) constants[id] = isOn(id) ? 1 : 0;
+    // 70, 71, 77 and 78 choose among methods.
+    for (uint32_t id = 0; id < kIds; ++id)
+        if (id < 70 || (id > 71 && id != 77 && id != 78)) constants[id] = isOn(id) ? 1 : 0;
     return constants;
 }
 
@@ -79,6 +81,26 @@ TEST(Specialize, LeavesOutWhatIsNotNeeded) {
     const auto spheres =
         specialize(code.light, constantsWhere([](uint32_t id) { return id == 1 || id == 5; }));
     EXPECT_LT(spheres.size(), all.size() / 2) << "spheres and point lights against everything";
+}
+
+size_t workgroupVariablesIn(std::span<const uint32_t> words) {
+    constexpr uint32_t kOpVariable = 59, kWorkgroup = 4;
+    size_t found = 0;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16)
+        if ((words[at] & 0xffff) == kOpVariable && words[at + 3] == kWorkgroup) ++found;
+    return found;
+}
+
+// A stack that no ray uses would leave room for fewer workgroups.
+TEST(Specialize, LeavesOutMemoryThatIsNotUsed) {
+    constexpr uint32_t kStackPlace = 76;
+    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    for (const auto& kernel : kernelsOf(code))
+        EXPECT_EQ(workgroupVariablesIn(specialize(kernel, constantsWhere([](uint32_t) { return false; }))),
+                  0u);
+    const auto shared =
+        specialize(code.intersect, constantsWhere([](uint32_t id) { return id == kStackPlace; }));
+    EXPECT_EQ(workgroupVariablesIn(shared), 1u);
 }
 
 TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {

@@ -44,6 +44,12 @@ mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHig
 mutant(packet_pair packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
+# For walks_test.cpp: no defect, and one in each format of nodes.
+mutant(small_stack wide_nodes.glsl "const uint kOwnWords = kMaxBvhDepth + 1u;" "const uint kOwnWords = 6u;" intersect)
+mutant(wide_three wide_nodes.glsl "LOAD4(wideRowsArray, row + 6u), entered)" "LOAD4(wideRowsArray, row + 6u), bvec4(entered.xyz, false))" intersect)
+mutant(wide_turned wide_nodes.glsl "uint(findLSB(group.bits & 0xffu)) ^ octant;" "uint(findLSB(group.bits & 0xffu));" intersect)
+mutant(wide_narrow wide_nodes.glsl "steps * scale + origin" "steps * (0.9 * scale) + origin" intersect)
+mutant(wide_leaf_word wide_nodes.glsl "return (place & 2u) == 0u ?" "return (place & 2u) != 0u ?" intersect)
 mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first tree.glsl "bool mirrorFirst = both ? entering : reflects;" "bool mirrorFirst = both ? !entering : reflects;" shade)

@@ -1,15 +1,10 @@
 // Packets of rays: where they are chosen, and that they find what lanes find, to the bit.
-#include <cmath>
-
 #include "core/error.h"
-#include "support.h"
+#include "hard_rays.h"
 #include "verify/verify.h"
 
 namespace glint::render::test {
 namespace {
-
-using glm::dvec3;
-using glm::vec3;
 
 // ---- the rule ----
 
@@ -128,114 +123,52 @@ TEST_P(PacketSceneTest, drawsTheSameThroughStorageBuffers) {
 INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
-Case crowd(uint32_t triangles) {
-    Scene scene = emptyScene();
-    Random random(7);
-    for (uint32_t i = 0; i < triangles; ++i) {
-        const dvec3 at = random.box(2);
-        addTriangle(scene, at, at + random.box(0.5), at + random.box(0.5));
-        if (i % 4 == 0) addSphere(scene, random.box(2), random.uniform(0.02, 0.3));
-    }
-    addPlane(scene, {0, -2, 0}, {0.1, 1, 0.2});
-    return makeCase(scene, 8, 8);
-}
-
 // Nothing is coherent here: every packet has rays of all octants and axes, from everywhere.
 TEST_F(PacketTest, findsTheSameForAnyRays) {
-    const Case c = crowd(3000);
-    Random random(11);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 5000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
-    expectSameTrace(c.packed, rays);
+    const RayCase crowd = crowdedCase(3000, 5000, 11);
+    expectSameTrace(crowd.c.packed, crowd.rays);
 }
 
-// Along axes and diagonals, where signs, inverses and the largest component are in doubt; from points that
-// many boxes have sides in; and intervals that hold nothing.
 TEST_F(PacketTest, findsTheSameForSpecialRays) {
-    Scene scene = emptyScene();
-    addGrid(scene, 24);
-    addGrid(scene, 24, {0, 0, -0.25});
-    addSphere(scene, {0.5, 0.5, 0.25}, 0.25);
-    const Case c = makeCase(scene, 8, 8);
-    std::vector<RayInput> rays;
-    for (int x = -1; x <= 1; ++x) {
-        for (int y = -1; y <= 1; ++y) {
-            for (int z = -1; z <= 1; ++z) {
-                for (int i = 0; i < 49; ++i) {
-                    const vec3 from(static_cast<float>(i % 7) / 6.0f, static_cast<float>(i / 7) / 6.0f, 0.5f);
-                    rays.push_back(rayOf(from - vec3(x, y, z), vec3(x, y, z)));
-                    rays.push_back(rayOf(from, vec3(x, y, -0.0f)));
-                    if (i % 5 == 0) rays.back().tMax = 0;
-                    if (i % 9 == 0) rays.back().tMin = 0.75f;
-                }
-            }
-        }
-    }
-    expectSameTrace(c.packed, rays);
+    const RayCase special = axisCase();
+    expectSameTrace(special.c.packed, special.rays);
 }
 
 // The picture of one ray in a packet whose others have nothing to do.
 TEST_F(PacketTest, findsTheSameForAnyNumberOfRays) {
-    const Case c = crowd(200);
-    Random random(13);
-    std::vector<RayInput> rays;
-    for (const size_t count : {1u, 7u, 8u, 9u, 31u, 32u, 33u, 64u, 65u, 257u}) {
-        while (rays.size() < count) rays.push_back(rayTowards(random.box(3), random.box(2)));
-        expectSameTrace(c.packed, rays);
+    RayCase crowd = crowdedCase(200, 257, 13);
+    for (const size_t count : {257u, 65u, 64u, 33u, 32u, 31u, 9u, 8u, 7u, 1u}) {
+        crowd.rays.resize(count);
+        expectSameTrace(crowd.c.packed, crowd.rays);
     }
 }
 
 // Packets that run out of trips are finished by lanes.
 TEST_F(PacketTest, packetsThatGiveUpLoseNothing) {
-    const Case c = crowd(1000);
-    Random random(17);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 1000; ++i) rays.push_back(rayTowards(random.box(3), random.box(2)));
-    for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(c.packed, rays, budget);
+    const RayCase crowd = crowdedCase(1000, 1000, 17);
+    for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(crowd.c.packed, crowd.rays, budget);
 }
 
-// Triangles and spheres in turn across the x axis at 1, 1/2, 1/4...: a node holds the largest and all that is
-// smaller, which is entered first, while more wait than the stack's 32 entries can hold; two kinds, as a leaf
-// holds one. 60 primitives take too few trips to give up for those.
+// More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
 TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
-    constexpr uint32_t kCount = 60;
-    Scene scene = emptyScene();
-    for (uint32_t i = 0; i < kCount; ++i) {
-        const double s = std::ldexp(1.0, -static_cast<int>(i));
-        if (i % 2 == 0)
-            addTriangle(scene, {s, -s, -s}, {s, s, -s}, {s, 0, s});
-        else
-            addSphere(scene, {s, 0, 0}, 0.3 * s);
-    }
-    const Case c = makeCase(scene, 8, 8);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 64; ++i)
-        rays.push_back(
-            rayOf(vec3(0), {1, 0.01f * static_cast<float>(i % 8), 0.01f * static_cast<float>(i / 8)}));
-    Renderer packet(device(), c.packed, with(Traversal::Packet));
-    const std::vector<RayHit> hits = packet.trace(rays, false);
+    const RayCase nested = nestedCase();
+    Renderer packet(device(), nested.c.packed, with(Traversal::Packet));
+    const std::vector<RayHit> hits = packet.trace(nested.rays, false);
     EXPECT_GT(packet.times().resumes, 0u) << "no packet ran out of stack: the test shows nothing";
-    for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kCount - 1);
-    expectSameTrace(c.packed, rays);
+    for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kNestedCount - 1);
+    expectSameTrace(nested.c.packed, nested.rays);
 }
 
 // Equal t: the lowest id wins, in whatever order the tree is walked.
 TEST_F(PacketTest, tiesGoToTheLowestId) {
-    Scene scene = emptyScene();
-    for (int i = 0; i < 5; ++i) addGrid(scene, 16);
-    const Case c = makeCase(scene, 8, 8);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 1024; ++i) {
-        const vec3 at((static_cast<float>(i % 32) + 0.5f) / 32.0f,
-                      (static_cast<float>(i / 32) + 0.37f) / 32.0f, 1);
-        rays.push_back(rayOf(at, {0, 0, -1}));
-    }
-    const std::vector<RayHit> hits = Renderer(device(), c.packed, with(Traversal::Packet)).trace(rays, false);
+    const RayCase tied = tiedCase();
+    const std::vector<RayHit> hits =
+        Renderer(device(), tied.c.packed, with(Traversal::Packet)).trace(tied.rays, false);
     for (size_t i = 0; i < hits.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit) << text(rays[i]);
-        EXPECT_EQ(hits[i].data.object, 0u) << text(rays[i]);
+        ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
+        EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
     }
-    expectSameTrace(c.packed, rays);
+    expectSameTrace(tied.c.packed, tied.rays);
 }
 
 TEST_F(PacketTest, verifyPasses) {

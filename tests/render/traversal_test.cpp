@@ -167,23 +167,33 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
 TEST_P(TraversalTest, treeAndBruteForceHitTheSame) {
     const std::vector<RayInput> rays = makeRays(4000);
     const PackedScene open = withOpenBoxes(packed_);
-    Renderer tree(device(), packed_), brute(device(), open);
-    const std::vector<RayHit> hits = tree.trace(rays, false), all = brute.trace(rays, false);
-    size_t phantoms = 0;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        if (sameBits(hits[i], all[i])) continue;
-        expectPhantom(rays[i], hits[i], all[i]);
-        ++phantoms;
-    }
-    std::cout << "[ measured ] " << phantoms << " of " << rays.size() << " rays hit what is none\n";
-    const size_t hitCount = rays.size() - misses(hits);
-    EXPECT_GT(hitCount, rays.size() / 4);
-    EXPECT_GT(misses(hits), rays.size() / 100);
+    Options testsAll;
+    testsAll.traversal = Traversal::Lane;
+    Renderer brute(device(), open, testsAll);
+    const std::vector<RayHit> all = brute.trace(rays, false);
+    for (const Traversal traversal : {Traversal::Lane, Traversal::Bvh4, Traversal::Cwbvh}) {
+        Options options;
+        options.traversal = traversal;
+        Renderer tree(device(), packed_, options);
+        SCOPED_TRACE(nameOf(tree.traversal()));
+        const std::vector<RayHit> hits = tree.trace(rays, false);
+        size_t phantoms = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            if (sameBits(hits[i], all[i])) continue;
+            expectPhantom(rays[i], hits[i], all[i]);
+            ++phantoms;
+        }
+        std::cout << "[ measured ] " << nameOf(tree.traversal()) << ": " << phantoms << " of " << rays.size()
+                  << " rays hit what is none\n";
+        const size_t hitCount = rays.size() - misses(hits);
+        EXPECT_GT(hitCount, rays.size() / 4);
+        EXPECT_GT(misses(hits), rays.size() / 100);
 
-    const std::vector<RayHit> any = tree.trace(rays, true);
-    size_t differing = 0;
-    for (size_t i = 0; i < rays.size(); ++i) differing += any[i].hit != hits[i].hit;
-    EXPECT_EQ(differing, 0u);
+        const std::vector<RayHit> any = tree.trace(rays, true);
+        size_t differing = 0;
+        for (size_t i = 0; i < rays.size(); ++i) differing += any[i].hit != hits[i].hit;
+        EXPECT_EQ(differing, 0u);
+    }
 }
 
 std::vector<Subject> subjects() {

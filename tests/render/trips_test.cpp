@@ -155,9 +155,13 @@ TEST_F(TripTest, everyPageOfALongBookIsFound) {
         for (size_t i = 0; i < pages.size(); ++i) count += hits[i].data.primitive != pages[i];
         return count;
     };
-    Renderer renderer(device(), c.packed);
-    EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u);
-    EXPECT_GT(renderer.times().resumes, 0u);
+    for (const Traversal traversal : {Traversal::Lane, Traversal::Bvh4, Traversal::Cwbvh}) {
+        Options options;
+        options.traversal = traversal;
+        Renderer renderer(device(), c.packed, options);
+        EXPECT_EQ(wrong(renderer.trace(rays, false)), 0u) << nameOf(renderer.traversal());
+        EXPECT_GT(renderer.times().resumes, 0u) << nameOf(renderer.traversal());
+    }
     const reference::Tracer tracer(c.packed);
     for (size_t i = 0; i < pages.size(); i += 97) {
         const auto hit = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});

@@ -1,0 +1,164 @@
+// Nodes of four children and compressed ones of eight (src/bvh/wide_tree.h), and the stack of a ray that walks by itself.
+#ifndef GLINT_WIDE_NODES_GLSL
+#define GLINT_WIDE_NODES_GLSL
+
+#include "intersect.glsl"
+
+// Words of a stack. In a lane's own memory there is room for one of each level of the binary tree. In the workgroup's, for 12 entries of
+// two words (as many as in Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017,
+// sec. 4), 6 KiB in all: more would leave room for fewer workgroups, and Vulkan promises 16 KiB. A ray that needs more is
+// started again by the walk that needs none.
+const uint kOwnWords = kMaxBvhDepth + 1u;
+const uint kGroupWords = 24u;
+uint ownStack[kOwnWords];
+shared uint groupStack[kGroupWords * kWorkgroupSize];
+
+uint stackWords() { return STACK_PLACE == kStackShared ? kGroupWords : kOwnWords; }
+
+// Word by word across the lanes, so that lanes at the same height use different banks of memory.
+void stackPut(uint place, uint word) {
+    if (STACK_PLACE == kStackShared) {
+        groupStack[place * kWorkgroupSize + gl_LocalInvocationID.x] = word;
+    } else {
+        ownStack[place] = word;
+    }
+}
+
+uint stackAt(uint place) {
+    if (STACK_PLACE == kStackShared) return groupStack[place * kWorkgroupSize + gl_LocalInvocationID.x];
+    return ownStack[place];
+}
+
+// Four slabs of one axis at a time, by the operations of intersectBox. Comparisons instead of min and max, as there.
+struct FourSlabs {
+    vec4 near;
+    vec4 far;
+};
+
+void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearOrigin, float farOrigin, float inverse) {
+    precise vec4 t0 = (nearPlane - nearOrigin) * inverse;
+    precise vec4 t1 = (farPlane - farOrigin) * inverse;
+    slabs.near = mix(slabs.near, t0, greaterThan(t0, slabs.near));
+    slabs.far = mix(slabs.far, t1, lessThan(t1, slabs.far));
+}
+
+bvec4 entersSlabs(FourSlabs slabs, float tEnd) {
+    precise vec4 padded = slabs.far * farPad();
+    vec4 far = mix(vec4(tEnd), padded, lessThan(padded, vec4(tEnd)));
+    return lessThanEqual(slabs.near, far);
+}
+
+// Beyond all that is hit.
+FourSlabs allSlabs(float tMin) { return FourSlabs(vec4(tMin), vec4(uintBitsToFloat(0x7f800000u))); }
+
+void meetAxisOfFour(inout FourSlabs slabs, uint row, bool negative, float nearOrigin, float farOrigin, float inverse) {
+    vec4 nearPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 1u : 0u)));
+    vec4 farPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 0u : 1u)));
+    meetSlabs(slabs, nearPlane, farPlane, nearOrigin, farOrigin, inverse);
+}
+
+// Children that the ray enters, kNone in place of the others, and where it does: nearest first.
+void orderTwo(inout float near0, inout uint child0, inout float near1, inout uint child1) {
+    bool swaps = near1 < near0;
+    float near = swaps ? near1 : near0;
+    uint child = swaps ? child1 : child0;
+    near1 = swaps ? near0 : near1;
+    child1 = swaps ? child0 : child1;
+    near0 = near;
+    child0 = child;
+}
+uvec4 enterFour(Ray ray, RayFrame frame, uint node, float tEnd) {
+    uint row = kFourRows * node;
+    FourSlabs slabs = allSlabs(ray.tMin);
+    meetAxisOfFour(slabs, row, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x, frame.inverse.x);
+    meetAxisOfFour(slabs, row + 2u, frame.negative.y, frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
+    meetAxisOfFour(slabs, row + 4u, frame.negative.z, frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
+    bvec4 entered = entersSlabs(slabs, tEnd);
+    uvec4 child = mix(uvec4(kNone), LOAD4(wideRowsArray, row + 6u), entered);
+    vec4 near = mix(vec4(uintBitsToFloat(0x7f800000u)), slabs.near, entered);
+    orderTwo(near.x, child.x, near.y, child.y);
+    orderTwo(near.z, child.z, near.w, child.w);
+    orderTwo(near.x, child.x, near.z, child.z);
+    orderTwo(near.y, child.y, near.w, child.w);
+    orderTwo(near.y, child.y, near.z, child.z);
+    return child;
+}
+
+// Children that are still to be visited, of one kind: of `first` and those that follow it one for each of bits 8 to 15 of `bits`, which say in
+// which of the node's eight slots they are. Bits 0 to 7: which of them; bit i is slot i ^ octant, so that those nearer to where the ray comes
+// from have lower bits (Ylitie, Karras, Laine 2017, sec. 2.3 and 3.2). On the stack, of leaves: kLeafFlag too.
+struct ChildGroup {
+    uint first;
+    uint bits;
+};
+
+bool isEmpty(ChildGroup group) { return (group.bits & 0xffu) == 0u; }
+
+// Bits 0 to 2: whether the ray runs downwards along x, y, z.
+uint octantOf(RayFrame frame) {
+    return (frame.negative.x ? 1u : 0u) | (frame.negative.y ? 2u : 0u) | (frame.negative.z ? 4u : 0u);
+}
+
+// Takes the first of a group that is not empty out of it.
+uint takeFirst(inout ChildGroup group, uint octant) {
+    uint slot = uint(findLSB(group.bits & 0xffu)) ^ octant;
+    group.bits &= group.bits - 1u;
+    return group.first + uint(bitCount((group.bits >> 8) & ((1u << (slot & 7u)) - 1u)));
+}
+
+// Bit i to i ^ octant, in both halves.
+uint turnBits(uint bits, uint octant) {
+    bits = (octant & 1u) != 0u ? ((bits & 0x00550055u) << 1) | ((bits >> 1) & 0x00550055u) : bits;
+    bits = (octant & 2u) != 0u ? ((bits & 0x00330033u) << 2) | ((bits >> 2) & 0x00330033u) : bits;
+    return (octant & 4u) != 0u ? ((bits & 0x000f000fu) << 4) | ((bits >> 4) & 0x000f000fu) : bits;
+}
+
+// The product is exact, so this has one rounding however it is done, the host's own (wide_tree.cpp), and the planes are those that it has
+// made sure enclose the child's box.
+vec4 planesOf(uint bytes, float scale, float origin) {
+    vec4 steps = vec4(uvec4(bytes, bytes >> 8, bytes >> 16, bytes >> 24) & 0xffu);
+    precise vec4 planes = steps * scale + origin;
+    return planes;
+}
+
+// planes: lower ones of the children in slots 0..3 and 4..7, upper ones.
+void meetAxisOfEight(inout FourSlabs slabs0, inout FourSlabs slabs1, uvec4 planes, uint exponent, float origin, bool negative,
+                     float nearOrigin, float farOrigin, float inverse) {
+    float scale = uintBitsToFloat((exponent & 0xffu) << 23);
+    uvec2 nearPlanes = negative ? planes.zw : planes.xy;
+    uvec2 farPlanes = negative ? planes.xy : planes.zw;
+    meetSlabs(slabs0, planesOf(nearPlanes.x, scale, origin), planesOf(farPlanes.x, scale, origin), nearOrigin, farOrigin, inverse);
+    meetSlabs(slabs1, planesOf(nearPlanes.y, scale, origin), planesOf(farPlanes.y, scale, origin), nearOrigin, farOrigin, inverse);
+}
+
+uint bitsOf(bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
+
+// What the ray enters of a compressed node.
+void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out ChildGroup nodes, out ChildGroup leaves) {
+    uint row = kCompressedRows * node;
+    uvec4 head = LOAD4(wideRowsArray, row);
+    uvec4 links = LOAD4(wideRowsArray, row + 1u);
+    vec3 origin = uintBitsToFloat(head.xyz);
+    FourSlabs slabs0 = allSlabs(ray.tMin);
+    FourSlabs slabs1 = slabs0;
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 2u), head.w, origin.x, frame.negative.x, frame.nearOrigin.x,
+                    frame.farOrigin.x, frame.inverse.x);
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 3u), head.w >> 8, origin.y, frame.negative.y, frame.nearOrigin.y,
+                    frame.farOrigin.y, frame.inverse.y);
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 4u), head.w >> 16, origin.z, frame.negative.z, frame.nearOrigin.z,
+                    frame.farOrigin.z, frame.inverse.z);
+    uint entered = bitsOf(entersSlabs(slabs0, tEnd)) | bitsOf(entersSlabs(slabs1, tEnd)) << 4;
+    uint nodeSlots = head.w >> 24;
+    uint leafSlots = links.z;
+    uint both = turnBits((entered & nodeSlots) | (entered & leafSlots) << 16, octant);
+    nodes = ChildGroup(links.x, (both & 0xffu) | nodeSlots << 8);
+    leaves = ChildGroup(links.y, both >> 16 | leafSlots << 8);
+}
+
+// The word of a leaf, as in shared::Node.
+uint loadLeaf(uint place) {
+    uvec4 four = LOAD4(wideRowsArray, place >> 2);
+    return (place & 2u) == 0u ? ((place & 1u) == 0u ? four.x : four.y) : ((place & 1u) == 0u ? four.z : four.w);
+}
+
+#endif

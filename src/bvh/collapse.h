@@ -1,0 +1,106 @@
+// From the binary tree to one of up to kWidth children a node, with the same leaves.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "bvh/builder.h"
+#include "shared/layout.h"
+
+namespace glint {
+
+inline bool isInnerChild(uint32_t child) {
+    return (child & shared::kLeafFlag) == 0;
+}
+
+// Which nodes of the binary tree stay, as nodes of the wide one, so that the expected number of those that a
+// ray visits, the sum of their areas, is least: leaves and their boxes are the same in any case. Dynamic
+// programming as of H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+// Compressed Wide BVHs", HPG 2017, sec. 3.1.
+template <uint32_t kWidth>
+class Collapse {
+  public:
+    explicit Collapse(const std::vector<shared::Node>& nodes) : nodes_(nodes), plans_(nodes.size()) {
+        const double area = nodes.empty() ? 0 : boxOf(nodes[0]).halfArea();
+        scale_ = area > 0 ? 1 / area : 0;
+        // Children stand behind their parents.
+        for (size_t i = nodes.size(); i-- > 0;) plan(i);
+    }
+
+    struct Child {
+        Box box;
+        uint32_t child = shared::kNone;
+    };
+    struct Wide {
+        std::array<Child, kWidth> children;
+        uint32_t count = 0;
+    };
+    Wide childrenOf(uint32_t node) const {
+        Wide wide;
+        open(node, kWidth, wide);
+        return wide;
+    }
+
+  private:
+    // Of a subtree, in places j + 1 = 1..kWidth of its wide parent.
+    struct Plan {
+        std::array<float, kWidth> cost;     // with at most so many places
+        std::array<uint8_t, kWidth> first;  // the places of the first child, if opened
+        std::array<bool, kWidth> opened{};  // false: it stays, in one place
+    };
+
+    static Box boxOf(const shared::Node& node) {
+        Box box{node.lo0, node.hi0};
+        if (node.child1 != shared::kNone) box.include(Box{node.lo1, node.hi1});
+        return box;
+    }
+    float costOf(uint32_t child, uint32_t places) const {
+        return child != shared::kNone && isInnerChild(child) ? plans_[child].cost[places - 1] : 0;
+    }
+
+    void plan(size_t index) {
+        const shared::Node& node = nodes_[index];
+        Plan& plan = plans_[index];
+        plan.first.fill(1);
+        std::array<float, kWidth> asForest{};
+        for (uint32_t places = 2; places <= kWidth; ++places) {
+            float best = std::numeric_limits<float>::infinity();
+            for (uint32_t first = 1; first < places; ++first) {
+                const float cost = costOf(node.child0, first) + costOf(node.child1, places - first);
+                if (cost < best) {
+                    best = cost;
+                    plan.first[places - 1] = static_cast<uint8_t>(first);
+                }
+            }
+            asForest[places - 1] = best;
+        }
+        const float whole = static_cast<float>(scale_ * boxOf(node).halfArea()) + asForest[kWidth - 1];
+        plan.cost[0] = whole;
+        for (uint32_t places = 2; places <= kWidth; ++places) {
+            plan.opened[places - 1] = asForest[places - 1] < whole;
+            plan.cost[places - 1] = std::min(whole, asForest[places - 1]);
+        }
+    }
+
+    void open(uint32_t node, uint32_t places, Wide& wide) const {
+        const uint32_t first = plans_[node].first[places - 1];
+        add(nodes_[node].child0, {nodes_[node].lo0, nodes_[node].hi0}, first, wide);
+        add(nodes_[node].child1, {nodes_[node].lo1, nodes_[node].hi1}, places - first, wide);
+    }
+    void add(uint32_t child, const Box& box, uint32_t places, Wide& wide) const {
+        if (child == shared::kNone) return;
+        if (isInnerChild(child) && plans_[child].opened[places - 1])
+            open(child, places, wide);
+        else
+            wide.children[wide.count++] = {box, child};
+    }
+
+    const std::vector<shared::Node>& nodes_;
+    std::vector<Plan> plans_;
+    double scale_ = 0;  // areas in parts of the root's: coordinates go up to 1e38
+};
+
+}  // namespace glint

@@ -1,0 +1,320 @@
+// Rays that walk by themselves, in every format of nodes and with either stack: where which is chosen, and
+// that all find what the binary tree's find, to the bit.
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "hard_rays.h"
+#include "mutant_kernels.h"
+#include "verify/verify.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+// ---- the rule ----
+
+gpu::DeviceInfo deviceOf(const std::string& type, bool llvmpipe = false) {
+    gpu::DeviceInfo info;
+    info.name = "a device";
+    info.type = type;
+    info.llvmpipe = llvmpipe;
+    info.limits.subgroupSize = llvmpipe ? 8 : 32;
+    info.limits.subgroupShuffle = true;
+    return info;
+}
+
+PackedScene sceneOf(size_t triangles) {
+    PackedScene scene;
+    scene.triangles.resize(triangles);
+    scene.nodes.resize(triangles > 0 ? 1 : 0);
+    scene.features.triangles = triangles > 0;
+    return scene;
+}
+
+PackedScene withSlabs(PackedScene scene) {
+    scene.methods.slabs = SlabPad::None;
+    return scene;
+}
+
+PackedScene discsInInstances() {
+    PackedScene scene;
+    scene.nodes.resize(2);
+    scene.discs.resize(1);
+    scene.instances.resize(31);
+    scene.features.discs = scene.features.instances = true;
+    return scene;
+}
+
+TEST(LaneRule, isThisTable) {
+    using enum Traversal;
+    const struct {
+        const char* type;
+        bool llvmpipe;
+        Traversal wanted;
+        PackedScene scene;
+        const char* expected;
+    } rows[] = {
+        {"discrete GPU", false, Auto, sceneOf(32), "cwbvh"},
+        {"integrated GPU", false, Auto, sceneOf(32), "cwbvh"},
+        {"virtual GPU", false, Auto, sceneOf(32), "cwbvh"},
+        {"other", false, Auto, sceneOf(32), "lane"},
+        {"CPU", false, Auto, sceneOf(32), "lane"},
+        {"CPU", true, Auto, sceneOf(32), "packet"},
+        {"discrete GPU", false, Auto, sceneOf(31), "lane"},
+        {"discrete GPU", false, Auto, discsInInstances(), "cwbvh"},
+        {"discrete GPU", false, Auto, sceneOf(0), "lane"},
+        {"discrete GPU", false, Auto, withSlabs(sceneOf(1000)), "lane"},
+        {"discrete GPU", false, Lane, sceneOf(1000), "lane"},
+        {"discrete GPU", false, Bvh4, sceneOf(1), "bvh4"},
+        {"discrete GPU", false, Cwbvh, sceneOf(1), "cwbvh"},
+        {"CPU", true, Bvh4, sceneOf(1000), "bvh4"},
+        {"CPU", true, Cwbvh, sceneOf(1000), "cwbvh"},
+        {"CPU", true, Cwbvh, discsInInstances(), "cwbvh"},
+        {"CPU", true, Cwbvh, sceneOf(0), "lane"},
+        {"CPU", true, Bvh4, withSlabs(sceneOf(1000)), "lane"},
+    };
+    for (const auto& row : rows) {
+        const TraversalChoice choice =
+            chooseTraversal(row.wanted, deviceOf(row.type, row.llvmpipe), row.scene);
+        EXPECT_STREQ(nameOf(choice), row.expected)
+            << row.type << ", wanted " << static_cast<int>(row.wanted) << ", " << row.scene.triangles.size()
+            << " triangles: " << choice.reason;
+        EXPECT_FALSE(choice.reason.empty());
+    }
+}
+
+TEST(LaneRule, saysWhyNotWhatWasAskedFor) {
+    const gpu::DeviceInfo device = deviceOf("discrete GPU");
+    EXPECT_NE(chooseTraversal(Traversal::Cwbvh, device, sceneOf(0)).reason.find("no tree"),
+              std::string::npos);
+    EXPECT_NE(chooseTraversal(Traversal::Bvh4, device, withSlabs(sceneOf(9))).reason.find("padding"),
+              std::string::npos);
+    try {
+        chooseTraversal(Traversal::Packet, device, sceneOf(1000));
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ExitCode::Device);
+    }
+}
+
+TEST_F(RenderTest, aTreeThatNothingWalksIsNotThere) {
+    const Case c = fileCase("knot", 8, 8);
+    const auto bytes = [&](Traversal traversal) {
+        Options options;
+        options.traversal = traversal;
+        return Renderer(device(), c.packed, options).deviceBytes();
+    };
+    const uint64_t lane = bytes(Traversal::Lane);
+    EXPECT_EQ(bytes(Traversal::Bvh4) - lane,
+              wideTree(c.packed.nodes, NodeFormat::Four).rows.size() * sizeof(shared::WideRow));
+    EXPECT_EQ(bytes(Traversal::Cwbvh) - lane,
+              wideTree(c.packed.nodes, NodeFormat::Compressed).rows.size() * sizeof(shared::WideRow));
+}
+
+// ---- the same bits ----
+
+struct Walk {
+    const char* name;
+    Traversal traversal;
+    StackPlace stack = StackPlace::Private;
+};
+const Walk kWalks[] = {{"bvh4", Traversal::Bvh4},
+                       {"cwbvh", Traversal::Cwbvh},
+                       {"laneShared", Traversal::Lane, StackPlace::Shared},
+                       {"bvh4Shared", Traversal::Bvh4, StackPlace::Shared},
+                       {"cwbvhShared", Traversal::Cwbvh, StackPlace::Shared}};
+
+void PrintTo(const Walk& walk, std::ostream* out) {
+    *out << walk.name;
+}
+
+Options with(const Walk& walk) {
+    Options options;
+    options.traversal = walk.traversal;
+    options.stack = walk.stack;
+    return options;
+}
+const Walk kBinary = {"lane", Traversal::Lane};
+
+class WalkTest : public RenderTest, public testing::WithParamInterface<Walk> {
+  protected:
+    static Options options() { return with(GetParam()); }
+    static Renderer rendererOf(const Case& c) { return Renderer(device(), c.packed, options()); }
+    static void expectSameTrace(const Case& c, const std::vector<RayInput>& rays, uint32_t tripBudget = 0) {
+        Options walking = options();
+        walking.tripBudget = tripBudget;
+        Renderer binary(device(), c.packed, with(kBinary)), walk(device(), c.packed, walking);
+        EXPECT_TRUE(sameBits(walk.trace(rays, false), binary.trace(rays, false), rays));
+        const std::vector<RayHit> a = walk.trace(rays, true), b = binary.trace(rays, true);
+        for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
+        EXPECT_TRUE(tripBudget == 0 || walk.times().resumes > 0);
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, WalkTest, testing::ValuesIn(kWalks),
+                         [](const auto& p) { return p.param.name; });
+
+TEST_P(WalkTest, findsTheSameForAnyRays) {
+    const RayCase crowd = crowdedCase(3000, 5000, 11);
+    expectSameTrace(crowd.c, crowd.rays);
+}
+
+TEST_P(WalkTest, findsTheSameForSpecialRays) {
+    const RayCase special = axisCase();
+    expectSameTrace(special.c, special.rays);
+}
+
+TEST_P(WalkTest, raysThatRunOutOfTripsLoseNothing) {
+    const RayCase crowd = crowdedCase(1000, 1000, 17);
+    for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSameTrace(crowd.c, crowd.rays, budget);
+}
+
+// Of four children, up to three wait in each level. A compressed node lets one entry wait for a level, so
+// there is room in any case, as there is in the lane's own stack; smallStack below is for those.
+TEST_P(WalkTest, raysThatRunOutOfStackLoseNothing) {
+    const RayCase nested = nestedCase();
+    Renderer renderer = rendererOf(nested.c);
+    for (const RayHit& hit : renderer.trace(nested.rays, false)) EXPECT_EQ(hit.data.object, kNestedCount - 1);
+    if (GetParam().stack == StackPlace::Shared && GetParam().traversal != Traversal::Cwbvh) {
+        EXPECT_GT(renderer.times().resumes, 0u) << "no ray ran out of stack: the test shows nothing";
+    }
+    expectSameTrace(nested.c, nested.rays);
+}
+
+TEST_P(WalkTest, tiesGoToTheLowestId) {
+    const RayCase tied = tiedCase();
+    const std::vector<RayHit> hits = rendererOf(tied.c).trace(tied.rays, false);
+    for (size_t i = 0; i < hits.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
+        EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
+    }
+    expectSameTrace(tied.c, tied.rays);
+}
+
+// Leaves that are the root, and none.
+TEST_P(WalkTest, smallestTrees) {
+    for (const uint32_t triangles : {0u, 1u, 2u, 9u}) {
+        const RayCase small = crowdedCase(triangles, 300, 19);
+        expectSameTrace(small.c, small.rays);
+    }
+}
+
+// Also with budgets that end within them.
+TEST_P(WalkTest, findsTheSameInInstances) {
+    const Case c = fileCase("instances", 8, 8);
+    ASSERT_GT(c.packed.instances.size(), 1u);
+    Random random(23);
+    std::vector<RayInput> rays;
+    const dvec3 lo(c.packed.boundsLo), size = dvec3(c.packed.boundsHi) - lo;
+    const auto inside = [&] { return lo + size * (0.5 + 0.5 * random.box(1)); };
+    for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(inside(), inside()));
+    expectSameTrace(c, rays);
+    for (const uint32_t budget : {5u, 30u}) expectSameTrace(c, rays, budget);
+}
+
+TEST_P(WalkTest, verifyPasses) {
+    for (const char* name : {"knot", "showcase", "instances"}) {
+        const Case c = fileCase(name, 64, 48);
+        Renderer renderer = rendererOf(c);
+        verify::Options verifying;
+        verifying.width = c.width;
+        verifying.height = c.height;
+        const verify::Report report = verify::verify(renderer, c.packed, c.camera, verifying);
+        EXPECT_EQ(report.unexplained, 0u) << name;
+        EXPECT_TRUE(report.passed(verifying)) << name;
+    }
+}
+
+// Light that passes dielectrics loses a sum over their surfaces, in the order that they are met.
+void allowOrderOfSums(const Case& c, Picture& a, const Picture& b) {
+    if (!c.packed.features.coloredShadows) return;
+    ASSERT_EQ(a.color.pixels.size(), b.color.pixels.size());
+    for (size_t i = 0; i < a.color.pixels.size(); ++i) {
+        const float x = a.color.pixels[i], y = b.color.pixels[i];
+        ASSERT_LE(std::abs(x - y), 1e-5f * std::max(1.0f, std::abs(y)));
+    }
+    a.color.pixels = b.color.pixels;
+}
+
+class WalkSceneTest : public RenderTest, public testing::WithParamInterface<std::string> {
+  protected:
+    static void expectSamePicture(const Case& c, const std::vector<Options>& walks) {
+        const Picture binary = draw(device(), c, with(kBinary));
+        for (const Options& options : walks) {
+            SCOPED_TRACE(static_cast<int>(options.traversal));
+            Picture picture = draw(device(), c, options);
+            allowOrderOfSums(c, picture, binary);
+            EXPECT_TRUE(sameBits(picture, binary));
+        }
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, WalkSceneTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
+
+TEST_P(WalkSceneTest, drawsWhatTheBinaryTreeDraws) {
+    expectSamePicture(fileCase(GetParam(), 80, 60), {with(kWalks[0]), with(kWalks[1])});
+}
+
+// Sizes that leave tiles part empty, storage buffers, and the stack that a workgroup shares.
+TEST_P(WalkSceneTest, drawsTheSameThroughStorageBuffersAndSharedStacks) {
+    std::vector<Options> walks = {with(kWalks[2]), with(kWalks[3]), with(kWalks[4])};
+    for (Options& options : walks) options.access = gpu::Access::StorageBuffer;
+    expectSamePicture(fileCase(GetParam(), 33, 23), walks);
+}
+
+// ---- kernels with defects ----
+
+class WalkMutantTest : public RenderTest {
+  protected:
+    static std::vector<RayHit> hitsOf(const RayCase& rays, Traversal traversal, const KernelCode& code,
+                                      uint64_t* resumes = nullptr) {
+        Options options;
+        options.access = gpu::Access::TexelBuffer;
+        options.traversal = traversal;
+        options.kernels = &code;
+        Renderer renderer(device(), rays.c.packed, options);
+        std::vector<RayHit> hits = renderer.trace(rays.rays, false);
+        if (resumes) *resumes = renderer.times().resumes;
+        return hits;
+    }
+};
+
+// A stack of six words: whoever needs more is started again, and loses nothing.
+TEST_F(WalkMutantTest, smallStack) {
+    const KernelCode small = mutantKernels("small_stack");
+    const RayCase crowd = crowdedCase(3000, 2000, 29);
+    const std::vector<RayHit> expected =
+        hitsOf(crowd, Traversal::Lane, embeddedKernels(gpu::Access::TexelBuffer));
+    for (const Traversal traversal : {Traversal::Bvh4, Traversal::Cwbvh}) {
+        uint64_t resumes = 0;
+        const std::vector<RayHit> hits = hitsOf(crowd, traversal, small, &resumes);
+        EXPECT_GT(resumes, 0u) << "no ray ran out of stack: the test shows nothing";
+        EXPECT_TRUE(sameBits(hits, expected, crowd.rays));
+    }
+}
+
+// Defects of each format are seen: what is compared above walks the nodes that it says.
+TEST_F(WalkMutantTest, defectsShow) {
+    const RayCase crowd = crowdedCase(3000, 2000, 31);
+    const KernelCode sound = embeddedKernels(gpu::Access::TexelBuffer);
+    const std::vector<RayHit> expected = hitsOf(crowd, Traversal::Lane, sound);
+    const struct {
+        const char* mutant;
+        Traversal traversal;
+    } defects[] = {{"wide_three", Traversal::Bvh4},
+                   {"wide_turned", Traversal::Cwbvh},
+                   {"wide_narrow", Traversal::Cwbvh},
+                   {"wide_leaf_word", Traversal::Cwbvh}};
+    for (const auto& defect : defects) {
+        SCOPED_TRACE(defect.mutant);
+        const KernelCode broken = mutantKernels(defect.mutant);
+        EXPECT_TRUE(sameBits(hitsOf(crowd, Traversal::Lane, broken), expected, crowd.rays));
+        EXPECT_FALSE(sameBits(hitsOf(crowd, defect.traversal, broken), expected, crowd.rays));
+    }
+}
+
+}  // namespace
+}  // namespace glint::render::test
