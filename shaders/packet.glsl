@@ -294,6 +294,8 @@ uint updateEnds() {
 }
 
 // Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most, 15 on the stack.
+bool isLeaf(uint child) { return child != kNone && !isNode(child); }
+
 uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
     return entered ? (bits & ~7u) | lane : kNone;
@@ -344,15 +346,21 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             current = full ? kNone : popped;
             if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
         } while (isNode(current));
-        uint kind = (current >> kLeafKindShift) & kLeafKindMask;
-        uint first = current & kLeafFirstMask;
-        uint last = current == kNone ? first : first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-        if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
-        if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
-        end = updateEnds();
-        uint popped = popReachable(stack, end, lane, rows);
-        current = current == kNone || end == 0u ? kNone : popped;
-        trips += 4u;
+        // A loop of its own: leaves often follow each other, and without it each would cost a masked pass over the nodes' loop.
+        do if (isLeaf(current)) {
+            uint kind = (current >> kLeafKindShift) & kLeafKindMask;
+            uint first = current & kLeafFirstMask;
+            uint last = first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
+            if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
+            if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+            end = updateEnds();
+            uint popped = popReachable(stack, end, lane, rows);
+            bool spent = trips > dispatch.tripBudget;
+            complete = complete && !spent;
+            current = end == 0u || spent ? kNone : popped;
+            trips += 4u;
+        } while (isLeaf(current));
+        ++trips;
     } while (current != kNone);
     return complete;
 }
