@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "bvh/packet_tree.h"
@@ -129,6 +131,7 @@ Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, KernelId k
     render::TraceModes resume;
     resume.resume = true;
     while (counters[shared::kCounterUnfinished] != 0) {
+        if (std::getenv("UNF")) std::fprintf(stderr, "unfinished %u\n", counters[shared::kCounterUnfinished]);
         counters[shared::kCounterUnfinished] = 0;
         const Timing more = run(any ? KernelId::IntersectAny : KernelId::Intersect, resume, slice_.groups());
         timing.wall += more.wall;

@@ -4,25 +4,9 @@
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
 
-// As PacketStack's, the key being the rows that enter the box. `awake`: rows with rays that are not settled.
-uint popAwake(inout PacketStack stack, uint awake, uint lane, inout uint rows) {
-    uint height = 0u;
-    for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
-        uint place = 8u * row + lane;
-        bool reachable = place < stack.top && (stack.key[row] & awake) != 0u;
-        height = reachable ? place + 1u : height;
-    }
-    height = largestOfLanes(height);
-    bool empty = height == 0u;
-    uint place = height - 1u;
-    uint row = place >> 3;
-    uint held = row == 0u ? stack.child.x : (row == 1u ? stack.child.y : (row == 2u ? stack.child.z : stack.child.w));
-    uint child = subgroupShuffle(held, place & 7u);
-    uint heldKey = row == 0u ? stack.key.x : (row == 1u ? stack.key.y : (row == 2u ? stack.key.z : stack.key.w));
-    rows = subgroupShuffle(heldKey, place & 7u) & awake;
-    stack.top = empty ? 0u : place;
-    return empty ? kNone : child;
-}
+const uint kLevels = 8u;  // digits in a word
+const uint kLevelBits = 4u;
+const uint kEveryLevel = 0x11111111u;
 
 uint anyOfLanes(uint bits) {
     bits |= subgroupShuffleXor(bits, 1u);
@@ -30,12 +14,12 @@ uint anyOfLanes(uint bits) {
     return bits | subgroupShuffleXor(bits, 4u);
 }
 
-// A ray that has hit needs nothing more. Returns the rows that do, in all lanes.
+// A ray that has hit needs nothing more. Returns the rows that do, in each digit, in all lanes.
 uint updateAwake() {
     uint awake = 0u;
     GLINT_EACH_RAY {
         if (settled(packet[r])) packetEnds[r] = -1.0;
-        awake |= packetEnds[r] >= 0.0 ? 1u << r : 0u;
+        awake |= packetEnds[r] >= 0.0 ? kEveryLevel << r : 0u;
     }
     return anyOfLanes(awake);
 }
@@ -96,12 +80,40 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     } while (left != 0u);
 }
 
-// As the closest hit's walkGroup.
+// Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow each other (packetTree), so that
+// a level is its first one's number, in that lane of `first`, and for each lane the rows that enter its child, in a digit of `rows`: the lowest is the
+// deepest level's.
+struct PacketLevels {
+    uint first;
+    uint rows;
+    uint depth;
+};
+void pushLevel(inout PacketLevels levels, uint first, uint rows, uint lane) {
+    levels.first = lane == levels.depth ? first : levels.first;
+    levels.rows = (levels.rows << kLevelBits) | rows;
+    ++levels.depth;
+}
+
+// The next child that some row still needs, of the deepest level that has one; kNone if none has. Levels that are through are dropped.
+uint popChild(inout PacketLevels levels, uint awake, uint lane) {
+    uint some = anyOfLanes(levels.rows & awake);
+    uint dropped = some == 0u ? 0u : uint(findLSB(some)) >> 2;
+    uint rows = levels.rows >> (kLevelBits * dropped);
+    uint lanes = anyOfLanes((rows & kRowsMask & awake) != 0u ? 1u << lane : 0u);
+    uint place = uint(findMSB(lanes)) & 7u;
+    levels.depth -= dropped;
+    uint child = subgroupShuffle(levels.first, (levels.depth - 1u) & 7u) + place;
+    rows = lane == place ? rows & ~kRowsMask : rows;
+    bool last = (lanes & (lanes - 1u)) == 0u;
+    levels.rows = last ? rows >> kLevelBits : rows;
+    levels.depth -= last ? 1u : 0u;
+    levels.depth = some == 0u ? 0u : levels.depth;
+    return some == 0u ? kNone : child;
+}
+
+// As the closest hit's walkGroup. From a node's children the leaves are tested at once, the others wait.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
-    PacketStack stack;
-    stack.child = uvec4(kNone);
-    stack.key = uvec4(0u);
-    stack.top = 0u;
+    PacketLevels levels = PacketLevels(0u, 0u, 0u);
     float farthest = -1.0;
     GLINT_EACH_RAY {
         precise float end = packet[r].ray.tMax * kFarPad;
@@ -114,10 +126,14 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     uint axis = group & 3u;
     PacketBounds bounds = boundsOf(negative);
     uint current = awake == 0u ? kNone : root;
-    uint rows = awake;
     bool complete = true;
+    // A constant of the dispatch costs 25 instructions wherever it stands, in a loop each time.
+    uint budget = dispatch.tripBudget;
     do if (current != kNone) {
-        do if (isNode(current)) {
+        uint leaves = 0u;
+        uint leafChild = kNone;
+        uint leafRows = 0u;
+        do if (current != kNone) {
             PacketCorner lower = loadPacketCorner(16u * current + lane);
             vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
             vec3 nearPlane = mix(lower.corner, upper, negative);
@@ -125,34 +141,41 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             float near;
             bool entered = groupEnters(bounds, nearPlane, farPlane, farthest, near);
             uint left = anyOfLanes(entered ? 1u << lane : 0u);
-            bool full = stack.top > 8u * (GLINT_STACK_ROWS - 1) || trips > dispatch.tripBudget;
-            complete = complete && !full;
+            uint entering = 0u;
             do if (left != 0u) {
                 uint place = uint(findLSB(left));
                 left &= left - 1u;
-                uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                pushOne(stack, entering, subgroupShuffle(lower.child, place), entering != 0u, lane);
+                uint rows = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+                entering = lane == place ? rows : entering;
                 ++trips;
                 if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
             } while (left != 0u);
+            bool inner = isNode(lower.child);
+            leafChild = lower.child;
+            leafRows = inner ? 0u : entering;
+            leaves = anyOfLanes(leafRows != 0u ? 1u << lane : 0u);
+            bool full = levels.depth == kLevels || trips > budget;
+            complete = complete && !full;
+            pushLevel(levels, subgroupShuffle(lower.child, 0u), inner ? entering : 0u, lane);
+            uint child = popChild(levels, awake, lane);
+            current = full ? kNone : child;
             trips += 2u;
-            uint popped = popAwake(stack, awake, lane, rows);
-            current = full ? kNone : popped;
             if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
-        } while (isNode(current));
-        do if (isLeaf(current)) {
-            uint kind = (current >> kLeafKindShift) & kLeafKindMask;
-            uint first = current & kLeafFirstMask;
-            uint last = first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
+        } while (current != kNone && leaves == 0u);
+        do if (leaves != 0u) {
+            uint place = uint(findLSB(leaves));
+            leaves &= leaves - 1u;
+            uint leaf = subgroupShuffle(leafChild, place);
+            uint rows = subgroupShuffle(leafRows, place);
+            uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
+            uint first = leaf & kLeafFirstMask;
+            uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
             if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
             if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
-            awake = updateAwake();
-            uint popped = popAwake(stack, awake, lane, rows);
-            bool spent = trips > dispatch.tripBudget;
-            complete = complete && !spent;
-            current = spent ? kNone : popped;
-            trips += 4u;
-        } while (isLeaf(current));
+            trips += 2u;
+        } while (leaves != 0u);
+        awake = updateAwake();
+        current = awake == 0u ? kNone : current;
         ++trips;
     } while (current != kNone);
     return complete;

@@ -125,6 +125,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     uint current = end == 0u ? kNone : root;
     uint rows = kRowsMask;
     bool complete = true;
+    uint budget = dispatch.tripBudget;
     do if (current != kNone) {
         do if (isNode(current)) {
             PacketCorner lower = loadPacketCorner(16u * current + lane);
@@ -137,7 +138,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             uint count = sumOfLanes(entered ? 1u : 0u);
             key = sortLanes(key, lane);
             uint child = subgroupShuffle(lower.child, key & 7u);
-            bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > dispatch.tripBudget;
+            bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
             complete = complete && !full;
             uint farther = count;
             do if (farther > 0u) {
@@ -163,7 +164,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
             end = updateEnds();
             uint popped = popReachable(stack, end, lane, rows);
-            bool spent = trips > dispatch.tripBudget;
+            bool spent = trips > budget;
             complete = complete && !spent;
             current = end == 0u || spent ? kNone : popped;
             trips += 4u;

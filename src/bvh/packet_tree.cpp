@@ -118,6 +118,8 @@ std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& no
         const Pending next = pending.back();
         pending.pop_back();
         Collapse::Wide wide = collapse.childrenOf(next.node);
+        std::stable_partition(wide.children.begin(), wide.children.begin() + wide.count,
+                              [](const Collapse::Child& c) { return isInner(c.child); });
         for (uint32_t i = 0; i < wide.count; ++i) {
             if (!isInner(wide.children[i].child)) continue;
             pending.push_back({wide.children[i].child, places});
