@@ -60,6 +60,12 @@ uint sumOfLanes(uint x) {
     return x + subgroupShuffleXor(x, 4u);
 }
 
+uint anyOfLanes(uint bits) {
+    bits |= subgroupShuffleXor(bits, 1u);
+    bits |= subgroupShuffleXor(bits, 2u);
+    return bits | subgroupShuffleXor(bits, 4u);
+}
+
 vec3 fromLane(vec3 v, uint lane) {
     return vec3(subgroupShuffle(v.x, lane), subgroupShuffle(v.y, lane), subgroupShuffle(v.z, lane));
 }
@@ -158,9 +164,7 @@ bool groupEnters(PacketBounds bounds, vec3 nearPlane, vec3 farPlane, float tEnd,
 uint rowsThatEnter(vec3 nearPlane, vec3 farPlane) {
     uint entered = 0u;
     GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u << r : 0u;
-    entered |= subgroupShuffleXor(entered, 1u);
-    entered |= subgroupShuffleXor(entered, 2u);
-    return entered | subgroupShuffleXor(entered, 4u);
+    return anyOfLanes(entered);
 }
 
 bool isLeaf(uint child) { return child != kNone && !isNode(child); }
@@ -240,13 +244,44 @@ bool tracePacket(Environment environment) {
     return traversePacket(environment.root);
 }
 
-// Path r of this lane: those of a subgroup are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4. Where the dispatch has
+// Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are none, as nothing was hit there; but on
+// lavapipe, where nothing but a loop's end skips anything, one without rays costs all of the kernel's code. So it looks for the next that has some.
+#ifdef GLINT_ANY_HIT
+const uint kPacketTurns = 8u;  // kPacketTurns in src/render/traversal_choice.h
+#else
+const uint kPacketTurns = 1u;
+#endif
+
+// Path r of this lane: those of a packet are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4. Where the dispatch has
 // no such path, `present` is false and the path one that may be read.
-uint packetPath(uint r, out bool present) {
+uint packetPath(uint turn, uint r, out bool present) {
     uint lane = gl_LocalInvocationID.x & 7u;
-    uint path = (gl_GlobalInvocationID.x - lane) * GLINT_PACKET_RAYS + lane + 8u * r;
+    uint path = ((gl_GlobalInvocationID.x - lane) * kPacketTurns + 8u * turn) * GLINT_PACKET_RAYS + lane + 8u * r;
     present = path < dispatch.run * dispatch.interleave * kWorkgroupSize;
     return present ? path : 0u;
+}
+
+// False only if the path has no ray to trace; to be had from one row. Each kernel has its own.
+bool mayHaveRay(uint path);
+
+// The next packet from `turn` on that may have rays, the last if none has; `turn` is then the one behind it.
+uint nextPacket(inout uint turn) {
+    uint found = turn;
+    bool searching = turn < kPacketTurns;
+    do if (searching) {
+        uint some = 0u;
+        GLINT_EACH_RAY {
+            bool present;
+            uint path = packetPath(turn, r, present);
+            bool may = mayHaveRay(path);
+            some |= present && may ? 1u : 0u;
+        }
+        some = anyOfLanes(some);
+        found = turn;
+        ++turn;
+        searching = some == 0u && turn < kPacketTurns;
+    } while (searching);
+    return found;
 }
 
 #endif

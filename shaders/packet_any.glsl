@@ -8,12 +8,6 @@ const uint kLevels = 8u;  // digits in a word
 const uint kLevelBits = 4u;
 const uint kEveryLevel = 0x11111111u;
 
-uint anyOfLanes(uint bits) {
-    bits |= subgroupShuffleXor(bits, 1u);
-    bits |= subgroupShuffleXor(bits, 2u);
-    return bits | subgroupShuffleXor(bits, 4u);
-}
-
 // A ray that has hit needs nothing more. Returns the rows that do, in each digit, in all lanes.
 uint updateAwake() {
     uint awake = 0u;
