@@ -1,21 +1,17 @@
 // Whether each ray of a group of a packet hits anything. Nothing gets nearer here, so that no entry of the stack ever falls out of reach; but rays
-// are settled, and what only they enter is dropped. Children come as they lie in the node: by distance, nearest first, a ray that leaves a
-// surface meets its own neighbourhood first, which seldom shades it.
+// are settled. The farthest child comes first: nearest first, a ray that leaves a surface would meet its own neighbourhood first, which seldom
+// shades it.
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
 
-const uint kLevels = 8u;  // digits in a word
-const uint kLevelBits = 4u;
-const uint kEveryLevel = 0x11111111u;
-
-// A ray that has hit needs nothing more. Returns the rows that do, in each digit, in all lanes.
-uint updateAwake() {
+// A ray that has hit needs nothing more. True, in all lanes, if some ray does.
+bool updateAwake() {
     uint awake = 0u;
     GLINT_EACH_RAY {
         if (settled(packet[r])) packetEnds[r] = -1.0;
-        awake |= packetEnds[r] >= 0.0 ? kEveryLevel << r : 0u;
+        awake |= packetEnds[r] >= 0.0 ? 1u : 0u;
     }
-    return anyOfLanes(awake);
+    return anyOfLanes(awake) != 0u;
 }
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
@@ -74,40 +70,40 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     } while (left != 0u);
 }
 
-// Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow each other (packetTree), so that
-// a level is its first one's number, in that lane of `first`, and for each lane the rows that enter its child, in a digit of `rows`: the lowest is the
-// deepest level's.
+// Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow each other (packetTree), so a
+// level is one word, the same for all lanes: the number of the first one in its upper bits, then whether they are taken from the lowest lane on or from
+// the highest, then which lanes' remain. Levels are held across the lanes, 8 in each of two registers.
 struct PacketLevels {
-    uint first;
-    uint rows;
+    uvec2 levels;
     uint depth;
 };
-void pushLevel(inout PacketLevels levels, uint first, uint rows, uint lane) {
-    levels.first = lane == levels.depth ? first : levels.first;
-    levels.rows = (levels.rows << kLevelBits) | rows;
-    ++levels.depth;
-}
+const uint kLevels = 16u;
+const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/traversal_choice.h
+const uint kLevelAscends = 256u;
 
-// The next child that some row still needs, of the deepest level that has one; kNone if none has. Levels that are through are dropped.
-uint popChild(inout PacketLevels levels, uint awake, uint lane) {
-    uint some = anyOfLanes(levels.rows & awake);
-    uint dropped = some == 0u ? 0u : uint(findLSB(some)) >> 2;
-    uint rows = levels.rows >> (kLevelBits * dropped);
-    uint lanes = anyOfLanes((rows & kRowsMask & awake) != 0u ? 1u << lane : 0u);
-    uint place = uint(findMSB(lanes)) & 7u;
-    levels.depth -= dropped;
-    uint child = subgroupShuffle(levels.first, (levels.depth - 1u) & 7u) + place;
-    rows = lane == place ? rows & ~kRowsMask : rows;
-    bool last = (lanes & (lanes - 1u)) == 0u;
-    levels.rows = last ? rows >> kLevelBits : rows;
-    levels.depth -= last ? 1u : 0u;
-    levels.depth = some == 0u ? 0u : levels.depth;
-    return some == 0u ? kNone : child;
+// Where to go from a node of whose inner children, from `first` on, those in the lanes `entered` wait: to the one in lane `farthest`, or, if there
+// are none, to the next of the deepest level; kNone if that is none either.
+uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthest, uint lane) {
+    bool down = entered != 0u;
+    uint bit = 1u << farthest;
+    uint pushed = (first << kLevelFirstShift) | (entered ^ bit) | ((entered & (bit - 1u)) == 0u ? kLevelAscends : 0u);
+    uint last = levels.depth - 1u;
+    uint deepest = subgroupShuffle(last < 8u ? levels.levels.x : levels.levels.y, last & 7u);
+    uint waiting = deepest & 255u;
+    uint place = (deepest & kLevelAscends) != 0u ? uint(findLSB(waiting)) : uint(findMSB(waiting));
+    uint popped = deepest ^ (1u << (place & 7u));
+    uint child = down ? first + farthest : (levels.depth == 0u ? kNone : (deepest >> kLevelFirstShift) + place);
+    uint changed = down ? levels.depth : last;
+    uint level = down ? pushed : popped;
+    levels.levels.x = changed == lane ? level : levels.levels.x;
+    levels.levels.y = changed == lane + 8u ? level : levels.levels.y;
+    levels.depth = (level & 255u) != 0u ? changed + 1u : changed;
+    return child;
 }
 
 // As the closest hit's walkGroup. From a node's children the leaves are tested at once, the others wait.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
-    PacketLevels levels = PacketLevels(0u, 0u, 0u);
+    PacketLevels levels = PacketLevels(uvec2(0u), 0u);
     float farthest = -1.0;
     GLINT_EACH_RAY {
         precise float end = packet[r].ray.tMax * kFarPad;
@@ -115,11 +111,11 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
         farthest = larger(farthest, packetEnds[r]);
     }
     farthest = largestOfLanes(farthest);
-    uint awake = updateAwake();
+    bool awake = updateAwake();
     bvec3 negative = signsOf(group);
     uint axis = group & 3u;
     PacketBounds bounds = boundsOf(negative);
-    uint current = awake == 0u ? kNone : root;
+    uint current = awake ? root : kNone;
     bool complete = true;
     // A constant of the dispatch costs 25 instructions wherever it stands, in a loop each time.
     uint budget = dispatch.tripBudget;
@@ -146,12 +142,13 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             } while (left != 0u);
             bool inner = isNode(lower.child);
             leafChild = lower.child;
-            leafRows = inner ? 0u : entering;
-            leaves = anyOfLanes(leafRows != 0u ? 1u << lane : 0u);
-            bool full = levels.depth == kLevels || trips > budget;
+            leafRows = entering;
+            uint some = anyOfLanes(entering != 0u ? (inner ? 1u : 256u) << lane : 0u);
+            leaves = some >> 8;
+            uint farthest = largestOfLanes(inner && entering != 0u ? keyOf(near, lane, true) : 0u) & 7u;
+            bool full = levels.depth >= kLevels || trips > budget;
             complete = complete && !full;
-            pushLevel(levels, subgroupShuffle(lower.child, 0u), inner ? entering : 0u, lane);
-            uint child = popChild(levels, awake, lane);
+            uint child = nextChild(levels, subgroupShuffle(lower.child, 0u), some & 255u, farthest, lane);
             current = full ? kNone : child;
             trips += 2u;
             if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
@@ -169,7 +166,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             trips += 2u;
         } while (leaves != 0u);
         awake = updateAwake();
-        current = awake == 0u ? kNone : current;
+        current = awake ? current : kNone;
         ++trips;
     } while (current != kNone);
     return complete;

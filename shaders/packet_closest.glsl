@@ -103,12 +103,6 @@ uint updateEnds() {
     return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
 }
 
-// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most, 15 on the stack.
-uint keyOf(float distance, uint lane, bool entered) {
-    uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
-    return entered ? (bits & ~7u) | lane : kNone;
-}
-
 // Returns false for a group that was given up: it ran out of trips or of stack.
 // `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
 // and no more than 40 pass between two looks at the budget (8 children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which
