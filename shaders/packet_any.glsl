@@ -35,9 +35,9 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     uint left = first < end ? rows : 0u;
     do if (left != 0u) {
         Traversal one = packet[0];
-        bool taken = (left & 1u) != 0u;
+        uint row = left & (~left + 1u);
         for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
-            bool mine = !taken && (left & (1u << r)) != 0u;
+            bool mine = row == 1u << r;
             one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
             one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
             one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
@@ -46,7 +46,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
             one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
             if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
-            taken = taken || mine;
         }
         vec3 turned = turnToZ(one.ray.origin, axis);
         uint index = first;
@@ -58,14 +57,12 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             index += 2u;
             ++trips;
         } while (index < end);
-        bool given = false;
         GLINT_EACH_RAY {
-            bool mine = !given && (left & (1u << r)) != 0u;
+            bool mine = row == 1u << r;
             packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
             if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
-            given = given || mine;
         }
-        left &= left - 1u;
+        left ^= row;
         ++trips;
     } while (left != 0u);
 }
@@ -81,8 +78,9 @@ const uint kLevels = 16u;
 const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/traversal_choice.h
 const uint kLevelAscends = 256u;
 
-// Where to go from a node of whose inner children, from `first` on, those in the lanes `entered` wait: to the one in lane `farthest`, or, if there
-// are none, to the next of the deepest level; kNone if that is none either.
+// Where to go from a node whose inner children are `first` and those that follow, and of which those in the lanes `entered` are to be visited: to
+// the one in lane `farthest`, while the others wait, taken from its end of the node; or, if there are none, to the next of the deepest level; kNone if
+// no level is left.
 uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthest, uint lane) {
     bool down = entered != 0u;
     uint bit = 1u << farthest;
@@ -101,16 +99,17 @@ uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthes
     return child;
 }
 
-// As the closest hit's walkGroup. From a node's children the leaves are tested at once, the others wait.
+// As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No more than 200 trips pass between two
+// looks at the budget (8 boxes, and 8 leaves of 22), so that kPacketTurns packets stay far below what lavapipe allows a subgroup.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketLevels levels = PacketLevels(uvec2(0u), 0u);
-    float farthest = -1.0;
+    float end = -1.0;
     GLINT_EACH_RAY {
-        precise float end = packet[r].ray.tMax * kFarPad;
-        packetEnds[r] = packet[r].ray.tMax > packet[r].ray.tMin ? end : -1.0;
-        farthest = larger(farthest, packetEnds[r]);
+        precise float padded = packet[r].ray.tMax * kFarPad;
+        packetEnds[r] = packet[r].ray.tMax > packet[r].ray.tMin ? padded : -1.0;
+        end = larger(end, packetEnds[r]);
     }
-    farthest = largestOfLanes(farthest);
+    end = largestOfLanes(end);
     bool awake = updateAwake();
     bvec3 negative = signsOf(group);
     uint axis = group & 3u;
@@ -129,7 +128,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             vec3 nearPlane = mix(lower.corner, upper, negative);
             vec3 farPlane = mix(upper, lower.corner, negative);
             float near;
-            bool entered = groupEnters(bounds, nearPlane, farPlane, farthest, near);
+            bool entered = groupEnters(bounds, nearPlane, farPlane, end, near);
             uint left = anyOfLanes(entered ? 1u << lane : 0u);
             uint entering = 0u;
             do if (left != 0u) {
@@ -140,9 +139,9 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                 ++trips;
                 if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
             } while (left != 0u);
-            bool inner = isNode(lower.child);
             leafChild = lower.child;
             leafRows = entering;
+            bool inner = isNode(lower.child);
             uint some = anyOfLanes(entering != 0u ? (inner ? 1u : 256u) << lane : 0u);
             leaves = some >> 8;
             uint farthest = largestOfLanes(inner && entering != 0u ? keyOf(near, lane, true) : 0u) & 7u;

@@ -46,9 +46,9 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
     uint left = first < end ? rows : 0u;
     do if (left != 0u) {
         Traversal one = packet[0];
-        bool taken = (left & 1u) != 0u;
+        uint row = left & (~left + 1u);
         for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
-            bool mine = !taken && (left & (1u << r)) != 0u;
+            bool mine = row == 1u << r;
             one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
             one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
             one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
@@ -61,7 +61,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             one.hit.v = mine ? packet[r].hit.v : one.hit.v;
             one.hit.id = mine ? packet[r].hit.id : one.hit.id;
             one.cost = mine ? packet[r].cost : one.cost;
-            taken = taken || mine;
         }
         vec3 turned = turnToZ(one.ray.origin, axis);
         uint index = first;
@@ -73,9 +72,8 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             index += 2u;
             ++trips;
         } while (index < end);
-        bool given = false;
         GLINT_EACH_RAY {
-            bool mine = !given && (left & (1u << r)) != 0u;
+            bool mine = row == 1u << r;
             packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
             packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
             packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
@@ -83,9 +81,8 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
             packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
             packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
             packet[r].cost = mine ? one.cost : packet[r].cost;
-            given = given || mine;
         }
-        left &= left - 1u;
+        left ^= row;
         ++trips;
     } while (left != 0u);
 }
