@@ -235,8 +235,9 @@ uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
-    do if (current != kNone && traversal.trips < dispatch.tripBudget) {
-        do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
+    uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
+    do if (current != kNone && traversal.trips < budget) {
+        do if (isNode(current) && traversal.trips < budget) {
             Node node = loadNode(current);
             precise float tEnd = traversal.ray.tMax * farPad();
             float near0, near1;
@@ -255,7 +256,7 @@ uint traverse(inout Traversal traversal, uint root) {
             current = both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : (empty ? kNone : popped)));
             ++traversal.trips;
             if (MODE_COST) traversal.cost += 2u;
-        } while (isNode(current) && traversal.trips < dispatch.tripBudget);
+        } while (isNode(current) && traversal.trips < budget);
         if (current != kNone && !isNode(current) && !isInstance(current)) {
             testLeaf(traversal, current);
             bool done = top == base || settled(traversal);
@@ -273,14 +274,15 @@ uint traverse(inout Traversal traversal, uint root) {
             base = enters ? top : (leaves ? 0u : base);
         }
         ++traversal.trips;
-    } while (current != kNone && traversal.trips < dispatch.tripBudget);
+    } while (current != kNone && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
 
 // The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped, kNone at the end.
 uint walk(inout Traversal traversal, uint slot) {
-    do if (slot != kNone && traversal.trips < dispatch.tripBudget) {
+    uint budget = dispatch.tripBudget;
+    do if (slot != kNone && traversal.trips < budget) {
         Node node = loadNode(slot >> 1);
         bool second = (slot & 1u) != 0u;
         uint child = second ? node.child1 : node.child0;
@@ -302,7 +304,7 @@ uint walk(inout Traversal traversal, uint slot) {
         }
         ++traversal.trips;
         if (MODE_COST) ++traversal.cost;
-    } while (slot != kNone && traversal.trips < dispatch.tripBudget);
+    } while (slot != kNone && traversal.trips < budget);
     return slot;
 }
 
