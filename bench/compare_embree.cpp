@@ -182,8 +182,6 @@ Settings parse(int argc, char** argv) {
             settings.repeat = std::max(1, std::atoi(argv[++i]));
         } else if (word == "--only" && value) {
             settings.only = argv[++i];
-        } else if (word == "--packet-rays" && value) {
-            settings.replaced.packetRays = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
         } else if (word == "--kernel" && value) {
             replaceKernel(argv[++i], settings.replaced);
         } else if (word.starts_with("--")) {

@@ -22,11 +22,6 @@ render::Slice wholePicture(int width, int height) {
     return slice;
 }
 
-uint32_t raysOfLane(KernelId kernel, uint32_t packetRays) {
-    const bool packets = kernel == KernelId::PacketIntersect || kernel == KernelId::PacketIntersectAny;
-    return packets ? packetRays : 1;
-}
-
 render::KernelCode replace(render::KernelCode code, const Replacements& replaced) {
     const auto take = [](std::span<const uint32_t>& kernel, const std::vector<uint32_t>& other) {
         if (!other.empty()) kernel = other;
@@ -56,7 +51,6 @@ DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, int 
       paths_(device, access_, slice_.paths(), shared::kPathRows),
       counters_(device, "counters", shared::kCounterCount * sizeof(uint32_t), gpu::Access::StorageBuffer,
                 gpu::MemoryKind::Host),
-      packetRays_(replaced.packetRays),
       code_(replace(render::embeddedKernels(access_), replaced)),
       pipelines_(device, code_, access_, scene.features, scene.methods),
       submission_(device),
@@ -119,7 +113,7 @@ void DeviceRays::write(const std::vector<BenchRay>& rays) {
 Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, KernelId kernel,
                          std::vector<BenchHit>& hits) {
     write(rays);
-    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel, packetRays_);
+    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel);
     const uint32_t groups = (static_cast<uint32_t>(rays.size()) + perGroup - 1) / perGroup;
     auto* const counters = static_cast<uint32_t*>(counters_.mapped());
     std::fill_n(counters, shared::kCounterCount, 0u);
@@ -144,7 +138,7 @@ uint64_t DeviceRays::countTests(const std::vector<BenchRay>& rays, KernelId kern
     write(rays);
     render::TraceModes modes;
     modes.cost = true;
-    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel, packetRays_);
+    const uint32_t perGroup = shared::kWorkgroupSize * raysOfLane(kernel);
     run(kernel, modes, (static_cast<uint32_t>(rays.size()) + perGroup - 1) / perGroup);
     const auto walk = paths_.readRow(device_, shared::kRowWalk, static_cast<uint32_t>(rays.size()));
     uint64_t sum = 0;

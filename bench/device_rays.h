@@ -15,7 +15,6 @@ namespace glint::bench {
 // Compiled kernels instead of the program's own, to try variants without building it.
 struct Replacements {
     std::vector<uint32_t> intersect, intersectAny, packetIntersect, packetIntersectAny;
-    uint32_t packetRays = render::kPacketRays;  // of a lane, in the last two
 };
 
 class DeviceRays {
@@ -44,7 +43,6 @@ class DeviceRays {
     render::SceneBuffers buffers_;
     render::PathState paths_;
     gpu::Buffer counters_;
-    uint32_t packetRays_;
     render::KernelCode code_;
     render::Pipelines pipelines_;
     gpu::Submission submission_;

@@ -32,17 +32,18 @@ uint traverseCompressed(inout Traversal traversal, uint root) {
     ChildGroup nodes = ChildGroup(root, root == kNone ? 0u : 1u);
     ChildGroup leaves = ChildGroup(0u, 0u);
     bool goesOn = root != kNone;
-    do if (goesOn && traversal.trips < dispatch.tripBudget) {
-        do if (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < dispatch.tripBudget) {
+    uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
+    do if (goesOn && traversal.trips < budget) {
+        do if (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget) {
             uint node = takeFirst(nodes, octant);
             pushGroup(top, nodes, !isEmpty(nodes));
             precise float tEnd = traversal.ray.tMax * farPad();
             enterEight(traversal.ray, traversal.frame, node, tEnd, octant, nodes, leaves);
             popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
             ++traversal.trips;
-            if (top + kRoom > stackWords()) traversal.trips = dispatch.tripBudget;
+            if (top + kRoom > stackWords()) traversal.trips = budget;
             if (MODE_COST) traversal.cost += 8u;
-        } while (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < dispatch.tripBudget);
+        } while (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget);
         bool hasLeaf = !isEmpty(leaves);
         uint leaf = kNone;
         if (hasLeaf) leaf = loadLeaf(takeFirst(leaves, octant));
@@ -64,7 +65,7 @@ uint traverseCompressed(inout Traversal traversal, uint root) {
         popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
         goesOn = !settled(traversal) && !(isEmpty(nodes) && isEmpty(leaves));
         ++traversal.trips;
-    } while (goesOn && traversal.trips < dispatch.tripBudget);
+    } while (goesOn && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return goesOn ? 0u : kNone;
 }

@@ -144,23 +144,33 @@ void end(LightWork work, Traversal traversal, uint slot) {
     if (work.live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
 }
 
-void main() {
 #ifdef GLINT_PACKET
+// A path that hit nothing, or ended before, has nothing to light.
+bool mayHaveRay(uint path) { return loadRow(kRowHit, path).w != kNone; }
+
+void onePacket(uint turn) {
     LightWork works[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY {
         bool present;
-        uint path = packetPath(r, present);
+        uint path = packetPath(turn, r, present);
         uvec2 place;
         begin(path, present, works[r], packet[r], place);
     }
     bool complete = tracePacket(loadEnvironment(0u));
     GLINT_EACH_RAY end(works[r], packet[r], complete ? kNone : 0u);
+}
+
+void main() {
+    uint turn = 0u;
+    do onePacket(nextPacket(turn)); while (turn < kPacketTurns);
+}
 #else
+void main() {
     LightWork work;
     Traversal traversal;
     uvec2 place;
     uint slot = begin(pathIndex(), true, work, traversal, place);
     slot = trace(traversal, loadEnvironment(0u), slot, place);
     end(work, traversal, slot);
-#endif
 }
+#endif

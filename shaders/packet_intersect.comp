@@ -6,13 +6,15 @@
 #include "path.glsl"
 #include "packet.glsl"
 
-void main() {
+bool mayHaveRay(uint path) { return uintBitsToFloat(loadRow(kRowDirection, path).w) < kInfinity; }
+
+void onePacket(uint turn) {
     uint paths[GLINT_PACKET_RAYS];
     Hit before[GLINT_PACKET_RAYS];
     bool live[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY {
         bool present;
-        paths[r] = packetPath(r, present);
+        paths[r] = packetPath(turn, r, present);
         packet[r].ray = loadRay(paths[r]);
         before[r] = loadHit(paths[r], kNone);
         packet[r].hit = before[r];
@@ -39,4 +41,13 @@ void main() {
         unfinished += goesOn ? 1u : 0u;
     }
     if (unfinished > 0u) atomicAdd(counters[kCounterUnfinished], unfinished);
+}
+
+void main() {
+#ifdef GLINT_ANY_HIT
+    uint turn = 0u;
+    do onePacket(nextPacket(turn)); while (turn < kPacketTurns);
+#else
+    onePacket(0u);
+#endif
 }

@@ -270,8 +270,9 @@ uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
-    do if (current != kNone && traversal.trips < dispatch.tripBudget) {
-        do if (isNode(current) && traversal.trips < dispatch.tripBudget) {
+    uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
+    do if (current != kNone && traversal.trips < budget) {
+        do if (isNode(current) && traversal.trips < budget) {
             precise float tEnd = traversal.ray.tMax * farPad();
             uint next;
             bool none;
@@ -286,9 +287,9 @@ uint traverse(inout Traversal traversal, uint root) {
             current = none ? (empty ? kNone : popped) : next;
             ++traversal.trips;
             // No room for what the next node may push: the ray is started again, by the walk without a stack.
-            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = dispatch.tripBudget;
+            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
             if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
-        } while (isNode(current) && traversal.trips < dispatch.tripBudget);
+        } while (isNode(current) && traversal.trips < budget);
         if (current != kNone && !isNode(current) && !isInstance(current)) {
             testLeaf(traversal, current);
             bool done = top == base || settled(traversal);
@@ -306,14 +307,15 @@ uint traverse(inout Traversal traversal, uint root) {
             base = enters ? top : (leaves ? 0u : base);
         }
         ++traversal.trips;
-    } while (current != kNone && traversal.trips < dispatch.tripBudget);
+    } while (current != kNone && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
 
 // The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped, kNone at the end.
 uint walk(inout Traversal traversal, uint slot) {
-    do if (slot != kNone && traversal.trips < dispatch.tripBudget) {
+    uint budget = dispatch.tripBudget;
+    do if (slot != kNone && traversal.trips < budget) {
         Node node = loadNode(slot >> 1);
         bool second = (slot & 1u) != 0u;
         uint child = second ? node.child1 : node.child0;
@@ -335,7 +337,7 @@ uint walk(inout Traversal traversal, uint slot) {
         }
         ++traversal.trips;
         if (MODE_COST) ++traversal.cost;
-    } while (slot != kNone && traversal.trips < dispatch.tripBudget);
+    } while (slot != kNone && traversal.trips < budget);
     return slot;
 }
 

@@ -1,5 +1,7 @@
 #include "bvh/packet_tree.h"
 
+#include <algorithm>
+
 #include "bvh/collapse.h"
 
 namespace glint {
@@ -24,6 +26,8 @@ std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& no
         const Pending next = pending.back();
         pending.pop_back();
         Collapse<kWidth>::Wide wide = collapse.childrenOf(next.node);
+        std::stable_partition(wide.children.begin(), wide.children.begin() + wide.count,
+                              [](const Collapse<kWidth>::Child& c) { return isInnerChild(c.child); });
         for (uint32_t i = 0; i < wide.count; ++i) {
             if (!isInnerChild(wide.children[i].child)) continue;
             pending.push_back({wide.children[i].child, places});

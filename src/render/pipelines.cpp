@@ -1,5 +1,7 @@
 #include "render/pipelines.h"
 
+#include "render/traversal_choice.h"
+
 namespace glint::render {
 
 namespace {
@@ -81,6 +83,18 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
               shared::kOffsetNone == static_cast<uint32_t>(OriginOffset::None));
 
 }  // namespace
+
+uint32_t raysOfLane(KernelId id) {
+    switch (id) {
+        case KernelId::PacketIntersect:
+            return kPacketRays;
+        case KernelId::PacketIntersectAny:
+        case KernelId::PacketLight:
+            return kPacketRays * kPacketTurns;
+        default:
+            return 1;
+    }
+}
 
 KernelId packetKernel(KernelId id) {
     if (id == KernelId::Light) return KernelId::PacketLight;

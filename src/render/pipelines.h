@@ -26,6 +26,8 @@ enum class KernelId {
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.
 KernelId packetKernel(KernelId id);
+// Paths that an invocation of the kernel takes: more than one of those for packets.
+uint32_t raysOfLane(KernelId id);
 
 // See GLINT_MODES in shaders/shared/dispatch.h.
 struct TraceModes {

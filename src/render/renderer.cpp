@@ -207,7 +207,8 @@ void Renderer::State::submit(double KernelTimes::*account) {
 void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch,
                                 uint32_t groups, bool packets, double KernelTimes::*account) {
     if (packets) {
-        record(packetKernel(id), modes, dispatch, (groups + kPacketRays - 1) / kPacketRays);
+        const uint32_t perLane = raysOfLane(packetKernel(id));
+        record(packetKernel(id), modes, dispatch, (groups + perLane - 1) / perLane);
     } else {
         record(id, modes, dispatch, groups);
     }

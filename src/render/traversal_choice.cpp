@@ -78,6 +78,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
         return {false, "packets do not know " + name};
     if (scene.methods != Methods{}) return {false, "packets know no other tests than the default ones"};
     if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
+    if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
     if (scene.triangles.size() + scene.spheres.size() < kFewestForPackets)

@@ -12,6 +12,12 @@ namespace glint::render {
 
 // Rays of a lane in packet_intersect.comp (GLINT_PACKET_RAYS there).
 inline constexpr uint32_t kPacketRays = 4;
+// Packets that a subgroup traces one after the other, of shadow and other any-hit rays (packet.glsl).
+inline constexpr uint32_t kPacketTurns = 8;
+
+// The walk of any-hit packets keeps a node's number in the upper 23 bits of a word (kLevelFirstShift in
+// packet_any.glsl). Wide nodes are no more than the binary ones: room for 16 million triangles at least.
+inline constexpr size_t kMostPacketNodes = size_t{1} << 23;
 
 // Below, the packets' kernels take longer to compile than they save: 9 samples of scenes/spheres.json, whose
 // tree is one leaf of three, take 0.78 s of processor time by lanes and 0.96 s by packets, a Cornell box of

@@ -83,6 +83,27 @@ TEST(PacketTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
     }
 }
 
+// The walk of any-hit packets knows an inner child by its place alone.
+TEST(PacketTree, innerChildrenComeFirstAndFollowEachOther) {
+    for (const BoxSet& set : hardSets()) {
+        if (set.boxes.empty()) continue;
+        SCOPED_TRACE(set.name);
+        const std::vector<shared::PacketCorner> corners = packetTree(flattenBvh(buildBvh(set.boxes), {}));
+        for (size_t node = 0; node < corners.size(); node += 2 * kPacketWidth) {
+            bool innerEnded = false;
+            for (uint32_t i = 0; i < kPacketWidth; ++i) {
+                const uint32_t child = corners[node + i].child;
+                const bool inner = (child & kLeafFlag) == 0;
+                EXPECT_FALSE(inner && innerEnded);
+                if (inner) {
+                    EXPECT_EQ(child, corners[node].child + i);
+                }
+                innerEnded = innerEnded || !inner;
+            }
+        }
+    }
+}
+
 // 4096 boxes in leaves of one are 4095 binary nodes; 8-wide ones, were all full, (4096 - 1) / 7 = 585.
 TEST(PacketTree, nodesAreNearlyFull) {
     BvhOptions options;

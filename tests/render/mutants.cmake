@@ -41,7 +41,7 @@ mutant(turned_sky material.glsl "-direction.z)" "direction.z)" shade)
 mutant(deep_cut material.glsl "surface).w < material.alphaCutoff" "surface).w < 0.9 * material.alphaCutoff" intersect light)
 mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
-mutant(packet_pair packet.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+mutant(packet_pair packet_closest.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
 # For walks_test.cpp: no defect, and one in each format of nodes.

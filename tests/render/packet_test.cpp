@@ -47,6 +47,16 @@ TEST(TraversalRule, fewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, mixed).packets);
 }
 
+TEST(TraversalRule, moreNodesThanPacketsCanNumberAreWalkedByLanes) {
+    const gpu::DeviceInfo device = deviceOf(true, 8, true);
+    PackedScene scene = sceneOf(1000);
+    scene.nodes.resize(size_t{1} << 23);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, scene).packets);
+    scene.nodes.resize(scene.nodes.size() + 1);
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, scene).packets);
+    EXPECT_FALSE(chooseTraversal(Traversal::Packet, device, scene).packets);
+}
+
 TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
     try {
         chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
@@ -55,6 +65,11 @@ TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
         EXPECT_EQ(e.code(), ExitCode::Device);
         EXPECT_NE(std::string(e.what()).find("\"a device\" has 32 lanes"), std::string::npos) << e.what();
     }
+}
+
+// packet_any.glsl: a packet makes no more than 200 trips beyond its budget, and one to look for the next.
+TEST(TraversalRule, packetsInTurnStayBelowTheDriversTrips) {
+    EXPECT_LT(kPacketTurns * (deriveTripBudget(deviceOf(true, 8, true)) + 201), 65535u);
 }
 
 // Features of geometry that the packets' kernel has no code for go to lanes.
@@ -157,6 +172,56 @@ TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
     EXPECT_GT(packet.times().resumes, 0u) << "no packet ran out of stack: the test shows nothing";
     for (const RayHit& hit : hits) EXPECT_EQ(hit.data.object, kNestedCount - 1);
     expectSameTrace(nested.c.packed, nested.rays);
+}
+
+// A subgroup takes several packets of any-hit rays in turn, and passes over those without any.
+TEST_F(PacketTest, packetsWithoutRaysArePassedOver) {
+    const Case c = crowd(200);
+    Random random(19);
+    for (const unsigned kept : {1u, 5u, 10u, 77u, 128u, 255u}) {
+        std::vector<RayInput> rays;
+        for (unsigned i = 0; i < 1000; ++i) {
+            rays.push_back(rayTowards(random.box(3), random.box(2)));
+            // Packets of a batch of eight by the bits of `kept`; in one of them a single ray.
+            const unsigned packet = i / 32 % 8;
+            if ((kept >> packet & 1u) == 0 || (packet == 2 && i % 32 != 17)) rays.back().tMax = 0;
+        }
+        expectSameTrace(c.packed, rays);
+    }
+}
+
+// Clusters of small spheres on the diagonal, smaller and smaller towards the origin, where the rays go
+// through all boxes and most hit nothing. What is farthest is visited first, and holds all clusters but the
+// nearest: so some wait on every level, seven a level as a node of eight holds no more.
+Case clustersTowardsOrigin(int count) {
+    Scene scene = emptyScene();
+    Random random(23);
+    for (int k = 0; k < count; ++k) {
+        const double s = std::pow(0.8, k);
+        for (int i = 0; i < 8; ++i) addSphere(scene, dvec3(s) + random.box(0.04 * s), 1e-4 * s);
+    }
+    return makeCase(scene, 8, 8);
+}
+
+TEST_F(PacketTest, anyHitPacketsThatRunOutOfLevelsLoseNothing) {
+    Random random(29);
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 1024; ++i)
+        rays.push_back(rayTowards(dvec3(2) + random.box(0.02), random.box(1e-15), true));
+    for (RayInput& ray : rays) ray.tMax = 10;
+    const auto resumesOf = [&](const Case& c) {
+        // More than all loops make here: not trips run out.
+        Options options = with(Traversal::Packet);
+        options.tripBudget = 7000;
+        Renderer packet(device(), c.packed, options);
+        packet.trace(rays, true);
+        return packet.times().resumes;
+    };
+    const Case few = clustersTowardsOrigin(60), many = clustersTowardsOrigin(130);
+    EXPECT_EQ(resumesOf(few), 0u);
+    EXPECT_GT(resumesOf(many), 0u) << "no packet ran out of levels: the test shows nothing";
+    expectSameTrace(few.packed, rays);
+    expectSameTrace(many.packed, rays);
 }
 
 // Equal t: the lowest id wins, in whatever order the tree is walked.
