@@ -99,7 +99,8 @@
     U4(regionX, regionY, regionWidth, regionHeight) \
     U4(capacity, tripBudget, lightIndex, bounce)    \
     V3U(sampleOffset, sampleIndex)                  \
-    V3U(threshold, decide)
+    V3U(threshold, decide)                          \
+    U4(listed, listRead, listWritten, reserved0)
 
 #ifdef __cplusplus
 namespace glint::shared {
@@ -148,6 +149,8 @@ GLINT_CONST_UINT(kSlabPlain, 2u);
 GLINT_CONST_UINT(kOffsetErrorBox, 0u);
 GLINT_CONST_UINT(kOffsetFixed, 1u);
 GLINT_CONST_UINT(kOffsetNone, 2u);
+// The lists of paths that go on, in scenes with mirrors or transmission: after that of the instances.
+GLINT_CONST_UINT(kListRows, 2u);
 // Rows that only some pictures have come after these, and after that of the instances. First those of
 // MODE_LEDGER, then those of scenes with transmission.
 GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,

@@ -48,6 +48,16 @@ std::vector<std::string> namesOf(const SceneFeatures& features) {
     return names;
 }
 
+// Seconds that all threads of the process have run so far.
+double processorSeconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 // Of linux/getrusage(2): kilobytes.
 uint64_t hostPeak() {
     rusage usage{};
@@ -123,7 +133,7 @@ render::RenderSettings settingsOf(const LoadedScene& loaded, const SceneOptions&
 
 // The seconds of some pictures, one list for each time.
 struct Series {
-    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback;
+    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback, processors;
 
     void add(const render::StageTimes& before, const render::StageTimes& after) {
         const render::KernelTimes &a = before.kernels, &b = after.kernels;
@@ -143,6 +153,7 @@ struct Series {
         result.shade = quartilesOf(shade);
         result.trace = quartilesOf(trace);
         result.readback = quartilesOf(readback);
+        result.processors = quartilesOf(processors);
     }
 };
 
@@ -173,6 +184,7 @@ void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, con
     options.leaveOut = !command.full;
     options.also = featuresNamed(command.with);
     options.profile = true;
+    options.compaction = command.compaction;
     render::Renderer renderer(device, loaded.packed, options);
     const shared::Camera camera = cameraOf(loaded);
     const auto draw = [&](const render::RenderSettings& how) {
@@ -192,8 +204,10 @@ void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, con
     for (int i = 0; i < command.repeats; ++i) {
         progress((i + 1.0) / (command.repeats + 2));
         const render::StageTimes before = renderer.times();
+        const double processors = processorSeconds();
         draw(settings);
         series.add(before, renderer.times());
+        series.processors.push_back(processorSeconds() - processors);
     }
     series.summarize(result);
     countOnDevice(renderer, camera, settings, result);

@@ -77,7 +77,8 @@ Json sceneJson(const BenchResult& r) {
                        {"generate", quartilesJson(r.generate)},
                        {"shade", quartilesJson(r.shade)},
                        {"trace", quartilesJson(r.trace)},
-                       {"readback", quartilesJson(r.readback)}};
+                       {"readback", quartilesJson(r.readback)},
+                       {"processors", quartilesJson(r.processors)}};
     json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
     json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
     json["picture"] = r.picture;
@@ -125,6 +126,7 @@ std::string stageLines(const BenchResult& r) {
     often("shade", r.shade);
     often("trace, all", r.trace);
     often("readback", r.readback);
+    often("processors", r.processors);
     return text;
 }
 

@@ -67,13 +67,22 @@ uint32_t commonRows(const TraceModes& modes) {
     return modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
 }
 
+bool goesOnAfterHits(const SceneFeatures& features) {
+    return features.mirrors || features.transmission;
+}
+
+uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes) {
+    return commonRows(modes) + (features.instances ? 1 : 0) +
+           (goesOnAfterHits(features) ? shared::kListRows : 0);
+}
+
 // At most one branch waits for each ray from the eye to the one at hand.
 uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth) {
-    const uint32_t common = commonRows(modes) + (features.instances ? 1 : 0);
+    const uint32_t first = firstTreeRow(features, modes);
     if (features.transmission)
-        return common + shared::kTreeRowWaiting +
+        return first + shared::kTreeRowWaiting +
                std::clamp(maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
-    return common + (modes.ledger ? shared::kLedgerRows : 0);
+    return first + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
 }  // namespace glint::render

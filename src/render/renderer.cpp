@@ -294,10 +294,12 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
 bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
                                    const RenderSettings& settings, const TraceModes& modes) {
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
-    const uint32_t groups = slice.groups();
-    record(KernelId::Generate, modes, dispatch, groups);
+    record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
+    LivePaths live(options.compaction, slice.paths());
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
+        live.writeTo(dispatch);
+        const uint32_t groups = live.groups();
         const bool packets = traversal.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
@@ -311,6 +313,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         if (cancelled()) return false;
         const uint32_t alive = counter()[shared::kCounterAlive];
         if (alive == 0) return true;
+        live.bounced(alive);
         times.pathRays += alive;
         if (modes.tally) rayCounts.mirrored += alive;
     }
@@ -349,7 +352,7 @@ void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Pic
     readFilm(paths, device, slice, modes, picture);
     if (!picture.data.empty()) readData(paths, device, slice, scene.origin, picture);
     if (modes.ledger) {
-        readLosses(paths, device, slice, modes, commonRows(modes) + (features.instances ? 1 : 0), picture);
+        readLosses(paths, device, slice, modes, firstTreeRow(features, modes), picture);
     }
     times.readback += watch.seconds();
 }

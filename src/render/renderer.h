@@ -14,6 +14,7 @@
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "render/kernels.h"
+#include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "scene/picture.h"
 
@@ -31,6 +32,7 @@ struct Options {
     bool profile = false;         // times camera rays' generation apart, see KernelTimes
     std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
     Traversal traversal = Traversal::Auto;
+    Compaction compaction = Compaction::Auto;
     // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
