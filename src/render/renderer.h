@@ -86,6 +86,9 @@ struct StageTimes {
     double longestSubmission = 0;
     uint64_t submissions = 0, slices = 0, resumes = 0;
     uint64_t pathRays = 0;  // camera, mirrored and refracted rays
+    // Paths of the dispatches that these were traced in, resume dispatches aside: those that have ended and
+    // the rest of the last workgroup too.
+    uint64_t invocations = 0;
     KernelTimes kernels;
 };
 
