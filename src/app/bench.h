@@ -33,6 +33,9 @@ struct BenchResult {
     std::array<reference::RayTally, reference::kRayClasses> counted;
     uint64_t countedPixels = 0;
 
+    // Of one picture, over all bounces: paths that were alive, and those that the kernels ran over.
+    uint64_t livePaths = 0, invocations = 0;
+
     double open = 0, load = 0, build = 0, pack = 0, upload = 0, compile = 0;
     unsigned threads = 1;
     uint64_t hostPeakBytes = 0;  // of the process so far

@@ -208,6 +208,8 @@ void measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, con
         draw(settings);
         series.add(before, renderer.times());
         series.processors.push_back(processorSeconds() - processors);
+        result.livePaths = renderer.times().pathRays - before.pathRays;
+        result.invocations = renderer.times().invocations - before.invocations;
     }
     series.summarize(result);
     countOnDevice(renderer, camera, settings, result);

@@ -81,6 +81,7 @@ Json sceneJson(const BenchResult& r) {
                        {"processors", quartilesJson(r.processors)}};
     json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
     json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
+    if (r.backend == Backend::Gpu) json["paths"] = {{"live", r.livePaths}, {"invocations", r.invocations}};
     json["picture"] = r.picture;
     return json;
 }
