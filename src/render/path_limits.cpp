@@ -12,7 +12,8 @@ namespace {
 // lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// Of path state: 2^20 paths of 176 bytes, or fewer where each has a tree of branches to keep.
+// Of path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer where each has a tree of branches to
+// keep.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
 }  // namespace
