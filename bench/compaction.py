@@ -51,15 +51,14 @@ def mirror_room(path):
 
 
 def scenes(folder, quick):
-    made = {"room of mirrors": mirror_room, "two small mirrors": few_mirrors, "sphereflake, mirrors": sphereflake}
-    for i, (name, make) in enumerate(made.items()):
+    made = {"room of mirrors": (mirror_room, "320x240"), "two small mirrors": (few_mirrors, "640x480"), "sphereflake, mirrors": (sphereflake, "512x512")}
+    for i, (name, (make, size)) in enumerate(made.items()):
         path = folder / f"made{i}.json"
         make(path)
-        yield name, [path, "--size", "64x48"] if quick else [path]
-    for file, size in (("scenes/spheres.json", None), ("scenes/corridor.json", None), ("scenes/stiff/mirror_corridor.json", None),
-                       ("scenes/showcase.json", "320x240"), ("scenes/glass.json", "320x200"), ("scenes/triangles.json", None)):
-        size = "64x48" if quick else size
-        yield file, [measure.ROOT / file] + (["--size", size] if size else [])
+        yield name, [path, "--size", "64x48" if quick else size]
+    for file, size in (("spheres", "640x480"), ("triangles", "640x480"), ("corridor", "320x240"), ("stiff/mirror_corridor", "160x120"), ("showcase", "160x120"),
+                       ("glass", "160x100")):
+        yield f"`{file}.json`", [measure.ROOT / f"scenes/{file}.json", "--size", "64x48" if quick else size, "--spp", "1"]
 
 
 def main():
