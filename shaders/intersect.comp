@@ -5,11 +5,15 @@
 #include "traversal.glsl"
 
 void main() {
-    uint path = pathIndex();
-    uvec4 walkRow = loadRow(kRowWalk, path);
+    bool present;
+    uint path = listedPath(present);
+    uvec4 walkRow = loadWalkRow(path);
     Traversal traversal;
     traversal.ray = loadRay(path);
     traversal.hit = loadHit(path, walkRow.y);
+    // Later rays have no far end, and their hit rows are not made ready for them.
+    bool later = dispatch.bounce != 0u;
+    if (!MODE_RESUME && kBounces && later) traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, 0u);
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
@@ -22,17 +26,18 @@ void main() {
         walkRow.x = 0u;
     }
     uint before = traversal.hit.primitive;
-    bool live = isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
+    bool live = present && isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
     if (MODE_TALLY && FEATURE_TRANSMISSION) live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.decide;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
-    // Stores are dear on lavapipe (packet_intersect.comp): a new ray's rows stay as they are where nothing changes.
-    if (live && (MODE_RESUME || hit.primitive != before)) {
+    // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing changes.
+    bool changes = MODE_RESUME || hit.primitive != before || (kBounces && later);
+    if (live && changes) {
         storeRow(kRowHit, path, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
     }
-    if (FEATURE_INSTANCES && live && (MODE_RESUME || hit.primitive != before || slot != kNone))
+    if (FEATURE_INSTANCES && live && (changes || slot != kNone))
         storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));
     if (live && (MODE_RESUME || MODE_AOVS || MODE_COST || slot != kNone)) {
         storeRow(kRowWalk, path, uvec4(slot, hit.id, walkRow.z + traversal.cost, walkRow.w));

@@ -85,7 +85,7 @@ struct LightWork {
 
 // Starts the path's shadow ray; returns the slot it goes on from, and in `place` where that is (trace).
 uint begin(uint path, bool present, out LightWork work, out Traversal traversal, out uvec2 place) {
-    uvec4 walkRow = loadRow(kRowWalk, path);
+    uvec4 walkRow = loadWalkRow(path);
     Ray ray = loadRay(path);
     Hit hit = loadHit(path, walkRow.y);
     work.path = path;
@@ -135,7 +135,7 @@ void end(LightWork work, Traversal traversal, uint slot) {
     }
     // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
     if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
-        uvec4 walkRow = loadRow(kRowWalk, work.path);
+        uvec4 walkRow = loadWalkRow(work.path);
         uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
         storeRow(kRowWalk, work.path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
         if (FEATURE_INSTANCES)
@@ -169,7 +169,9 @@ void main() {
     LightWork work;
     Traversal traversal;
     uvec2 place;
-    uint slot = begin(pathIndex(), true, work, traversal, place);
+    bool present;
+    uint path = listedPath(present);
+    uint slot = begin(path, present, work, traversal, place);
     slot = trace(traversal, loadEnvironment(0u), slot, place);
     end(work, traversal, slot);
 }

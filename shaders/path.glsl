@@ -9,6 +9,9 @@ layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 
 uint pathIndex() { return gl_GlobalInvocationID.x; }
 
+// Scenes whose paths go on after the first hit: these list the paths that do.
+const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
+
 // The pixel of this invocation in the whole picture; false outside the region. Lanes follow a Morton curve in the tile, so that 8 lanes
 // make a block of 4x2 pixels and 32 one of 8x4.
 bool pixelOf(out uvec2 pixel) {
@@ -23,14 +26,40 @@ bool pixelOf(out uvec2 pixel) {
     return tile < dispatch.firstTile + dispatch.tileCount && local.x < dispatch.regionWidth && local.y < dispatch.regionHeight;
 }
 
+// Of kRowWalk: only resume dispatches and pictures with data read what is in it.
+uvec4 loadWalkRow(uint path) {
+    uvec4 row = uvec4(kNone, 0u, 0u, 0u);
+    if (MODE_RESUME || MODE_AOVS || MODE_COST) row = loadRow(kRowWalk, path);
+    return row;
+}
+
 // A path that has ended keeps a ray whose interval is empty.
 bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 
 // Hit instance, source instance, and where an unfinished walk is: see dispatch.h.
 uint rowInstance() { return MODE_ADAPTIVE ? kPathRowsAdaptive : (MODE_AOVS ? kPathRowsWithAovs : kPathRows); }
 
+// Entries of two lists of paths, one read and one written by a dispatch.
+uint rowList(uint list) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + list; }
+
 // kTreeRow...: after the others.
-uint treeRow(uint row) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) + row; }
+uint treeRow(uint row) { return rowList(kBounces ? kListRows : 0u) + row; }
+
+// The path that this invocation works on in kernels that may run over a list. `present` is false past the list's end; the path is then
+// one that may be read.
+uint listedPath(out bool present) {
+    uint path = pathIndex();
+    present = true;
+    if (kBounces) {
+        bool isListed = dispatch.listed != 0u;
+        present = !isListed || path < dispatch.listed;
+        uint entry = loadRow(rowList(dispatch.listRead), path).x;
+        path = isListed ? (present ? entry : 0u) : path;
+    }
+    return path;
+}
+
+void listPath(uint path) { storeRow(rowList(dispatch.listWritten), atomicAdd(counters[kCounterAlive], 1u), uvec4(path, 0u, 0u, 0u)); }
 
 uvec4 loadInstanceRow(uint path) {
     uvec4 row = uvec4(kNone);

@@ -21,11 +21,12 @@ void storeAovs(uint path, bool isHit, Hit hit, Surface surface) {
 }
 
 void main() {
-    uint path = pathIndex();
+    bool present;
+    uint path = listedPath(present);
     Ray ray = loadRay(path);
-    uvec4 walkRow = loadRow(kRowWalk, path);
+    uvec4 walkRow = loadWalkRow(path);
     Hit hit = loadHit(path, walkRow.y);
-    bool alive = isAlive(ray);
+    bool alive = present && isAlive(ray);
     bool isHit = hit.primitive != kNone;
     Environment environment = loadEnvironment(0u);
     Surface surface = surfaceAt(ray, hit);
@@ -70,9 +71,13 @@ void main() {
         next.sourceInstance = hit.instance;
     }
     if (FEATURE_TRANSMISSION || FEATURE_MIRRORS) {
-        storeRay(path, Ray(next.origin, next.direction, goesOn ? 0.0 : kInfinity, kInfinity, next.source, next.sourceInstance));
-        storeRow(kRowThroughput, path, packRow(next.throughput, hash));
-        storeRow(kRowWalk, path, uvec4(kNone, 0u, walkRow.z, walkRow.w));
-        if (goesOn) atomicAdd(counters[kCounterAlive], 1u);
+        if (alive) storeRow(kRowDirection, path, packRow(next.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));
+        if (goesOn) {
+            storeRow(kRowOrigin, path, packRow(next.origin, next.source));
+            storeInstanceRow(path, uvec4(kNone, next.sourceInstance, kNone, kNone));
+            storeRow(kRowThroughput, path, packRow(next.throughput, hash));
+            if (MODE_AOVS || MODE_COST) storeRow(kRowWalk, path, uvec4(kNone, 0u, walkRow.z, walkRow.w));
+            listPath(path);
+        }
     }
 }

@@ -100,13 +100,16 @@
 // the pixels wanted, tiles are numbered by rows of ceil(regionWidth / 8). capacity: paths in one row of the
 // state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold,
 // decide: of adapt.comp; decide is 1 after the last sample of a round. In intersect.comp, with MODE_TALLY,
-// the class of rays (kRay...) to trace.
+// the class of rays (kRay...) to trace. listed: 0, or how many paths intersect.comp, light.comp and
+// shade.comp run over, which are those in list `listRead` (0 or 1); shade.comp writes those that go on to
+// `listWritten`.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4)           \
     U4(firstTile, tileCount, interleave, run)       \
     U4(regionX, regionY, regionWidth, regionHeight) \
     U4(capacity, tripBudget, lightIndex, bounce)    \
     V3U(sampleOffset, sampleIndex)                  \
-    V3U(threshold, decide)
+    V3U(threshold, decide)                          \
+    U4(listed, listRead, listWritten, reserved0)
 
 #ifdef __cplusplus
 namespace glint::shared {
@@ -160,6 +163,9 @@ GLINT_CONST_UINT(kNodesFour, 1u);
 GLINT_CONST_UINT(kNodesCompressed, 2u);
 GLINT_CONST_UINT(kStackPrivate, 0u);  // in memory of the lane's own
 GLINT_CONST_UINT(kStackShared, 1u);   // in that of its workgroup
+// The lists of paths that go on, a row each, in scenes with mirrors or transmission: after the row of the
+// instances. Entry i, which stands in the column of path i: the path; 0, 0, 0.
+GLINT_CONST_UINT(kListRows, 2u);
 // Rows that only some pictures have come after these, and after that of the instances. First those of
 // MODE_LEDGER, then those of scenes with transmission.
 GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,
@@ -183,7 +189,7 @@ GLINT_CONST_UINT(kRayMirrored, 1u);
 GLINT_CONST_UINT(kRayRefracted, 2u);
 
 GLINT_CONST_UINT(kCounterUnfinished, 0u);  // rays that ran out of trips in this submission
-GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading
+GLINT_CONST_UINT(kCounterAlive, 1u);       // paths that go on after shading, which are listed
 GLINT_CONST_UINT(kCounterFlagged, 2u);     // pixels that take a further round of samples
 GLINT_CONST_UINT(kCounterShadow, 3u);      // with MODE_TALLY: shadow rays
 GLINT_CONST_UINT(kCounterRefracted, 4u);   // with MODE_TALLY: refracted rays that come next

@@ -48,6 +48,16 @@ std::vector<std::string> namesOf(const SceneFeatures& features) {
     return names;
 }
 
+// Seconds that all threads of the process have run so far.
+double processorSeconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 // Of linux/getrusage(2): kilobytes.
 uint64_t hostPeak() {
     rusage usage{};
@@ -123,7 +133,7 @@ render::RenderSettings settingsOf(const LoadedScene& loaded, const SceneOptions&
 
 // The seconds of some pictures, one list for each time.
 struct Series {
-    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback;
+    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback, processors;
 
     void add(const render::StageTimes& before, const render::StageTimes& after) {
         const render::KernelTimes &a = before.kernels, &b = after.kernels;
@@ -143,6 +153,7 @@ struct Series {
         result.shade = quartilesOf(shade);
         result.trace = quartilesOf(trace);
         result.readback = quartilesOf(readback);
+        result.processors = quartilesOf(processors);
     }
 };
 
@@ -192,8 +203,13 @@ class Contestant {
     }
     void timeOne() {
         const render::StageTimes before = renderer_.times();
+        const double processors = processorSeconds();
         draw();
-        series_.add(before, renderer_.times());
+        const render::StageTimes& after = renderer_.times();
+        series_.add(before, after);
+        series_.processors.push_back(processorSeconds() - processors);
+        result_.livePaths = after.pathRays - before.pathRays;
+        result_.invocations = after.invocations - before.invocations;
     }
     BenchResult finish() {
         series_.summarize(result_);
@@ -223,6 +239,7 @@ render::Options optionsOf(const BenchCommand& command) {
     options.leaveOut = !command.full;
     options.also = featuresNamed(command.with);
     options.profile = true;
+    options.compaction = command.compaction;
     return options;
 }
 

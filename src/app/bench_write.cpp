@@ -90,9 +90,11 @@ Json sceneJson(const BenchResult& r) {
                        {"generate", quartilesJson(r.generate)},
                        {"shade", quartilesJson(r.shade)},
                        {"trace", quartilesJson(r.trace)},
-                       {"readback", quartilesJson(r.readback)}};
+                       {"readback", quartilesJson(r.readback)},
+                       {"processors", quartilesJson(r.processors)}};
     json["build"] = {{"threads", r.threads}, {"trianglesPerSecond", trianglesPerSecond(r)}};
     json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
+    if (r.backend == Backend::Gpu) json["paths"] = {{"live", r.livePaths}, {"invocations", r.invocations}};
     json["picture"] = r.picture;
     for (const BenchResult& walk : r.walks) json["walks"].push_back(walkJson(walk));
     return json;
@@ -144,6 +146,7 @@ std::string stageLines(const BenchResult& r) {
     often("shade", r.shade);
     often("trace, all", r.trace);
     often("readback", r.readback);
+    often("processors", r.processors);
     return text;
 }
 

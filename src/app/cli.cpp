@@ -242,6 +242,9 @@ void addBench(CLI::App& app, BenchCommand& c) {
                 c.everyWalk = t == "all";
                 c.device.traversal = c.everyWalk ? render::Traversal::Auto : parseTraversal(t);
             });
+    addText(command, "--compaction", "auto|on|off",
+            "after a bounce, whether kernels run over the paths that go on alone (default auto: if fewer)",
+            [&](const Text& t) { c.compaction = parseCompaction(t); });
     addText(command, "--repeat", "N", "pictures to take the median of, after the warm-up (default 7)",
             [&](const Text& t) { c.repeats = parseWhole("--repeat", t, 1, 1000); });
     addText(command, "--with", "LIST",
@@ -358,6 +361,8 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
             throw Error(ExitCode::Usage, "--traversal: needs --backend gpu");
         if (c.bench.backend == Backend::Cpu && (c.bench.full || !c.bench.with.empty()))
             throw Error(ExitCode::Usage, "--full, --with: need --backend gpu");
+        if (c.bench.backend == Backend::Cpu && c.bench.compaction != render::Compaction::Auto)
+            throw Error(ExitCode::Usage, "--compaction: needs --backend gpu");
         return runBench(c.bench, out, err);
     }
     if (chosen("view")) return runView(c.view, out, err);

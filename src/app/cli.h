@@ -10,6 +10,7 @@
 
 #include "bvh/builder.h"
 #include "core/progress.h"
+#include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "scene/methods.h"
 #include "scene/picture.h"
@@ -100,6 +101,7 @@ struct BenchCommand {
     SceneOptions common;
     Backend backend = Backend::Gpu;
     DeviceChoice device;
+    render::Compaction compaction = render::Compaction::Auto;
     int repeats = 7;
     bool everyWalk = false;         // --traversal all
     bool full = false;              // the code of every feature

@@ -216,6 +216,13 @@ render::Traversal parseTraversal(const std::string& text) {
     refuse("--traversal", "auto, lane, packet, bvh4 or cwbvh", text);
 }
 
+render::Compaction parseCompaction(const std::string& text) {
+    if (text == "auto") return render::Compaction::Auto;
+    if (text == "on") return render::Compaction::On;
+    if (text == "off") return render::Compaction::Off;
+    refuse("--compaction", "auto, on or off", text);
+}
+
 ProgressMode parseProgress(const std::string& text) {
     try {
         return parseProgressMode(text);

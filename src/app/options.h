@@ -22,6 +22,7 @@ BuildQuality parseBuildQuality(const std::string& text);
 TriangleMethod parseIntersector(const std::string& text);
 SphereMethod parseSphereMethod(const std::string& text);
 render::Traversal parseTraversal(const std::string& text);
+render::Compaction parseCompaction(const std::string& text);
 // "depth,offset": words that names of the settings of `glint report` start with.
 std::vector<std::string> parseFamilies(const std::string& text);
 // Names of SceneFeatures, as `glint info` prints them.

@@ -26,13 +26,13 @@ void writeRays(const PathState& paths, const gpu::Device& device, const SceneFea
     paths.writeRow(device, shared::kRowWalk, walk);
     paths.writeRow(device, shared::kRowThroughput, zeros);
     paths.writeRow(device, shared::kRowRadiance, zeros);
-    uint32_t further = commonRows(modes);
     if (features.instances) {
         RowEntry none;
         std::fill_n(none.u, 4, shared::kNone);
-        paths.writeRow(device, further++, std::vector<RowEntry>(paths.capacity(), none));
+        paths.writeRow(device, commonRows(modes), std::vector<RowEntry>(paths.capacity(), none));
     }
     if (features.transmission) {
+        const uint32_t further = firstTreeRow(features, modes);
         paths.writeRow(device, further + shared::kTreeRowMedia, zeros);
         paths.writeRow(device, further + shared::kTreeRowBranch, zeros);
     }

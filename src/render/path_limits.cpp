@@ -12,7 +12,8 @@ namespace {
 // lavapipe ends all loops of a subgroup after this many trips in all (LP_MAX_TGSI_LOOP_ITERATIONS,
 // lp_bld_limits.h of Mesa 22.3).
 constexpr uint32_t kLlvmpipeTrips = 65535;
-// Of path state: 2^20 paths of 176 bytes, or fewer where each has a tree of branches to keep.
+// Of path state: 2^20 paths of 176 bytes (208 with mirrors), or fewer where each has a tree of branches to
+// keep.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
 }  // namespace
@@ -67,13 +68,22 @@ uint32_t commonRows(const TraceModes& modes) {
     return modes.aovs ? shared::kPathRowsWithAovs : shared::kPathRows;
 }
 
+bool goesOnAfterHits(const SceneFeatures& features) {
+    return features.mirrors || features.transmission;
+}
+
+uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes) {
+    return commonRows(modes) + (features.instances ? 1 : 0) +
+           (goesOnAfterHits(features) ? shared::kListRows : 0);
+}
+
 // At most one branch waits for each ray from the eye to the one at hand.
 uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth) {
-    const uint32_t common = commonRows(modes) + (features.instances ? 1 : 0);
+    const uint32_t first = firstTreeRow(features, modes);
     if (features.transmission)
-        return common + shared::kTreeRowWaiting +
+        return first + shared::kTreeRowWaiting +
                std::clamp(maxDepth, 1u, shared::kMaxWaiting) * shared::kWaitingRows;
-    return common + (modes.ledger ? shared::kLedgerRows : 0);
+    return first + (modes.ledger ? shared::kLedgerRows : 0);
 }
 
 }  // namespace glint::render

@@ -11,6 +11,9 @@
 
 namespace glint::render {
 
+// Whether paths may have further rays after the camera's.
+bool goesOnAfterHits(const SceneFeatures& features);
+
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
 
@@ -18,9 +21,10 @@ uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_
 // shadow rays.
 bool looksUpTextures(const SceneFeatures& features);
 
-// Rows of the path state that every picture of these modes has, and all of them: the common ones, the
-// instances', those of the tree.
+// Rows of the path state that every picture of these modes has; where those of the tree (kTreeRow...) begin,
+// behind the instances' and the lists'; and all of them.
 uint32_t commonRows(const TraceModes& modes);
+uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes);
 uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth);
 
 }  // namespace glint::render

@@ -16,6 +16,7 @@
 #include "render/path_state.h"
 #include "render/pipelines.h"
 #include "render/scene_buffers.h"
+#include "render/settings.h"
 
 namespace glint::render {
 
@@ -27,12 +28,6 @@ constexpr uint32_t kFirstSliceTiles = 256;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
 
-Region wholeOrGiven(const RenderSettings& settings) {
-    const Region& r = settings.region;
-    if (r.width() > 0 && r.height() > 0) return r;
-    return {0, 0, settings.width, settings.height};
-}
-
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
 #define GLINT_EITHER(ID, NAME, field) features.field |= also.field;
     GLINT_FEATURES(GLINT_EITHER)
@@ -43,22 +38,6 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
 const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
     if (options.kernels) return *options.kernels;
     return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
-}
-
-PackedSamples samplesOf(const RenderSettings& settings) {
-    return settings.samples ? *settings.samples : PackedSamples::fixed(settings.sampleOffsets);
-}
-
-TraceModes modesOf(const RenderSettings& settings, const PackedSamples& samples) {
-    TraceModes modes;
-    modes.cost = settings.cost;
-    modes.aovs = settings.data || settings.cost;
-    modes.shadowless = !settings.shadows;
-    modes.ledger = settings.ledger;
-    modes.tally = settings.tally;
-    modes.scattered = samples.scattered();
-    modes.adaptive = samples.threshold.has_value();
-    return modes;
 }
 
 }  // namespace
@@ -293,10 +272,13 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
 bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
                                    const RenderSettings& settings, const TraceModes& modes) {
     const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
-    const uint32_t groups = slice.groups();
-    record(KernelId::Generate, modes, dispatch, groups);
+    record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
+    LivePaths live(options.compaction, slice.paths());
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
+        live.writeTo(dispatch);
+        const uint32_t groups = live.groups();
+        times.invocations += static_cast<uint64_t>(groups) * shared::kWorkgroupSize;
         const bool packets = traversal.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
@@ -310,6 +292,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         if (cancelled()) return false;
         const uint32_t alive = counter()[shared::kCounterAlive];
         if (alive == 0) return true;
+        live.bounced(alive);
         times.pathRays += alive;
         if (modes.tally) rayCounts.mirrored += alive;
     }
@@ -348,7 +331,7 @@ void Renderer::State::readSlice(const Slice& slice, const TraceModes& modes, Pic
     readFilm(paths, device, slice, modes, picture);
     if (!picture.data.empty()) readData(paths, device, slice, scene.origin, picture);
     if (modes.ledger) {
-        readLosses(paths, device, slice, modes, commonRows(modes) + (features.instances ? 1 : 0), picture);
+        readLosses(paths, device, slice, modes, firstTreeRow(features, modes), picture);
     }
     times.readback += watch.seconds();
 }

@@ -14,6 +14,7 @@
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "render/kernels.h"
+#include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "scene/picture.h"
 
@@ -32,6 +33,7 @@ struct Options {
     std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
     Traversal traversal = Traversal::Auto;
     StackPlace stack = StackPlace::Private;
+    Compaction compaction = Compaction::Auto;
     // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
@@ -85,6 +87,9 @@ struct StageTimes {
     double longestSubmission = 0;
     uint64_t submissions = 0, slices = 0, resumes = 0;
     uint64_t pathRays = 0;  // camera, mirrored and refracted rays
+    // Paths of the dispatches that these were traced in, resume dispatches aside: those that have ended and
+    // the rest of the last workgroup too.
+    uint64_t invocations = 0;
     KernelTimes kernels;
 };
 

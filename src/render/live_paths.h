@@ -1,0 +1,35 @@
+// Which of a slice's paths the next kernels run over.
+#pragma once
+
+#include <cstdint>
+
+#include "shared/dispatch.h"
+
+namespace glint::render {
+
+enum class Compaction {
+    Auto,  // where it pays, see LivePaths
+    Off,   // every kernel runs over all paths of the slice, those that have ended too
+    On     // after every bounce, the paths that go on alone
+};
+
+// All paths of a slice, until it pays to go by the list of those that go on, which `shade` writes.
+class LivePaths {
+  public:
+    LivePaths(Compaction compaction, uint32_t paths) : compaction_(compaction), running_(paths) {}
+
+    // After a bounce from which `alive` paths go on.
+    void bounced(uint32_t alive);
+    // Workgroups to dispatch.
+    uint32_t groups() const;
+    // Tells the kernels.
+    void writeTo(shared::Dispatch& dispatch) const;
+
+  private:
+    Compaction compaction_;
+    uint32_t running_;  // invocations that have a path, alive or not
+    bool listed_ = false;
+    uint32_t list_ = 0;  // the list that is read, if listed
+};
+
+}  // namespace glint::render

@@ -1,0 +1,16 @@
+// What the settings of a picture come to.
+#pragma once
+
+#include "bvh/pack_samples.h"
+#include "render/pipelines.h"
+#include "render/renderer.h"
+#include "scene/picture.h"
+
+namespace glint::render {
+
+Region wholeOrGiven(const RenderSettings& settings);
+PackedSamples samplesOf(const RenderSettings& settings);
+// `samples`: of these settings.
+TraceModes modesOf(const RenderSettings& settings, const PackedSamples& samples);
+
+}  // namespace glint::render
