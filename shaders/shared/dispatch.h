@@ -62,8 +62,8 @@
 
 // X(constant id, GLSL name, C++ field of LaneWalk): what rays that walk by themselves walk, kNodes..., and
 // where their stacks are, kStack..., below.
-#define GLINT_LANE_WALK(X)      \
-    X(75, NODE_FORMAT, nodes)   \
+#define GLINT_LANE_WALK(X)    \
+    X(75, NODE_FORMAT, nodes) \
     X(76, STACK_PLACE, stack)
 
 // X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
