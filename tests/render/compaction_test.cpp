@@ -148,15 +148,22 @@ TEST_P(CompactionSceneTest, drawsTheSameColoursWithoutData) {
         EXPECT_EQ(drawn(c, settings, compaction).picture.color.pixels, withData.color.pixels);
 }
 
-TEST_P(CompactionSceneTest, drawsTheSameThroughStorageBuffers) {
+INSTANTIATE_TEST_SUITE_P(All, CompactionSceneTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
+
+// Scenes that differ in the rows of their paths, not in how they are shaded.
+class CompactionStorageTest : public CompactionSceneTest {};
+
+INSTANTIATE_TEST_SUITE_P(All, CompactionStorageTest,
+                         testing::Values("corridor", "glass", "instances", "showcase", "spheres"),
+                         [](const auto& p) { return p.param; });
+
+TEST_P(CompactionStorageTest, drawsTheSameThroughStorageBuffers) {
     const Case c = fileCase(GetParam(), 24, 16);
     Options storage;
     storage.access = gpu::Access::StorageBuffer;
     expectSame(c, settingsOf(c), storage);
 }
-
-INSTANTIATE_TEST_SUITE_P(All, CompactionSceneTest, testing::ValuesIn(sceneNames()),
-                         [](const auto& p) { return p.param; });
 
 // Rays that are finished by resume dispatches, over lists and over packets that were given up.
 TEST_F(CompactionTest, unfinishedRaysOfListedPathsAreResumed) {
