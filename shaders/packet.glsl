@@ -233,7 +233,8 @@ bool traversePacket(uint root) {
             }
             next = leastUint(next, groups[r]);
         }
-        group = leastOfLanes(next);
+        // What was given up is started again whole: further groups would only add to the trips.
+        group = complete ? leastOfLanes(next) : kNone;
         ++trips;
     } while (group != kNone);
     GLINT_EACH_RAY packet[r].ray.tMax = tMax[r];
