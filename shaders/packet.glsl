@@ -3,8 +3,8 @@
 // the per-lane traversal needs one for each lane. Ancestry: Wald, Slusallek, Benthin, Wagner, "Interactive Rendering with Coherent Ray
 // Tracing", Computer Graphics Forum 20(3), 2001.
 //
-// Every box is tested against every ray, not against the packet's bounds: the boxes of small subtrees are narrower than a packet, and
-// bounds would enter most of them in vain. A hit is found by the arithmetic of the per-lane traversal, so both kernels give the same bits.
+// What the packet's bounds enter of a node's boxes is tested against every ray: the boxes of small subtrees are narrower than a packet, and
+// bounds alone would enter most of them in vain. A hit is found by the arithmetic of the per-lane traversal, so both kernels give the same bits.
 //
 // Written for lavapipe: only subgroupShuffle and subgroupShuffleXor, which are one instruction there, never a vote, ballot or broadcast;
 // all loop conditions are the same in all lanes, as a shuffle reads a lane that has left a loop as it was then.
@@ -182,6 +182,25 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
         stack.child[row] = mine ? child : stack.child[row];
     }
     stack.top += pushed ? 1u : 0u;
+}
+
+// What the walk keeps of a hit.
+void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
+
+// corners: of triangle `index`, turned, in the lanes from `lane` on.
+void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index, bool present) {
+    vec3 v0 = fromLane(corners, lane);
+    vec3 v1 = fromLane(corners, lane + 1u);
+    vec3 v2 = fromLane(corners, lane + 2u);
+    uint id = subgroupShuffle(ids, lane);
+    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
+    precise vec3 a = v0 - turned;
+    precise vec3 b = v1 - turned;
+    precise vec3 c = v2 - turned;
+    float t, u, v;
+    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present && !isOwnTriangle(one, primitive, id))
+        takeHit(one, t, u, v, primitive, id);
+    if (MODE_COST && present) ++one.cost;
 }
 
 void testPacketSpheres(uint first, uint end, inout uint trips) {

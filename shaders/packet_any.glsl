@@ -14,21 +14,8 @@ bool updateAwake() {
     return anyOfLanes(awake) != 0u;
 }
 
-// corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index, bool present) {
-    vec3 v0 = fromLane(corners, lane);
-    vec3 v1 = fromLane(corners, lane + 1u);
-    vec3 v2 = fromLane(corners, lane + 2u);
-    uint id = subgroupShuffle(ids, lane);
-    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-    precise vec3 a = v0 - turned;
-    precise vec3 b = v1 - turned;
-    precise vec3 c = v2 - turned;
-    float t, u, v;
-    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present && !isOwnTriangle(one, primitive, id))
-        one.hit.primitive = primitive;
-    if (MODE_COST && present) ++one.cost;
-}
+// Any hit needs no more than to be known.
+void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) { one.hit.primitive = primitive; }
 
 // Row by row, as for the closest hit, but with less to take out and put back.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {

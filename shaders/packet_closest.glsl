@@ -23,25 +23,11 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     return empty ? kNone : child;
 }
 
-// corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index, bool present) {
-    vec3 v0 = fromLane(corners, lane);
-    vec3 v1 = fromLane(corners, lane + 1u);
-    vec3 v2 = fromLane(corners, lane + 2u);
-    uint id = subgroupShuffle(ids, lane);
-    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-    precise vec3 a = v0 - turned;
-    precise vec3 b = v1 - turned;
-    precise vec3 c = v2 - turned;
-    float t, u, v;
-    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present && !isOwnTriangle(one, primitive, id))
-        accept(one, t, u, v, primitive, id);
-    if (MODE_COST && present) ++one.cost;
-}
+void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) { accept(one, t, u, v, primitive, id); }
 
 // Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or two of four, and on lavapipe only
 // a loop skips. The row is taken out of the packet and put back by selection, as an index that is no constant costs more.
-// Two triangles for a load and a trip. Any hit needs no more than to be known.
+// Two triangles for a load and a trip.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
     do if (left != 0u) {
