@@ -17,7 +17,7 @@
 #include "core/error.h"
 #include "device_rays.h"
 #include "embree_rays.h"
-#include "scene/load.h"
+#include "import/load.h"
 
 namespace glint::bench {
 namespace {
@@ -133,7 +133,8 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
                 packed.triangles.size(), packed.spheres.size(), settings.width, settings.height,
                 packed.statistics.buildSeconds * 1e3, embree.buildSeconds() * 1e3);
     std::vector<Contestant> contestants = contestantsOf(settings, device, embree);
-    if (contestants.empty()) throw Error(ExitCode::Usage, "--only: no contestant \"" + settings.only + "\"");
+    if (contestants.empty())
+        throw Error(ErrorKind::Argument, "--only: no contestant \"" + settings.only + "\"");
     const std::vector<BenchRay> rays = device.cameraRays(camera);
     const auto tests = [&](render::KernelId kernel) {
         return static_cast<double>(device.countTests(rays, kernel)) / static_cast<double>(countRays(rays));
@@ -153,7 +154,7 @@ std::vector<uint32_t> readWords(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
     std::vector<uint32_t> words(bytes.size() / sizeof(uint32_t));
-    if (words.empty()) throw Error(ExitCode::Usage, path + ": no kernel");
+    if (words.empty()) throw Error(ErrorKind::Argument, path + ": no kernel");
     std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
     return words;
 }
@@ -166,7 +167,7 @@ void replaceKernel(const std::string& path, Replacements& replaced) {
         {"packet_intersect", &replaced.packetIntersect},
         {"packet_intersect_any", &replaced.packetIntersectAny}};
     const auto kernel = kernels.find(std::filesystem::path(path).stem().string());
-    if (kernel == kernels.end()) throw Error(ExitCode::Usage, path + ": its name is no kernel's");
+    if (kernel == kernels.end()) throw Error(ErrorKind::Argument, path + ": its name is no kernel's");
     *kernel->second = readWords(path);
 }
 
@@ -177,7 +178,7 @@ Settings parse(int argc, char** argv) {
         const bool value = i + 1 < argc;
         if (word == "--size" && value) {
             if (std::sscanf(argv[++i], "%dx%d", &settings.width, &settings.height) != 2)
-                throw Error(ExitCode::Usage, "--size: expected WxH");
+                throw Error(ErrorKind::Argument, "--size: expected WxH");
         } else if (word == "--repeat" && value) {
             settings.repeat = std::max(1, std::atoi(argv[++i]));
         } else if (word == "--only" && value) {
@@ -185,13 +186,13 @@ Settings parse(int argc, char** argv) {
         } else if (word == "--kernel" && value) {
             replaceKernel(argv[++i], settings.replaced);
         } else if (word.starts_with("--")) {
-            throw Error(ExitCode::Usage, "unknown option " + word);
+            throw Error(ErrorKind::Argument, "unknown option " + word);
         } else {
             settings.scenes.push_back(word);
         }
     }
     if (settings.scenes.empty())
-        throw Error(ExitCode::Usage, "compare_embree [--size WxH] [--repeat N] [--only NAME] SCENE...");
+        throw Error(ErrorKind::Argument, "compare_embree [--size WxH] [--repeat N] [--only NAME] SCENE...");
     return settings;
 }
 
@@ -205,9 +206,6 @@ int main(int argc, char** argv) {
         std::printf("%s, %s\n", device.info().name.c_str(), device.info().driver.c_str());
         for (const std::string& scene : settings.scenes) glint::bench::compare(settings, scene, device);
         return 0;
-    } catch (const glint::Error& e) {
-        std::fprintf(stderr, "compare_embree: %s\n", e.what());
-        return static_cast<int>(e.code());
     } catch (const std::exception& e) {
         std::fprintf(stderr, "compare_embree: %s\n", e.what());
         return 1;

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "bounce.h"
-#include "bvh/packed_scene.h"
 #include "core/error.h"
+#include "import/load.h"
+#include "pack/packed_scene.h"
 #include "reference/tracer.h"
-#include "scene/load.h"
 
 namespace glint::bench {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "rays.h"
 
 namespace glint::bench {

@@ -21,12 +21,12 @@
 #include <vector>
 
 #include "bounce.h"
-#include "bvh/packed_scene.h"
 #include "bvh/packet_tree.h"
 #include "bvh/wide_tree.h"
 #include "core/error.h"
+#include "import/load.h"
+#include "pack/packed_scene.h"
 #include "reference/tracer.h"
-#include "scene/load.h"
 
 namespace glint::bench {
 namespace {
@@ -276,7 +276,7 @@ void report(const std::string& file) {
     const Scene scene = loadScene(file);
     const PackedScene packed = packScene(scene);
     if (packed.triangles.empty() || !packed.spheres.empty() || !packed.instances.empty())
-        throw Error(ExitCode::Usage, file + ": not a scene of triangles alone");
+        throw Error(ErrorKind::Argument, file + ": not a scene of triangles alone");
     const std::vector<Node> two = binaryNodes(packed.nodes), four = fourNodes(packed.nodes),
                             eight = packetNodes(packed.nodes), compressed = compressedNodes(packed.nodes);
     const Format formats[] = {{"BVH2", 64, two},

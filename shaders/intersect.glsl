@@ -7,7 +7,7 @@
 
 // Distances along the ray of the two planes of each slab, the far one enlarged. A division good to 2.5 ulp (Vulkan's promise), one subtraction
 // and one product leave each plane within gamma_7 of its true distance (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with gamma_7 in
-// place of his gamma_3), and what the triangle test accepts may lie beside the ray by 11 u t |d| (edgeMargin, src/bvh/primitives.h): both
+// place of his gamma_3), and what the triangle test accepts may lie beside the ray by 11 u t |d| (edgeMargin, src/pack/primitives.h): both
 // twice, and a unit for the product itself and for what is of second order, make 1 + 38 u. So a box whose primitive is hit is never missed. The
 // same factor on the interval's end keeps one that is hit at exactly that t.
 const float kFarPad = 1.00000226497650;

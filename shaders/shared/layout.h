@@ -173,7 +173,7 @@
 // radianceBound: no ray of the tree brings more, in any channel (kInfinity: not known); minContribution: what
 // brings less to the pixel is not followed. eyeMedium0..3: the media around the eye, outermost first, 0 where
 // the list has ended. With instances the boxes of the world's tree are wider by instancePad times the
-// greatest coordinate of the ray's origin, plus instancePadAtOrigin (bvh/instances.cpp). map: 1 + the
+// greatest coordinate of the ray's origin, plus instancePadAtOrigin (pack/instances.cpp). map: 1 + the
 // environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of the
 // ObjectFrame array, 0 or the number of objects.
 #define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4)           \
@@ -185,7 +185,7 @@
     V3F(reserved1, instancePadAtOrigin)                \
     U4(map, frameCount, reserved2, reserved3)
 
-// One sample of all pixels (bvh/pack_samples.h). Its place on the film and on the lens are numbers of [0, 1)
+// One sample of all pixels (pack/pack_samples.h). Its place on the film and on the lens are numbers of [0, 1)
 // in units of 2^-32, to be scattered by `scatter`, one of kScatter... below, with random numbers hashed from
 // pixel, `key` and `seed`; `width`: the cells of a jittered sample. tableX, tableY: the filter tables that
 // turn the place on the film into the distance from the pixel's centre. weight: the same in all channels,

@@ -5,6 +5,7 @@
 
 #include "app/bench.h"
 #include "app/cli.h"
+#include "app/exit_code.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
@@ -29,7 +30,7 @@ SceneOptions withScene(const SceneOptions& common, const std::filesystem::path& 
 
 int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) {
     for (const std::filesystem::path& path : command.scenes)
-        if (path.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
+        if (path.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     switchShaderCachesOff();
     installInterruptHandler();
     std::optional<gpu::Device> device;
@@ -55,10 +56,10 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
             if (!json) out << (results.size() > 1 ? "\n" : "") << benchTable(results.back()) << std::flush;
         }
     } catch (const Error& e) {
-        if (e.code() != ExitCode::Interrupted) throw;
+        if (e.kind() != ErrorKind::Interrupted) throw;
         finish();
-        throw Error(ExitCode::Interrupted, "interrupted: " + std::to_string(results.size()) + " of " +
-                                               counted(command.scenes.size(), "scene") + " measured");
+        throw Error(ErrorKind::Interrupted, "interrupted: " + std::to_string(results.size()) + " of " +
+                                                counted(command.scenes.size(), "scene") + " measured");
     }
     finish();
     if (device) reportValidation(*device, command.device, err);

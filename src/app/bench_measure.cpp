@@ -25,7 +25,7 @@ constexpr double kWarmUpSeconds = 0.3;
 constexpr int kApartRepeats = 3;
 
 [[noreturn]] void stop() {
-    throw Error(ExitCode::Interrupted, "interrupted");
+    throw Error(ErrorKind::Interrupted, "interrupted");
 }
 
 SceneFeatures featuresNamed(const std::vector<std::string>& names) {

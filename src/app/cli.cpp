@@ -5,6 +5,7 @@
 #include <new>
 #include <ostream>
 
+#include "app/exit_code.h"
 #include "app/options.h"
 #include "app/usage.h"
 #include "core/error.h"
@@ -34,7 +35,7 @@ CLI::Option* addText(CLI::App& command, const char* names, const char* form, con
 }
 
 Text parseStats(const Text& text) {
-    if (text != "json") throw Error(ExitCode::Usage, "--stats: expected json, got " + quoted(text));
+    if (text != "json") throw Error(ErrorKind::Argument, "--stats: expected json, got " + quoted(text));
     return text;
 }
 
@@ -125,7 +126,7 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addText(command, "-o,--output", "FILE",
             "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png, here)",
             [&](const Text& t) {
-                if (t.empty()) throw Error(ExitCode::Usage, "--output: the file name is empty");
+                if (t.empty()) throw Error(ErrorKind::Argument, "--output: the file name is empty");
                 c.output = t;
             });
     addSceneOverrides(command, c.scene);
@@ -159,13 +160,13 @@ void addView(CLI::App& app, ViewCommand& c) {
     });
     addText(command, "--script", "FILE", "drive the window without a person, see docs/viewer.md",
             [&](const Text& t) {
-                if (t.empty()) throw Error(ExitCode::Usage, "--script: the file name is empty");
+                if (t.empty()) throw Error(ErrorKind::Argument, "--script: the file name is empty");
                 c.script = t;
             });
     addText(command, "--present", "MODE",
             "fifo (default), mailbox, immediate; fifo where the screen has no other", [&](const Text& t) {
                 if (t != "fifo" && t != "mailbox" && t != "immediate")
-                    throw Error(ExitCode::Usage,
+                    throw Error(ErrorKind::Argument,
                                 "--present: expected fifo, mailbox or immediate, got " + quoted(t));
                 c.present = t;
             });
@@ -184,7 +185,7 @@ void addScenes(CLI::App& command, std::vector<std::filesystem::path>& scenes) {
 
 CLI::Option* addFolder(CLI::App& command, const char* description, std::filesystem::path& folder) {
     return addText(command, "-o,--output", "FOLDER", description, [&](const Text& t) {
-        if (t.empty()) throw Error(ExitCode::Usage, "--output: the folder's name is empty");
+        if (t.empty()) throw Error(ErrorKind::Argument, "--output: the folder's name is empty");
         folder = t;
     });
 }
@@ -262,7 +263,7 @@ void addTrace(CLI::App& app, TraceCommand& c) {
     addScene(command, c.scene);
     addText(command, "--rays", "FILE.csv",
             "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", [&](const Text& t) {
-                if (t.empty()) throw Error(ExitCode::Usage, "--rays: the file name is empty");
+                if (t.empty()) throw Error(ErrorKind::Argument, "--rays: the file name is empty");
                 c.rays = t;
             });
     addText(command, "--pixel", "x,y", "the camera ray of a pixel, from the top left corner",
@@ -284,7 +285,7 @@ void addDiff(CLI::App& app, DiffCommand& c) {
     })->required();
     addText(command, "B", "", "picture of the same size", [&](const Text& t) { c.b = t; })->required();
     addText(command, "-o,--output", "FILE", "picture of |A - B| to write", [&](const Text& t) {
-        if (t.empty()) throw Error(ExitCode::Usage, "--output: the file name is empty");
+        if (t.empty()) throw Error(ErrorKind::Argument, "--output: the file name is empty");
         c.output = t;
     });
     addText(command, "--tolerance", "X",
@@ -337,10 +338,10 @@ void addCommands(CLI::App& app, Commands& c) {
 // The reference runs on no device: options for one would be without effect, which is never what was meant.
 void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
     if (backend == Backend::Gpu) return;
-    if (!device.selector.empty()) throw Error(ExitCode::Usage, "--device: needs --backend gpu");
-    if (device.validation) throw Error(ExitCode::Usage, "--validation: needs --backend gpu");
+    if (!device.selector.empty()) throw Error(ErrorKind::Argument, "--device: needs --backend gpu");
+    if (device.validation) throw Error(ErrorKind::Argument, "--validation: needs --backend gpu");
     if (device.traversal != render::Traversal::Auto)
-        throw Error(ExitCode::Usage, "--traversal: needs --backend gpu");
+        throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
 }
 
 int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ostream& err) {
@@ -351,18 +352,18 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
     }
     if (chosen("trace")) {
         if (c.trace.rays.empty() == !c.trace.pixel)
-            throw Error(ExitCode::Usage, "trace: give either --rays FILE.csv or --pixel x,y");
+            throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
         checkDeviceOptions(c.trace.backend, c.trace.device);
         return runTrace(c.trace, out, err);
     }
     if (chosen("bench")) {
         checkDeviceOptions(c.bench.backend, c.bench.device);
         if (c.bench.backend == Backend::Cpu && c.bench.everyWalk)
-            throw Error(ExitCode::Usage, "--traversal: needs --backend gpu");
+            throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
         if (c.bench.backend == Backend::Cpu && (c.bench.full || !c.bench.with.empty()))
-            throw Error(ExitCode::Usage, "--full, --with: need --backend gpu");
+            throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
         if (c.bench.backend == Backend::Cpu && c.bench.compaction != render::Compaction::Auto)
-            throw Error(ExitCode::Usage, "--compaction: needs --backend gpu");
+            throw Error(ErrorKind::Argument, "--compaction: needs --backend gpu");
         return runBench(c.bench, out, err);
     }
     if (chosen("view")) return runView(c.view, out, err);
@@ -386,12 +387,12 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
         args.push_back("--help");
     }
     if (const std::string wrong = firstWordError(app, args); !wrong.empty())
-        throw Error(ExitCode::Usage, wrong);
+        throw Error(ErrorKind::Argument, wrong);
     try {
         std::reverse(args.begin(), args.end());  // the order that CLI11 takes a vector in
         app.parse(args);
     } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() != 0) throw Error(ExitCode::Usage, parseErrorLine(app, e));
+        if (e.get_exit_code() != 0) throw Error(ErrorKind::Argument, parseErrorLine(app, e));
         app.exit(e, out, err);  // --help and --version
         return static_cast<int>(ExitCode::Done);
     }
@@ -411,7 +412,7 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
         if (!out.flush()) return failed(ExitCode::Failed, "cannot write to standard output");
         return code;
     } catch (const Error& e) {
-        return failed(e.code(), e.what());
+        return failed(exitCodeOf(e.kind()), e.what());
     } catch (const std::bad_alloc&) {
         return failed(
             ExitCode::Failed,

@@ -12,9 +12,9 @@
 #include "core/progress.h"
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
-#include "scene/methods.h"
-#include "scene/picture.h"
 #include "scene/scene.h"
+#include "trace/methods.h"
+#include "trace/picture.h"
 
 namespace glint::app {
 

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/stopwatch.h"
-#include "scene/load.h"
+#include "import/load.h"
 #include "scene/sampling.h"
 
 namespace glint::app {
@@ -23,13 +23,13 @@ void overrideSampling(const SceneOptions& options, ImageSettings& image) {
     if (options.seed) image.seed = *options.seed;
     if (options.adaptive) image.adaptive = options.adaptive;
     const std::string wrong = samplingConflict(image);
-    if (!wrong.empty()) throw Error(ExitCode::Usage, options.scene.string() + ": " + wrong);
+    if (!wrong.empty()) throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
 }
 
 }  // namespace
 
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
-    if (options.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
+    if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     LoadedScene loaded;
     Stopwatch watch;
     loaded.scene = loadScene(options.scene);
@@ -67,13 +67,13 @@ PackedSamples samplesOf(const LoadedScene& loaded) {
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
     if (!choice.validation) return;
     if (!device.validationActive()) {
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
                     "vulkan-validationlayers)");
     }
     const auto messages = device.validationMessages();
     for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
-    if (!messages.empty()) throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
+    if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
 }
 
 bool isTerminal(const std::ostream& err) {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "app/cli.h"
-#include "bvh/pack_samples.h"
-#include "bvh/packed_scene.h"
 #include "gpu/device.h"
+#include "pack/pack_samples.h"
+#include "pack/packed_scene.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
 

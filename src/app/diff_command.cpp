@@ -4,6 +4,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "core/error.h"
 #include "core/image_diff.h"
@@ -17,7 +18,7 @@ ImageDifference compare(const DiffCommand& command, const Image& a, const Image&
     try {
         return compareImages(a, b, command.tolerance);
     } catch (const Error& e) {
-        throw Error(e.code(), command.a.string() + ", " + command.b.string() + ": " + e.what());
+        throw Error(e.kind(), command.a.string() + ", " + command.b.string() + ": " + e.what());
     }
 }
 

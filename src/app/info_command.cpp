@@ -4,6 +4,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/exit_code.h"
 #include "core/error.h"
 #include "gpu/device.h"
 #include "render/traversal_choice.h"
@@ -173,7 +174,7 @@ int runDevices(std::ostream& out) {
                                     : "usable: ")
             << d.reason << '\n';
     }
-    if (!refusal.empty()) throw Error(ExitCode::Device, refusal);
+    if (!refusal.empty()) throw Error(ErrorKind::Device, refusal);
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "scene/picture.h"
+#include "trace/picture.h"
 
 namespace glint::app {
 

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "app/cli.h"
-#include "core/error.h"
+#include "app/exit_code.h"
 
 namespace {
 
@@ -12,7 +12,7 @@ namespace {
 extern "C" void quit(int) {
     constexpr char kMessage[] = "glint: interrupted\n";
     [[maybe_unused]] const auto ignored = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
-    _exit(static_cast<int>(glint::ExitCode::Interrupted));
+    _exit(static_cast<int>(glint::app::ExitCode::Interrupted));
 }
 
 // Signals that the parent process has set to be ignored (nohup) stay ignored.

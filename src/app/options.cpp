@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/near_names.h"
 #include "scene/limits.h"
-#include "scene/near_names.h"
 #include "scene/sampling.h"
 #include "shared/dispatch.h"
 
@@ -19,7 +19,7 @@ namespace glint::app {
 namespace {
 
 [[noreturn]] void refuse(const std::string& option, const std::string& wanted, const std::string& text) {
-    throw Error(ExitCode::Usage, option + ": expected " + wanted + ", got " + quoted(text));
+    throw Error(ErrorKind::Argument, option + ": expected " + wanted + ", got " + quoted(text));
 }
 
 // Numbers too large for 64 bits become the largest one, so that range checks see them.
@@ -126,11 +126,12 @@ std::vector<std::string> parseAovs(const std::string& text) {
             for (const std::string& n : known) list += (list.empty() ? "" : " ") + n;
             const std::vector<std::string_view> views(known.begin(), known.end());
             const std::string nearest = name.empty() ? "" : suggestion(name, views, "known");
-            throw Error(ExitCode::Usage, "--aov: unknown layer " + quoted(name) + " (" +
-                                             (nearest.starts_with("did") ? nearest : "known: " + list) + ")");
+            throw Error(ErrorKind::Argument, "--aov: unknown layer " + quoted(name) + " (" +
+                                                 (nearest.starts_with("did") ? nearest : "known: " + list) +
+                                                 ")");
         }
         if (std::find(names.begin(), names.end(), name) != names.end()) {
-            throw Error(ExitCode::Usage, "--aov: the layer " + quoted(name) + " is given twice");
+            throw Error(ErrorKind::Argument, "--aov: the layer " + quoted(name) + " is given twice");
         }
         names.push_back(name);
     }
@@ -145,8 +146,8 @@ std::vector<std::string> parseFamilies(const std::string& text) {
     for (const std::string& part : split(text, ',')) {
         const std::string name = trimmed(part);
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(ExitCode::Usage, "--only: unknown setting " + quoted(name) + " (" +
-                                             suggestion(name, known, "known") + ")");
+            throw Error(ErrorKind::Argument, "--only: unknown setting " + quoted(name) + " (" +
+                                                 suggestion(name, known, "known") + ")");
         names.push_back(name);
     }
     return names;
@@ -162,8 +163,8 @@ std::vector<std::string> parseFeatures(const std::string& text) {
     for (const std::string& part : split(text, ',')) {
         const std::string name = trimmed(part);
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(ExitCode::Usage, "--with: unknown feature " + quoted(name) + " (" +
-                                             suggestion(name, known, "known") + ")");
+            throw Error(ErrorKind::Argument, "--with: unknown feature " + quoted(name) + " (" +
+                                                 suggestion(name, known, "known") + ")");
         names.push_back(name);
     }
     return names;

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void cannotWrite(const fs::path& path, const std::string& reason) {
-    throw Error(ExitCode::Failed, path.string() + ": cannot write: " + reason);
+    throw Error(ErrorKind::Failed, path.string() + ": cannot write: " + reason);
 }
 
 std::string reasonOf(int errorNumber) {
@@ -47,7 +47,7 @@ std::string gibibytes(uint64_t bytes) {
 
 void checkPicturePath(const fs::path& path) {
     if (!isWritableImagePath(path)) {
-        throw Error(ExitCode::Usage,
+        throw Error(ErrorKind::Argument,
                     path.string() + ": unknown picture format (use .png, .exr, .pfm or .hdr)");
     }
     std::error_code ignored;
@@ -90,7 +90,7 @@ uint64_t availableMemory() {
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available) {
     const uint64_t needed = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * bytesPerPixel;
     if (needed <= available) return;
-    throw Error(ExitCode::Failed,
+    throw Error(ErrorKind::Failed,
                 "a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels takes " +
                     gibibytes(needed) + " of memory, " + gibibytes(available) +
                     " are free; ask for a smaller --size, or for parts with glint render --crop");

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "bvh/packed_scene.h"
-#include "scene/picture.h"
+#include "pack/packed_scene.h"
 #include "scene/scene.h"
+#include "trace/picture.h"
 
 namespace glint::app {
 

@@ -28,10 +28,10 @@ double parseNumber(const std::string& field, const std::string& where) {
     double value = 0;
     const auto [stop, error] = std::from_chars(begin, end, value);
     if (error == std::errc::invalid_argument || stop != end) {
-        throw Error(ExitCode::Scene, where + ": expected a number, got " + quoted(field));
+        throw Error(ErrorKind::Scene, where + ": expected a number, got " + quoted(field));
     }
     if (error == std::errc::result_out_of_range) {
-        throw Error(ExitCode::Scene,
+        throw Error(ErrorKind::Scene,
                     where + ": number out of the range of double precision: " + quoted(field));
     }
     return value;
@@ -45,7 +45,7 @@ reference::Ray parseRay(const std::string& line, const std::string& where) {
         fields.push_back(trimmed(line.substr(start, end - start)));
     }
     if (fields.size() < 6 || fields.size() > 8) {
-        throw Error(ExitCode::Scene,
+        throw Error(ErrorKind::Scene,
                     where + ": expected 6 to 8 numbers " + kForm + ", got " + std::to_string(fields.size()));
     }
     std::vector<double> v;
@@ -69,7 +69,7 @@ std::vector<reference::Ray> parseRays(std::istream& in, const std::string& name)
         const bool header = rays.empty() && text.starts_with("ox,");
         if (!text.empty() && !header) rays.push_back(parseRay(text, name + ":" + std::to_string(number)));
     }
-    if (in.bad()) throw Error(ExitCode::Scene, name + ": cannot read the rays");
+    if (in.bad()) throw Error(ErrorKind::Scene, name + ": cannot read the rays");
     return rays;
 }
 
@@ -77,11 +77,11 @@ std::vector<reference::Ray> readRays(const std::string& file) {
     if (file == "-") return parseRays(std::cin, "standard input");
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))
-        throw Error(ExitCode::Scene, file + ": is a folder, not a file of rays");
+        throw Error(ErrorKind::Scene, file + ": is a folder, not a file of rays");
     std::ifstream stream(file);
     if (!stream) {
         const bool exists = std::filesystem::exists(file, ignored);
-        throw Error(ExitCode::Scene, file + (exists ? ": cannot read the rays" : ": no such file"));
+        throw Error(ErrorKind::Scene, file + (exists ? ": cannot read the rays" : ": no such file"));
     }
     return parseRays(stream, file);
 }

@@ -1,9 +1,9 @@
 // Pictures from the CPU reference in the form that the renderer gives them.
 #pragma once
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "render/renderer.h"
-#include "scene/picture.h"
+#include "trace/picture.h"
 
 namespace glint::app {
 

@@ -5,6 +5,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/exit_code.h"
 #include "app/losses.h"
 #include "app/output_check.h"
 #include "app/picture_advice.h"
@@ -49,9 +50,9 @@ Region checkedRegion(const RenderCommand& command, const Scene& scene) {
     if (!command.crop) return {0, 0, scene.image.width, scene.image.height};
     const Region& crop = *command.crop;
     if (crop.x1 > scene.image.width || crop.y1 > scene.image.height) {
-        throw Error(ExitCode::Usage, "--crop: reaches beyond the picture of " +
-                                         std::to_string(scene.image.width) + "x" +
-                                         std::to_string(scene.image.height) + " pixels");
+        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
+                                             std::to_string(scene.image.width) + "x" +
+                                             std::to_string(scene.image.height) + " pixels");
     }
     return crop;
 }
@@ -216,13 +217,13 @@ void checkComplete(const Outcome& outcome) {
     if (picture.complete) return;
     const auto done = static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1));
     if (done == 0)
-        throw Error(ExitCode::Interrupted,
+        throw Error(ErrorKind::Interrupted,
                     "interrupted before any part of the picture was finished; nothing written");
     char percent[16];
     std::snprintf(percent, sizeof(percent), "%.3g %%", 100 * done / static_cast<double>(picture.done.size()));
     if (!outcome.files.empty()) {
-        throw Error(ExitCode::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
-                                               percent + " of the picture that was finished");
+        throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
+                                                percent + " of the picture that was finished");
     }
 }
 
@@ -230,7 +231,7 @@ void checkComplete(const Outcome& outcome) {
 
 int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
-    if (command.scene.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
+    if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
     // Opening a device (50 ms for lavapipe, whose libraries are large) and reading the scene need nothing of

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "app/cli.h"
+#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/report_front.h"
 #include "app/report_sweep.h"
@@ -123,7 +124,7 @@ void makeFolder(const fs::path& folder) {
     std::error_code error;
     if (!fs::exists(folder, error)) fs::create_directory(folder, error);
     if (error)
-        throw Error(ExitCode::Failed, folder.string() + ": cannot make this folder: " + error.message());
+        throw Error(ErrorKind::Failed, folder.string() + ": cannot make this folder: " + error.message());
     checkOutputFolder(folder);
 }
 
@@ -170,8 +171,8 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
         << ", report.csv, report.json and the diagrams\n";
     reportValidation(device, command.device, err);
     if (!data.complete)
-        throw Error(ExitCode::Interrupted, "interrupted: " + jsonPath(command).string() +
-                                               " holds what was finished; the same command goes on");
+        throw Error(ErrorKind::Interrupted, "interrupted: " + jsonPath(command).string() +
+                                                " holds what was finished; the same command goes on");
     return static_cast<int>(ExitCode::Done);
 }
 

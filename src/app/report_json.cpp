@@ -213,7 +213,7 @@ ReportData fromJson(const std::string& text, const std::string& name) {
     try {
         Reader::read(Json::parse(text), data);
     } catch (const Json::exception&) {
-        throw Error(ExitCode::Failed,
+        throw Error(ErrorKind::Failed,
                     name + ": not a report of this version; give another folder, or remove it");
     }
     return data;

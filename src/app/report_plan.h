@@ -8,10 +8,10 @@
 
 #include "app/report_measures.h"
 #include "app/report_statistics.h"
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
-#include "scene/methods.h"
+#include "pack/packed_scene.h"
 #include "scene/scene.h"
+#include "trace/methods.h"
 
 namespace glint::app {
 

@@ -5,6 +5,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/exit_code.h"
 #include "app/ray_file.h"
 #include "core/error.h"
 #include "reference/tracer.h"
@@ -136,10 +137,10 @@ void traceOnHost(const TraceCommand& command, const PackedScene& packed, const R
 void checkPixel(const LoadedScene& loaded, std::pair<int, int> pixel) {
     const ImageSettings& image = loaded.scene.image;
     if (pixel.first < 0 || pixel.second < 0 || pixel.first >= image.width || pixel.second >= image.height) {
-        throw Error(ExitCode::Usage, "--pixel: " + std::to_string(pixel.first) + "," +
-                                         std::to_string(pixel.second) + " is outside the picture of " +
-                                         std::to_string(image.width) + "x" + std::to_string(image.height) +
-                                         " pixels");
+        throw Error(ErrorKind::Argument, "--pixel: " + std::to_string(pixel.first) + "," +
+                                             std::to_string(pixel.second) + " is outside the picture of " +
+                                             std::to_string(image.width) + "x" +
+                                             std::to_string(image.height) + " pixels");
     }
 }
 

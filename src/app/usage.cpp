@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "app/options.h"
-#include "scene/near_names.h"
+#include "core/near_names.h"
 
 namespace glint::app {
 

@@ -3,6 +3,7 @@
 
 #include "app/cli.h"
 #include "app/common.h"
+#include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/verify_report.h"
 #include "core/error.h"
@@ -52,7 +53,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
         report = verify::verify(renderer, loaded.packed, cameraOf(loaded), options);
     }
     if (report.interrupted)
-        throw Error(ExitCode::Interrupted, "interrupted while verifying " + path.string());
+        throw Error(ErrorKind::Interrupted, "interrupted while verifying " + path.string());
     printReport(path.string(), report, options, loaded.packed.origin, out);
     writeImage(picture, report.difference);
     out << "    wrote " << picture.string() << '\n';

@@ -1,5 +1,7 @@
 #include "app/cli.h"
+#include "app/exit_code.h"
 #include "core/error.h"
+#include "core/interrupt.h"
 #ifdef GLINT_WINDOW
 #include "view/view.h"
 #endif
@@ -8,7 +10,7 @@ namespace glint::app {
 
 #ifdef GLINT_WINDOW
 int runView(const ViewCommand& command, std::ostream& out, std::ostream& err) {
-    if (command.scene.scene.empty()) throw Error(ExitCode::Usage, "SCENE is empty; give a file name");
+    if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     view::Options options;
     options.scene = command.scene.scene;
     if (command.scene.size) {
@@ -23,12 +25,13 @@ int runView(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.script = command.script;
     options.presentMode = command.present;
     options.targetSeconds = command.target * 1e-3;
-    return view::view(options, out, err);
+    view::view(options, out, err);
+    return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
 }
 #else
 int runView(const ViewCommand&, std::ostream&, std::ostream&) {
     throw Error(
-        ExitCode::Usage,
+        ErrorKind::Argument,
         "view: this glint was built without the window (GLINT_WINDOW is OFF, or GLFW or Dear ImGui was "
         "missing); glint render SCENE draws to a file");
 }

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const char* action, int errorNumber) {
-    throw Error(ExitCode::Failed,
+    throw Error(ErrorKind::Failed,
                 path.string() + ": cannot " + action + ": " + std::generic_category().message(errorNumber));
 }
 

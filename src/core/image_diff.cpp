@@ -20,13 +20,13 @@ std::string sizeText(const Image& image) {
 // The channels to compare; throws if the two pictures cannot be compared at all.
 int comparedChannels(const Image& a, const Image& b) {
     if (a.width != b.width || a.height != b.height) {
-        throw Error(ExitCode::Failed, "the pictures differ in size: " + sizeText(a) + " and " + sizeText(b));
+        throw Error(ErrorKind::Failed, "the pictures differ in size: " + sizeText(a) + " and " + sizeText(b));
     }
     const int channelsA = std::min(3, a.channels);
     const int channelsB = std::min(3, b.channels);
     if (channelsA != channelsB && channelsA != 1 && channelsB != 1) {
-        throw Error(ExitCode::Failed, "the pictures differ in channels: " + std::to_string(a.channels) +
-                                          " and " + std::to_string(b.channels));
+        throw Error(ErrorKind::Failed, "the pictures differ in channels: " + std::to_string(a.channels) +
+                                           " and " + std::to_string(b.channels));
     }
     return std::max(channelsA, channelsB);
 }

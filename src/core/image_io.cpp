@@ -34,7 +34,7 @@ Format writableFormat(const fs::path& path) {
         return *format;
     }
     const std::string extension = path.extension().string();
-    throw Error(ExitCode::Usage,
+    throw Error(ErrorKind::Argument,
                 path.string() + ": " +
                     (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
                     " (use .png, .exr, .pfm or .hdr)");
@@ -46,9 +46,9 @@ auto withPath(const fs::path& path, Function function) {
     try {
         return function();
     } catch (const CodecError& error) {
-        throw Error(ExitCode::Failed, path.string() + ": " + error.what());
+        throw Error(ErrorKind::Failed, path.string() + ": " + error.what());
     } catch (const std::bad_alloc&) {
-        throw Error(ExitCode::Failed, path.string() + ": not enough memory for the picture");
+        throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the picture");
     }
 }
 

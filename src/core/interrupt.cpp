@@ -6,8 +6,6 @@
 
 #include <atomic>
 
-#include "core/error.h"
-
 namespace glint {
 namespace {
 
@@ -17,7 +15,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only
 extern "C" void onInterrupt(int signal) {
     // _exit and not exit: only async-signal-safe functions may be called here (POSIX.1-2017, 2.4.3).
     if (interruptFlag.exchange(true) && signal == SIGINT) {
-        _exit(static_cast<int>(ExitCode::Interrupted));
+        _exit(128 + signal);  // as shells report it
     }
 }
 

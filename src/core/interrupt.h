@@ -1,4 +1,4 @@
-// Ctrl-C and kill: finish the slice at hand, save what there is, end with ExitCode::Interrupted.
+// Ctrl-C and kill: finish the slice at hand, save what there is, end with ErrorKind::Interrupted.
 #pragma once
 
 namespace glint {

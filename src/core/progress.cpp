@@ -58,7 +58,7 @@ ProgressMode parseProgressMode(std::string_view text) {
     if (text == "bar") return ProgressMode::Bar;
     if (text == "plain") return ProgressMode::Plain;
     if (text == "none") return ProgressMode::None;
-    throw Error(ExitCode::Usage,
+    throw Error(ErrorKind::Argument,
                 "unknown progress mode '" + std::string(text) + "' (use auto, bar, plain or none)");
 }
 

@@ -33,7 +33,7 @@ void checkSize(const std::string& name, uint64_t bytes, Access access, const Dev
     } else {
         text += "allocates at most " + std::to_string(limits.maxAllocationSize) + " bytes at once";
     }
-    throw Error(ExitCode::Device, text);
+    throw Error(ErrorKind::Device, text);
 }
 
 void createBuffer(BufferState& state, const DeviceState& device) {
@@ -54,9 +54,10 @@ void allocate(BufferState& state, const DeviceState& device) {
     const std::optional<uint32_t> type = chooseMemoryType(device.physical.memory, requirements.memoryTypeBits,
                                                           state.kind, device.physical.unified);
     if (!type) {
-        throw Error(ExitCode::Device, std::string("this device has no ") +
-                                          (state.kind == MemoryKind::Host ? "host-visible" : "device-local") +
-                                          " memory for it");
+        throw Error(ErrorKind::Device,
+                    std::string("this device has no ") +
+                        (state.kind == MemoryKind::Host ? "host-visible" : "device-local") +
+                        " memory for it");
     }
     VkMemoryAllocateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
@@ -97,10 +98,10 @@ bool fits(uint64_t bytes, Access access, const DeviceLimits& limits) {
 
 void checkRange(const char* what, const Buffer& buffer, uint64_t offset, uint64_t bytes) {
     if (offset <= buffer.size() && bytes <= buffer.size() - offset) return;
-    throw Error(ExitCode::Device, std::string(what) + " of " + std::to_string(bytes) + " bytes at offset " +
-                                      std::to_string(offset) + " passes the end of array \"" +
-                                      buffer.state().name + "\" (" + std::to_string(buffer.size()) +
-                                      " bytes)");
+    throw Error(ErrorKind::Device, std::string(what) + " of " + std::to_string(bytes) + " bytes at offset " +
+                                       std::to_string(offset) + " passes the end of array \"" +
+                                       buffer.state().name + "\" (" + std::to_string(buffer.size()) +
+                                       " bytes)");
 }
 
 Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Access access,
@@ -118,7 +119,7 @@ Buffer::Buffer(const Device& device, const std::string& name, uint64_t bytes, Ac
         allocate(*state_, owner);
         if (access == Access::TexelBuffer) createView(*state_, owner);
     } catch (const Error& error) {
-        throw Error(error.code(), needs(name, state_->bytes) + ", but " + error.what());
+        throw Error(error.kind(), needs(name, state_->bytes) + ", but " + error.what());
     }
 }
 

@@ -70,14 +70,14 @@ DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& s
 const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
     if (devices.empty()) {
         throw Error(
-            ExitCode::Device,
+            ErrorKind::Device,
             "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
     }
     const DeviceRefs matches = matching(devices, selector);
     if (matches.empty()) {
         const std::string what = isNumber(selector) ? "no Vulkan device has index " + selector
                                                     : "no Vulkan device has \"" + selector + "\" in its name";
-        throw Error(ExitCode::Device, what + "; there is " + labels(devices));
+        throw Error(ErrorKind::Device, what + "; there is " + labels(devices));
     }
     const DeviceInfo* best = nullptr;
     for (const DeviceInfo& device : matches) {
@@ -86,7 +86,7 @@ const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std
     if (best == nullptr) {
         const std::string what =
             selector.empty() ? "no usable Vulkan device" : "device " + selector + " cannot be used";
-        throw Error(ExitCode::Device, what + ": " + reasons(matches));
+        throw Error(ErrorKind::Device, what + ": " + reasons(matches));
     }
     return *best;
 }

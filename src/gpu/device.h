@@ -62,7 +62,7 @@ struct DeviceOptions {
 // The device was reset, or its driver crashed: all that was made from it is void, a new Device may work.
 class DeviceLost : public Error {
   public:
-    explicit DeviceLost(const std::string& message) : Error(ExitCode::Device, message) {}
+    explicit DeviceLost(const std::string& message) : Error(ErrorKind::Device, message) {}
 };
 
 // Every device, in the loader's order. Throws Error(Device) if there is no Vulkan loader (naming the Debian

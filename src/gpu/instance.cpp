@@ -15,13 +15,13 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 void openLoader() {
     static const VkResult opened = volkInitialize();
     if (opened != VK_SUCCESS) {
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as "
                     "mesa-vulkan-drivers, or use --backend cpu");
     }
     // A loader of Vulkan 1.0 lacks the function that tells the version.
     if (volkGetInstanceVersion() < VK_API_VERSION_1_1) {
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1, or use "
                     "--backend cpu");
     }
@@ -47,7 +47,7 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
 void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExtensionProperties>& present) {
     for (const std::string& name : wanted) {
         if (!contains(present, name.c_str()))
-            throw Error(ExitCode::Device, "no Vulkan driver here knows " + name + ", which a window needs");
+            throw Error(ErrorKind::Device, "no Vulkan driver here knows " + name + ", which a window needs");
     }
 }
 

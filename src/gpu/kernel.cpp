@@ -26,8 +26,8 @@ uint32_t count(const std::vector<Access>& bindings, Access access) {
 
 void checkLimit(const std::string& name, const char* what, uint32_t wanted, uint32_t limit) {
     if (wanted > limit) {
-        throw Error(ExitCode::Device, label(name) + "needs " + std::to_string(wanted) + " " + what +
-                                          ", but this device has at most " + std::to_string(limit));
+        throw Error(ErrorKind::Device, label(name) + "needs " + std::to_string(wanted) + " " + what +
+                                           ", but this device has at most " + std::to_string(limit));
     }
 }
 
@@ -153,18 +153,18 @@ void createSet(KernelState& state, const DeviceState& device) {
 void checkBindings(const KernelState& kernel, std::span<const Buffer* const> buffers) {
     const std::vector<Access>& bindings = kernel.program->key.bindings;
     if (buffers.size() != bindings.size()) {
-        throw Error(ExitCode::Device, label(kernel.name) + "has " + std::to_string(bindings.size()) +
-                                          " bindings, but was given " + std::to_string(buffers.size()) +
-                                          " buffers");
+        throw Error(ErrorKind::Device, label(kernel.name) + "has " + std::to_string(bindings.size()) +
+                                           " bindings, but was given " + std::to_string(buffers.size()) +
+                                           " buffers");
     }
     for (size_t i = 0; i < buffers.size(); ++i) {
         const std::string binding = label(kernel.name) + "binding " + std::to_string(i);
         if (buffers[i] == nullptr || !*buffers[i])
-            throw Error(ExitCode::Device, binding + " was given no buffer");
+            throw Error(ErrorKind::Device, binding + " was given no buffer");
         const BufferState& buffer = buffers[i]->state();
         if (buffer.access != bindings[i]) {
-            throw Error(ExitCode::Device, binding + " is " + accessText(bindings[i]) + ", but array \"" +
-                                              buffer.name + "\" was made as " + accessText(buffer.access));
+            throw Error(ErrorKind::Device, binding + " is " + accessText(bindings[i]) + ", but array \"" +
+                                               buffer.name + "\" was made as " + accessText(buffer.access));
         }
     }
 }
@@ -181,7 +181,7 @@ Kernel::Kernel(const Device& device, const KernelOptions& options) : state_(std:
         state_->program = programOf(owner, options);
         createSet(*state_, owner);
     } catch (const Error& error) {
-        throw Error(error.code(), label(options.name) + error.what());
+        throw Error(error.kind(), label(options.name) + error.what());
     }
 }
 

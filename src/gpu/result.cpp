@@ -46,7 +46,7 @@ void check(VkResult result, const char* call) {
     }
     text = std::string(call) + " failed: " + text;
     if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
-    throw Error(ExitCode::Device, text);
+    throw Error(ErrorKind::Device, text);
 }
 
 }  // namespace glint::gpu

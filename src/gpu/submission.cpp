@@ -100,9 +100,9 @@ void submitAndWait(SubmissionState& state) {
         device.vk.vkWaitForFences(device.device, 1, &fence, VK_TRUE, device.timeoutNanoseconds);
     if (result == VK_TIMEOUT) {
         device.abandoned = true;
-        throw Error(ExitCode::Device, "the device \"" + device.physical.info.name +
-                                          "\" hangs: a batch of work has not finished after " +
-                                          std::to_string(device.timeoutNanoseconds / 1'000'000'000) + " s");
+        throw Error(ErrorKind::Device, "the device \"" + device.physical.info.name +
+                                           "\" hangs: a batch of work has not finished after " +
+                                           std::to_string(device.timeoutNanoseconds / 1'000'000'000) + " s");
     }
     check(result, "vkWaitForFences");
 }
@@ -110,16 +110,16 @@ void submitAndWait(SubmissionState& state) {
 void checkDispatch(const KernelState& kernel, uint32_t groupsX, size_t pushConstantBytes,
                    const DeviceLimits& limits) {
     const std::string label = "kernel \"" + kernel.name + "\": ";
-    if (!kernel.bound) throw Error(ExitCode::Device, label + "dispatched before its buffers were bound");
+    if (!kernel.bound) throw Error(ErrorKind::Device, label + "dispatched before its buffers were bound");
     if (pushConstantBytes != kernel.program->key.pushConstantBytes) {
-        throw Error(ExitCode::Device, label + "has " + std::to_string(kernel.program->key.pushConstantBytes) +
-                                          " bytes of push constants, but was given " +
-                                          std::to_string(pushConstantBytes));
+        throw Error(ErrorKind::Device,
+                    label + "has " + std::to_string(kernel.program->key.pushConstantBytes) +
+                        " bytes of push constants, but was given " + std::to_string(pushConstantBytes));
     }
     if (groupsX > limits.maxWorkgroupCountX) {
-        throw Error(ExitCode::Device, label + "a dispatch of " + std::to_string(groupsX) +
-                                          " workgroups, but this device runs at most " +
-                                          std::to_string(limits.maxWorkgroupCountX));
+        throw Error(ErrorKind::Device, label + "a dispatch of " + std::to_string(groupsX) +
+                                           " workgroups, but this device runs at most " +
+                                           std::to_string(limits.maxWorkgroupCountX));
     }
 }
 

@@ -53,7 +53,7 @@ VkSurfaceFormatKHR chooseFormat(const DeviceState& device) {
         if (known && format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) return format;
     }
     throw Error(
-        ExitCode::Device,
+        ErrorKind::Device,
         "the window takes no picture of 8 bits a channel on this device; glint render draws to files");
 }
 
@@ -134,7 +134,7 @@ void SwapchainState::makeObjects() {
 VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR& capabilities, int width,
                                                   int height) {
     if ((capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT) == 0)
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "the window takes no copied pictures on this device; glint render draws to files");
     const VkSurfaceFormatKHR chosen = chooseFormat(state);
     format = chosen.format;
@@ -289,7 +289,7 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     if (got == VK_ERROR_OUT_OF_DATE_KHR) return false;
     check(got, "vkAcquireNextImageKHR");
     if (got == VK_TIMEOUT || got == VK_NOT_READY)
-        throw Error(ExitCode::Device, "the window system gives no picture to draw on for 5 s");
+        throw Error(ErrorKind::Device, "the window system gives no picture to draw on for 5 s");
     fillPixels(source, width, height);
     recordCopy(images[index]);
     submitCopy(index);

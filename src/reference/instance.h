@@ -2,7 +2,7 @@
 // rounded in the packed scene.
 #pragma once
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 
 namespace glint::reference {
 

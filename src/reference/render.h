@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "bvh/pack_samples.h"
+#include "pack/pack_samples.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {

@@ -3,7 +3,7 @@
 
 #include <glm/glm.hpp>
 
-#include "bvh/pack_samples.h"
+#include "pack/pack_samples.h"
 
 namespace glint::reference {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "reference/intersect.h"
-#include "scene/methods.h"
+#include "trace/methods.h"
 
 namespace glint::reference {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 
 namespace glint::reference {
 

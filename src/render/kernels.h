@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
+#include "pack/packed_scene.h"
 
 namespace glint::render {
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
+#include "pack/packed_scene.h"
 #include "render/pipelines.h"
 
 namespace glint::render {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gpu/compute.h"
-#include "scene/picture.h"
 #include "shared/dispatch.h"
+#include "trace/picture.h"
 
 namespace glint::render {
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <tuple>
 
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
+#include "pack/packed_scene.h"
 #include "render/kernels.h"
 #include "render/scene_buffers.h"
 #include "render/traversal_choice.h"

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "bvh/pack_samples.h"
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
+#include "pack/pack_samples.h"
+#include "pack/packed_scene.h"
 #include "render/kernels.h"
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
-#include "scene/picture.h"
+#include "trace/picture.h"
 
 namespace glint::render {
 

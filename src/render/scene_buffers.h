@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "bvh/packed_scene.h"
 #include "gpu/compute.h"
+#include "pack/packed_scene.h"
 #include "render/traversal_choice.h"
 #include "shared/dispatch.h"
 

@@ -1,10 +1,10 @@
 // What the settings of a picture come to.
 #pragma once
 
-#include "bvh/pack_samples.h"
+#include "pack/pack_samples.h"
 #include "render/pipelines.h"
 #include "render/renderer.h"
-#include "scene/picture.h"
+#include "trace/picture.h"
 
 namespace glint::render {
 

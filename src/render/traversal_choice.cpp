@@ -68,7 +68,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
         return chooseWide(wanted, scene);
     const bool able = runsPackets(device);
     if (wanted == Traversal::Packet && !able) {
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +
                         " lanes that can shuffle; \"" + device.name + "\" has " +
                         std::to_string(device.limits.subgroupSize) + " lanes: use --traversal auto or lane");
@@ -89,7 +89,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
 Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device) {
     if (!doublePrecision) return wanted;
     if (!device.limits.float64)
-        throw Error(ExitCode::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
+        throw Error(ErrorKind::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
     return Traversal::Lane;
 }
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "bvh/packed_scene.h"
 #include "bvh/wide_tree.h"
 #include "gpu/device.h"
+#include "pack/packed_scene.h"
 
 namespace glint::render {
 

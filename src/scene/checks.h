@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "scene/json_document.h"
+#include "core/text_file.h"
 #include "scene/limits.h"
 #include "scene/scene.h"
 #include "scene/validate.h"

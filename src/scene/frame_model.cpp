@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "scene/camera_frame.h"
-#include "scene/load.h"
+#include "scene/frame_model.h"
 
 namespace glint {
 

@@ -41,7 +41,7 @@ bool isPlaced(const Scene& scene);
 // The scene, if it is placed, else a copy of it that is, held by `copy`.
 const Scene& placedScene(const Scene& scene, Scene& copy);
 
-// More, and a mesh is baked instead: 6 of fp32's 24 bits, as for the local frame (bvh/packed_scene.h).
+// More, and a mesh is baked instead: 6 of fp32's 24 bits, as for the local frame (pack/packed_scene.h).
 inline constexpr double kMaxMeshLoss = 64;
 // More is refused: the shape would be off by 2^-10 of its size.
 inline constexpr double kMaxTransformLoss = 16384;

@@ -6,6 +6,16 @@ namespace glint {
 
 namespace {
 
+double radicalInverse2(uint32_t i) {
+    double value = 0;
+    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) value += (i & 1) ? digit : 0.0;
+    return value;
+}
+
+}  // namespace
+
+namespace {
+
 constexpr const char* kSamplers[] = {"auto", "grid", "jittered", "lowDiscrepancy"};
 constexpr const char* kFilters[] = {"box", "tent", "gaussian", "mitchell"};
 
@@ -69,6 +79,21 @@ std::string samplingConflict(const ImageSettings& image) {
         return "adaptive sampling needs maxSamples of at least samplesPerPixel, which is " + samples +
                " (got " + std::to_string(image.adaptive->maxSamples) + ")";
     return "";
+}
+
+std::vector<glm::dvec2> sampleOffsets(int samplesPerPixel) {
+    const int n = std::max(samplesPerPixel, 1);
+    const int side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(n))));
+    std::vector<glm::dvec2> offsets;
+    offsets.reserve(n);
+    for (int i = 0; i < n; ++i) {
+        if (side * side == n) {
+            offsets.emplace_back((i % side + 0.5) / side, (i / side + 0.5) / side);
+        } else {
+            offsets.emplace_back((i + 0.5) / n, radicalInverse2(static_cast<uint32_t>(i)) + 0.5 / n);
+        }
+    }
+    return offsets;
 }
 
 }  // namespace glint

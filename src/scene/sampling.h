@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "scene/sampling.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -28,5 +30,9 @@ double defaultRadius(Filter filter);
 
 // What is wrong with settings that are right each by itself, and how to mend it; empty if nothing is.
 std::string samplingConflict(const ImageSettings& image);
+
+// Offsets of the samples of a pixel, in [0,1)^2: the centre for 1, a regular grid for a square number, else
+// Hammersley's points (Hammersley 1960).
+std::vector<glm::dvec2> sampleOffsets(int samplesPerPixel);
 
 }  // namespace glint

@@ -9,14 +9,12 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/text_file.h"
 #include "scene/checks.h"
-#include "scene/json_cursor.h"
 #include "scene/limits.h"
-#include "scene/load.h"
 #include "scene/placement.h"
 #include "scene/polygon_plane.h"
 #include "scene/sampling.h"
-#include "scene/text_file.h"
 #include "scene/transform.h"
 
 namespace glint {
@@ -236,7 +234,7 @@ void checkTransform(const Object& object, const Place& place) {
 void Place::fail(std::string_view key, const std::string& what) const {
     std::string where = pointer;
     if (!key.empty()) where += "/" + std::string(key);
-    throw Error(ExitCode::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
+    throw Error(ErrorKind::Scene, printable(file + ": " + (where.empty() ? "" : where + ": ") + what));
 }
 
 void validateImage(const ImageSettings& image, const Place& place) {

@@ -1,4 +1,4 @@
-// The checks of validateScene, part by part, for use at the place in the file where a part is read.
+// What no tracer can render: the whole scene, or part by part at the place in the file where it is read.
 #pragma once
 
 #include <string>
@@ -7,6 +7,13 @@
 #include "scene/scene.h"
 
 namespace glint {
+
+// Refuses what no tracer can render: non-finite numbers, non-positive radii, zero normals, eye == target, up
+// parallel to the view direction, sizes, ranges, indices outside their arrays, and coordinates or sizes
+// outside the supported range: |x| < 1e18, sphere radius in [1e-14, 1e18]. Vertices of meshes that are not
+// finite are NOT refused: the triangles that use them are dropped when the scene is packed, with a warning.
+// `name` stands for the file in messages.
+void validateScene(const Scene& scene, const std::string& name);
 
 // Where something stands, for messages: "FILE: POINTER/KEY: what".
 struct Place {

@@ -74,7 +74,7 @@ std::vector<double> levelsTo(double bound) {
 // along the path;
 // - in an instance: what is off by so much in its coordinates is off by K times as much in the world, K the
 // greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by gamma_3
-// |A^-1| |d| t at the hit, together no more than 10 K C (bvh/instances.cpp), and its next origin by as much.
+// |A^-1| |d| t at the hit, together no more than 10 K C (pack/instances.cpp), and its next origin by as much.
 // - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
 // w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most twice
 // the greater of the extent and r.

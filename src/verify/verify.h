@@ -12,7 +12,7 @@
 #include "core/image.h"
 #include "reference/tracer.h"
 #include "render/renderer.h"
-#include "scene/picture.h"
+#include "trace/picture.h"
 #include "verify/stiffness.h"
 
 namespace glint::verify {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bvh/pack_samples.h"
 #include "core/error.h"
 #include "core/image_io.h"
+#include "pack/pack_samples.h"
 #include "scene/sampling.h"
 #include "verify/verify.h"
 
@@ -105,7 +105,7 @@ std::filesystem::path freeName(const std::filesystem::path& folder, const std::s
         std::error_code error;
         if (!std::filesystem::exists(candidate, error)) return candidate;
     }
-    throw Error(ExitCode::Failed, folder.string() + ": holds 9999 saved views of this scene; remove some");
+    throw Error(ErrorKind::Failed, folder.string() + ": holds 9999 saved views of this scene; remove some");
 }
 
 }  // namespace glint::view

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "scene/picture.h"
+#include "trace/picture.h"
 #include "view/canvas.h"
 
 namespace glint::view {

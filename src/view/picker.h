@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/picture.h"
+#include "trace/picture.h"
 #include "view/session.h"
 
 namespace glint::view {

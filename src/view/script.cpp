@@ -80,12 +80,12 @@ std::vector<ScriptCommand> parseScript(const std::string& text, const std::strin
         command.rest = trimmed(line.substr(command.name.size()));
         const ScriptWord* known = wordNamed(command.name);
         if (known == nullptr)
-            throw Error(ExitCode::Usage, command.place + ": unknown command '" + command.name +
-                                             "' (docs/viewer.md lists all)");
+            throw Error(ErrorKind::Argument, command.place + ": unknown command '" + command.name +
+                                                 "' (docs/viewer.md lists all)");
         const size_t given = command.arguments.size();
         if (given < known->least || given > known->most)
-            throw Error(ExitCode::Usage, command.place + ": expected '" +
-                                             trimmed(std::string(known->name) + " " + known->form) + "'");
+            throw Error(ErrorKind::Argument, command.place + ": expected '" +
+                                                 trimmed(std::string(known->name) + " " + known->form) + "'");
         commands.push_back(std::move(command));
     }
     return commands;
@@ -104,13 +104,13 @@ double numberOf(const ScriptCommand& command, size_t argument) {
         if (used == text.size() && std::isfinite(value)) return value;
     } catch (const std::exception&) {  // said below
     }
-    throw Error(ExitCode::Usage, command.place + ": expected a number, got '" + text + "'");
+    throw Error(ErrorKind::Argument, command.place + ": expected a number, got '" + text + "'");
 }
 
 int wholeOf(const ScriptCommand& command, size_t argument) {
     const double value = numberOf(command, argument);
     if (value != std::floor(value) || std::abs(value) > 1e6)
-        throw Error(ExitCode::Usage,
+        throw Error(ErrorKind::Argument,
                     command.place + ": expected a whole number, got '" + command.arguments[argument] + "'");
     return static_cast<int>(value);
 }

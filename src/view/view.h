@@ -22,8 +22,9 @@ struct Options {
     double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
 };
 
-// Opens the window and returns the exit code once it is closed. Throws Error: Scene for a scene at fault,
-// Device without a display or a device, Failed where a script's expectation is not met.
-int view(const Options& options, std::ostream& out, std::ostream& err);
+// Opens the window and returns once it is closed, by the user or by an interrupt (core/interrupt.h). Throws
+// Error: Scene for a scene at fault, Device without a display or a device, Failed where a script's
+// expectation is not met.
+void view(const Options& options, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::view

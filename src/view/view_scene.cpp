@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "scene/load.h"
+#include "import/load.h"
 
 namespace glint::view {
 

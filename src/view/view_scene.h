@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "scene/scene.h"
 #include "view/camera_control.h"
 

@@ -75,7 +75,7 @@ void Viewer::openDevice() {
 
 // A driver that crashed once may work again; twice in a session is a fault that more tries would not mend.
 void Viewer::recover(const gpu::DeviceLost& lost) {
-    if (wasLost_) throw Error(ExitCode::Device, std::string("the device was lost again: ") + lost.what());
+    if (wasLost_) throw Error(ErrorKind::Device, std::string("the device was lost again: ") + lost.what());
     wasLost_ = true;
     err_ << "glint: warning: " << lost.what() << "; opening it again\n";
     openDevice();
@@ -204,7 +204,7 @@ void Viewer::pollJobs() {
         model_.sceneError.clear();
         say("loaded " + options_.scene.string() + " again");
     } catch (const Error& e) {
-        if (e.code() != ExitCode::Scene && e.code() != ExitCode::Failed) throw;
+        if (e.kind() != ErrorKind::Scene && e.kind() != ErrorKind::Failed) throw;
         model_.sceneError = e.what();
         err_ << "glint: " << e.what() << '\n';
     }
@@ -324,17 +324,17 @@ void Viewer::round() {
 void Viewer::reportValidation() {
     if (!options_.validation) return;
     if (!device_->validationActive()) {
-        throw Error(ExitCode::Device,
+        throw Error(ErrorKind::Device,
                     "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
                     "vulkan-validationlayers)");
     }
     for (const std::string& message : device_->validationMessages()) validation_.push_back(message);
     for (const std::string& message : validation_) err_ << "glint: validation: " << message << '\n';
     if (!validation_.empty())
-        throw Error(ExitCode::Device, "the validation layer found faults (listed above)");
+        throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
 }
 
-int Viewer::run() {
+void Viewer::run() {
     installInterruptHandler();
     openDevice();
     while (!closing_) {
@@ -350,13 +350,12 @@ int Viewer::run() {
     session_.reset();
     swapchain_.reset();
     reportValidation();
-    return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
 }
 
-int view(const Options& options, std::ostream& out, std::ostream& err) {
+void view(const Options& options, std::ostream& out, std::ostream& err) {
     if (!options.script.empty()) readScript(options.script);  // its faults are told before a window opens
     Viewer viewer(options, out, err);
-    return viewer.run();
+    viewer.run();
 }
 
 }  // namespace glint::view

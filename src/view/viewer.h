@@ -29,7 +29,7 @@ class Viewer {
   public:
     Viewer(const Options& options, std::ostream& out, std::ostream& err);
     ~Viewer();
-    int run();
+    void run();
 
   private:
     // viewer.cpp

@@ -28,21 +28,22 @@ Event keyEvent(const KeyPress& k, bool down) {
 KeyPress keyOf(const ScriptCommand& command) {
     const std::optional<KeyPress> k = keyNamed(command.arguments[0]);
     if (!k)
-        throw Error(ExitCode::Usage,
+        throw Error(ErrorKind::Argument,
                     command.place + ": no such key: '" + command.arguments[0] + "' (F1 lists them)");
     return *k;
 }
 
 bool onOff(const ScriptCommand& command) {
     const std::string& value = command.arguments[1];
-    if (value != "on" && value != "off") throw Error(ExitCode::Usage, command.place + ": expected on or off");
+    if (value != "on" && value != "off")
+        throw Error(ErrorKind::Argument, command.place + ": expected on or off");
     return value == "on";
 }
 
 }  // namespace
 
 void Viewer::failScript(const ScriptCommand& command, const std::string& what) {
-    throw Error(ExitCode::Failed, command.place + ": " + command.name + ": " + what);
+    throw Error(ErrorKind::Failed, command.place + ": " + command.name + ": " + what);
 }
 
 bool Viewer::settled() const {
@@ -88,7 +89,8 @@ void Viewer::start(const ScriptCommand& command) {
     } else if (name == "aov") {
         const std::optional<ViewLayer> layer = layerNamed(command.arguments[0]);
         if (!layer)
-            throw Error(ExitCode::Usage, command.place + ": no such layer: '" + command.arguments[0] + "'");
+            throw Error(ErrorKind::Argument,
+                        command.place + ": no such layer: '" + command.arguments[0] + "'");
         model_.settings.layer = *layer;
         takeSettings();
     } else if (name == "set") {
@@ -176,7 +178,7 @@ void Viewer::startFile(const ScriptCommand& command) {
     const std::filesystem::path file = command.arguments[0];
     if (command.name == "screenshot") {
         if (!isWritableImagePath(file))
-            throw Error(ExitCode::Usage, command.place + ": expected a .png or .exr file");
+            throw Error(ErrorKind::Argument, command.place + ": expected a .png or .exr file");
         startSaving(file);
         scriptWait_ = [this, &command, file] {
             if (saving_.running()) return false;
@@ -222,7 +224,8 @@ void Viewer::set(const ScriptCommand& command) {
             failScript(command, "there is no such light");
         s.lights[static_cast<size_t>(light)].dim = static_cast<float>(numberOf(command, 2));
     } else {
-        throw Error(ExitCode::Usage, command.place + ": cannot set '" + command.rest + "' (docs/viewer.md)");
+        throw Error(ErrorKind::Argument,
+                    command.place + ": cannot set '" + command.rest + "' (docs/viewer.md)");
     }
     takeSettings();
 }

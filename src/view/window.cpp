@@ -32,8 +32,8 @@ void keepError(int /*code*/, const char* text) {
 }
 
 [[noreturn]] void fail(const std::string& what) {
-    throw Error(ExitCode::Device, what + (lastError.empty() ? "" : " (" + lastError + ")") +
-                                      "; glint render SCENE draws to a file and needs no window");
+    throw Error(ErrorKind::Device, what + (lastError.empty() ? "" : " (" + lastError + ")") +
+                                       "; glint render SCENE draws to a file and needs no window");
 }
 
 std::vector<Event>& eventsOf(GLFWwindow* window) {

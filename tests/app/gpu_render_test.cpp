@@ -1,10 +1,10 @@
 // What `glint render` writes from a device.
 #include <algorithm>
 
-#include "bvh/packed_scene.h"
 #include "core/image_io.h"
+#include "import/load.h"
+#include "pack/packed_scene.h"
 #include "reference/render.h"
-#include "scene/load.h"
 #include "support.h"
 
 namespace glint::app::test {

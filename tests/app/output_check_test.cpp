@@ -14,11 +14,11 @@
 namespace glint::app::test {
 namespace {
 
-std::string messageOf(const std::function<void()>& call, ExitCode code = ExitCode::Failed) {
+std::string messageOf(const std::function<void()>& call, ErrorKind kind = ErrorKind::Failed) {
     try {
         call();
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), code);
+        EXPECT_EQ(error.kind(), kind);
         return error.what();
     }
     return "nothing thrown";

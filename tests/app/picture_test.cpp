@@ -3,8 +3,8 @@
 #include <atomic>
 
 #include "app/reference_picture.h"
+#include "import/load.h"
 #include "reference/render.h"
-#include "scene/load.h"
 #include "support.h"
 
 namespace glint::app::test {

@@ -19,7 +19,7 @@ std::string errorOf(const std::string& text) {
     try {
         parse(text);
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::Scene);
+        EXPECT_EQ(error.kind(), ErrorKind::Scene);
         return error.what();
     }
     return "nothing thrown";

@@ -1,4 +1,4 @@
-#include "bvh/area_vector.h"
+#include "pack/area_vector.h"
 
 #include <gtest/gtest.h>
 

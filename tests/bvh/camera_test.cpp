@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 
 namespace glint {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "bvh/packed_scene.h"
-#include "bvh/primitives.h"
+#include "pack/packed_scene.h"
+#include "pack/primitives.h"
 #include "scene_maker.h"
 
 namespace glint {

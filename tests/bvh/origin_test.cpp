@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "scene_maker.h"
 
 namespace glint {

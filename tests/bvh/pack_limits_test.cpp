@@ -1,8 +1,8 @@
 // What a packed scene can hold, and the features that are derived from it.
 #include <gtest/gtest.h>
 
-#include "bvh/packed_scene.h"
 #include "core/error.h"
+#include "pack/packed_scene.h"
 #include "scene_maker.h"
 
 namespace glint {
@@ -15,7 +15,7 @@ void expectSceneError(const Scene& scene, const std::string& array, uint64_t cou
         packScene(scene);
         ADD_FAILURE() << "no error for " << count << " " << array;
     } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::Scene);
+        EXPECT_EQ(e.kind(), ErrorKind::Scene);
         const std::string what = e.what();
         EXPECT_NE(what.find(array), std::string::npos) << what;
         EXPECT_NE(what.find(std::to_string(count)), std::string::npos) << what;

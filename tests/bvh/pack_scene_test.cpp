@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "bvh/builder.h"
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "scene_maker.h"
 
 namespace glint {

@@ -1,13 +1,13 @@
 // Triangles cut into boxes: together they hold the triangle, and they are smaller where its own box was
 // mostly empty.
-#include "bvh/presplit.h"
+#include "pack/presplit.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "bvh/build_tree.h"
-#include "bvh/packed_scene.h"
+#include "pack/build_tree.h"
+#include "pack/packed_scene.h"
 #include "scene_maker.h"
 
 namespace glint {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "bvh/build_tree.h"
+#include "pack/build_tree.h"
 #include "trees.h"
 
 namespace glint {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "bvh/primitives.h"
+#include "pack/primitives.h"
 
 namespace glint {
 namespace {

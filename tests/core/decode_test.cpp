@@ -97,28 +97,28 @@ TEST_F(Decode, PfmByteOrderAndScale) {
 TEST_F(Decode, PfmHeadersThatMakeNoSense) {
     const std::string path = file("a.pfm").string();
     writeBytes(path, textBytes("PF\nx 2\n-1.0\n"));
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
               path + ": the PFM header has no valid width");
     for (const char* header : {"PF\n0 2\n-1.0\n", "PF\n2 -2\n-1.0\n", "PF\n2 2\n0\n", "PF\n2 2\nnan\n"}) {
         writeBytes(path, textBytes(header));
-        EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
                   path + ": the PFM header has a size or a scale that makes no sense");
     }
     // Sizes that would not fit any memory must not be asked for.
     writeBytes(path, textBytes("PF\n2147483647 2147483647\n-1.0\nabcdefghijkl"));
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
 }
 
 TEST_F(Decode, FilesThatAreNoPictures) {
     const std::string path = file("a.png").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
               path + ": cannot read: No such file or directory");
     writeBytes(path, {});
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is empty");
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is empty");
     writeBytes(path, textBytes("solid cube"));
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
               path + ": not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)");
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(folder_); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(folder_); }),
               folder_.string() + ": cannot read: Is a directory");
 }
 
@@ -204,7 +204,7 @@ TEST_F(Decode, MessagesForTruncatedFiles) {
     std::vector<uint8_t> bytes = readBytes(path);
     bytes.resize(bytes.size() / 2);
     writeBytes(path, bytes);
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }), path + ": the file is truncated");
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is truncated");
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST_F(Layers, ExrWithOneLayerOfData) {
 TEST_F(Layers, ExrWithoutColorCannotBeReadAsOnePicture) {
     const std::string path = file("a.exr").string();
     writeLayers(path, {layer("normal", 3, 7), layer("depth", 1, 7)});
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { readImage(path); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
               path +
                   ": the EXR file has neither R, G, B nor Y, and more than one layer (channels depth.Y, "
                   "normal.X, normal.Y, normal.Z)");
@@ -172,16 +172,16 @@ TEST_F(Layers, HdrOfTwoChannelsIsPadded) {
 
 TEST_F(Layers, LayersThatDoNotFit) {
     const std::string path = file("a.exr").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(path, {}); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {}); }),
               path + ": there is no layer to write");
-    EXPECT_EQ(errorOf(ExitCode::Failed,
+    EXPECT_EQ(errorOf(ErrorKind::Failed,
                       [&] {
                           writeLayers(path, {layer("color", 3, 0), {"depth", Image(3, 1, 1)}});
                       }),
               path + ": the layers \"color\" and \"depth\" differ in size");
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(path, {layer("alpha", 3, 0)}); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {layer("alpha", 3, 0)}); }),
               path + ": the layer \"alpha\" must have one channel");
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(path, {layer("normal", 4, 0)}); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(path, {layer("normal", 4, 0)}); }),
               path + ": a layer \"normal\" of 2x1 pixels with 4 channels cannot be written");
     EXPECT_TRUE(names().empty());
 }

@@ -194,7 +194,7 @@ TEST(ProgressModeNames, AreParsed) {
     EXPECT_EQ(parseProgressMode("bar"), ProgressMode::Bar);
     EXPECT_EQ(parseProgressMode("plain"), ProgressMode::Plain);
     EXPECT_EQ(parseProgressMode("none"), ProgressMode::None);
-    EXPECT_EQ(test::errorOf(ExitCode::Usage, [] { parseProgressMode("Bar"); }),
+    EXPECT_EQ(test::errorOf(ErrorKind::Argument, [] { parseProgressMode("Bar"); }),
               "unknown progress mode 'Bar' (use auto, bar, plain or none)");
 }
 

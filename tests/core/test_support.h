@@ -51,13 +51,13 @@ inline void writeBytes(const std::filesystem::path& path, const std::vector<uint
     stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-// The error's line, for comparison with the expected one; the exit code is checked here.
+// The error's line, for comparison with the expected one; its kind is checked here.
 template <typename Function>
-std::string errorOf(ExitCode code, Function function) {
+std::string errorOf(ErrorKind kind, Function function) {
     try {
         function();
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), code) << error.what();
+        EXPECT_EQ(error.kind(), kind) << error.what();
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos)
             << "not one line: " << error.what();
         return error.what();

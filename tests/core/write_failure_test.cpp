@@ -44,7 +44,7 @@ class FileSizeLimit {
 TEST_F(WriteFailure, MissingFolder) {
     for (const char* name : {"out/x.png", "out/x.exr", "out/x.pfm", "out/x.hdr"}) {
         const std::string path = file(name).string();
-        EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
                   path + ": cannot write: No such file or directory");
     }
     EXPECT_TRUE(names().empty());
@@ -53,7 +53,7 @@ TEST_F(WriteFailure, MissingFolder) {
 TEST_F(WriteFailure, DestinationIsAFolder) {
     fs::create_directory(file("x.png"));
     const std::string path = file("x.png").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
               path + ": cannot write: Is a directory");
     EXPECT_EQ(names(), std::set<std::string>{"x.png"});
 }
@@ -61,7 +61,7 @@ TEST_F(WriteFailure, DestinationIsAFolder) {
 TEST_F(WriteFailure, ParentIsAFile) {
     writeBytes(file("out"), kOld);
     const std::string path = file("out/x.png").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
               path + ": cannot write: Not a directory");
     EXPECT_EQ(names(), std::set<std::string>{"out"});
 }
@@ -73,7 +73,7 @@ TEST_F(WriteFailure, NoPermission) {
     fs::create_directory(file("locked"));
     fs::permissions(file("locked"), fs::perms::owner_read | fs::perms::owner_exec);
     const std::string inside = file("locked/x.png").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
               inside + ": cannot write: Permission denied");
     fs::permissions(file("locked"), fs::perms::owner_all);
 
@@ -81,7 +81,7 @@ TEST_F(WriteFailure, NoPermission) {
     const std::string path = file("protected.png").string();
     writeBytes(path, kOld);
     fs::permissions(path, fs::perms::owner_read);
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
               path + ": cannot write: Permission denied");
     EXPECT_EQ(readBytes(path), kOld);
 }
@@ -92,7 +92,7 @@ TEST_F(WriteFailure, FullDiskKeepsTheOldFile) {
     std::string message;
     {
         const FileSizeLimit limit(1000);
-        message = errorOf(ExitCode::Failed, [&] { writeImage(path, Image(64, 64, 3)); });
+        message = errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(64, 64, 3)); });
     }
     EXPECT_EQ(message, path + ": cannot write: File too large");
     EXPECT_EQ(readBytes(path), kOld);
@@ -106,7 +106,7 @@ TEST_F(WriteFailure, FullDiskForTheSecondLayerLeavesNone) {
     {
         // Grey needs 8 * 8 * 4 = 256 bytes and a header, normals three times as much.
         const FileSizeLimit limit(500);
-        message = errorOf(ExitCode::Failed, [&] { writeLayers(path, layers); });
+        message = errorOf(ErrorKind::Failed, [&] { writeLayers(path, layers); });
     }
     EXPECT_EQ(message, file("x.normal.pfm").string() + ": cannot write: File too large");
     EXPECT_TRUE(names().empty());
@@ -118,7 +118,7 @@ TEST_F(WriteFailure, FullDevice) {
     }
     fs::create_symlink("/dev/full", file("full.png"));
     const std::string path = file("full.png").string();
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
               path + ": cannot write: No space left on device");
     EXPECT_TRUE(fs::is_symlink(path));
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
@@ -131,7 +131,7 @@ TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
     }
     fs::create_symlink("/dev/full", file("x.normal.pfm"));
     const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
               file("x.normal.pfm").string() + ": cannot write: No space left on device");
     EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
 }
@@ -139,7 +139,7 @@ TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
 TEST_F(WriteFailure, LayerThatIsAFolderStopsAllOfThem) {
     fs::create_directory(file("x.normal.pfm"));
     const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
-    EXPECT_EQ(errorOf(ExitCode::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
               file("x.normal.pfm").string() + ": cannot write: Is a directory");
     EXPECT_EQ(names(), std::set<std::string>{"x.normal.pfm"});
 }

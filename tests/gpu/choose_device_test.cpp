@@ -22,7 +22,7 @@ std::string errorOf(const std::vector<DeviceInfo>& devices, const std::string& s
     try {
         return "chose " + chooseDevice(devices, selector).name;
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::Device);
+        EXPECT_EQ(error.kind(), ErrorKind::Device);
         return error.what();
     }
 }

@@ -66,7 +66,7 @@ std::string errorOf(Call call) {
         call();
         return "no error";
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::Device);
+        EXPECT_EQ(error.kind(), ErrorKind::Device);
         return error.what();
     }
 }

@@ -18,7 +18,7 @@ void expectNoLoader(Call call) {
         FAIL() << "a loader was found; run this through ctest, which hides it";
     } catch (const Error& error) {
         EXPECT_EQ(error.what(), kMessage);
-        EXPECT_EQ(error.code(), ExitCode::Device);
+        EXPECT_EQ(error.kind(), ErrorKind::Device);
     }
 }
 

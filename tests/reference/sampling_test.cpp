@@ -10,9 +10,9 @@
 #include <numbers>
 #include <set>
 
-#include "bvh/filter_table.h"
-#include "bvh/packed_scene.h"
-#include "bvh/sample_points.h"
+#include "pack/filter_table.h"
+#include "pack/packed_scene.h"
+#include "pack/sample_points.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {

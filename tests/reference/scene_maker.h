@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "bvh/packed_scene.h"
+#include "pack/packed_scene.h"
 #include "reference/tracer.h"
 
 namespace glint::reference::test {

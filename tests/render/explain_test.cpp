@@ -1,5 +1,6 @@
 // How verify tells rounding from a defect.
 #include "verify/explain.h"
+#include "scene/sampling.h"
 
 #include <cmath>
 

@@ -82,7 +82,7 @@ TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRefusedByName) {
         Renderer renderer(device(), scene, options);
         FAIL() << "no error";
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::Device);
+        EXPECT_EQ(error.kind(), ErrorKind::Device);
         EXPECT_EQ(std::string(error.what()), "array \"triangles\" needs " + std::to_string(bytes) +
                                                  " bytes, but this device binds at most " +
                                                  std::to_string(range / 16 * 16) +

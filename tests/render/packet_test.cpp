@@ -64,7 +64,7 @@ TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
         chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
         FAIL();
     } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::Device);
+        EXPECT_EQ(e.kind(), ErrorKind::Device);
         EXPECT_NE(std::string(e.what()).find("\"a device\" has 32 lanes"), std::string::npos) << e.what();
     }
 }

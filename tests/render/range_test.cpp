@@ -1,4 +1,4 @@
-// Sizes, distances and lengths of directions from one end of the supported range to the other (scene/load.h:
+// Sizes, distances and lengths of directions from one end of the supported range to the other (import/load.h:
 // coordinates below 1e18).
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "scene/load.h"
+#include "import/load.h"
 
 namespace glint::render::test {
 namespace {

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "../reference/scene_maker.h"
-#include "bvh/packed_scene.h"
 #include "gpu/device.h"
+#include "pack/packed_scene.h"
 #include "render/renderer.h"
-#include "scene/picture.h"
 #include "scene/scene.h"
+#include "trace/picture.h"
 
 namespace glint::render::test {
 

@@ -1,4 +1,5 @@
 // The validation layer, with synchronization validation, has nothing to say about a render and a trace.
+#include "scene/sampling.h"
 #include "support.h"
 
 namespace glint::render::test {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "reference/render.h"
+#include "scene/sampling.h"
 #include "support.h"
 
 namespace glint::render::test {

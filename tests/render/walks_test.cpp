@@ -95,7 +95,7 @@ TEST(LaneRule, saysWhyNotWhatWasAskedFor) {
         chooseTraversal(Traversal::Packet, device, sceneOf(1000));
         FAIL();
     } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::Device);
+        EXPECT_EQ(e.kind(), ErrorKind::Device);
     }
 }
 

@@ -3,8 +3,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "scene/importers.h"
-#include "scene/load.h"
+#include "import/importers.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

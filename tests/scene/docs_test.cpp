@@ -1,9 +1,9 @@
 // docs/scene-format.md: its examples work, and no key is missing.
 #include <sstream>
 
-#include "scene/load.h"
-#include "scene/scene_keys.h"
-#include "scene/text_file.h"
+#include "core/text_file.h"
+#include "import/load.h"
+#include "import/scene_keys.h"
 #include "schema_checker.h"
 #include "support.h"
 

@@ -2,7 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/load.h"
+#include "scene/frame_model.h"
+#include "scene/validate.h"
 #include "support.h"
 
 namespace glint::test {

@@ -2,7 +2,7 @@
 #include <random>
 
 #include "gltf_maker.h"
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

@@ -5,7 +5,7 @@
 #include "core/codecs.h"
 #include "core/quantize.h"
 #include "gltf_maker.h"
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

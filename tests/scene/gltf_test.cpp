@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "gltf_maker.h"
-#include "scene/importers.h"
-#include "scene/load.h"
+#include "import/importers.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

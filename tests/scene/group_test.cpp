@@ -1,7 +1,7 @@
 // Groups: transforms composed, materials handed down, numbering; and what becomes an instance.
 #include <cmath>
 
-#include "scene/load.h"
+#include "import/load.h"
 #include "scene/placement.h"
 #include "scene/transform.h"
 #include "support.h"

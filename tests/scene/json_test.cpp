@@ -1,5 +1,5 @@
 // Syntax of scene files: what is accepted and where errors are said to be.
-#include "scene/json_document.h"
+#include "import/json_document.h"
 #include "support.h"
 
 namespace glint::test {

@@ -1,5 +1,5 @@
 // From files.
-#include "scene/load.h"
+#include "import/load.h"
 
 #include <unistd.h>
 

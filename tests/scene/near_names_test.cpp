@@ -1,4 +1,4 @@
-#include "scene/near_names.h"
+#include "core/near_names.h"
 
 #include <gtest/gtest.h>
 

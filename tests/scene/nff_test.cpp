@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

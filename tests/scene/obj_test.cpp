@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "scene/importers.h"
+#include "import/importers.h"
 #include "support.h"
 
 namespace glint::test {

@@ -1,5 +1,5 @@
 // Wrong scenes and the exact line each gives.
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

@@ -1,5 +1,5 @@
 // Every key of a scene file, in and out.
-#include "scene/load.h"
+#include "import/load.h"
 #include "scene/sampling.h"
 #include "scene/transform.h"
 #include "support.h"

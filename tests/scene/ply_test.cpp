@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "scene/importers.h"
+#include "import/importers.h"
 #include "support.h"
 
 namespace glint::test {

@@ -1,5 +1,5 @@
 // Quadrics in scene files: what is read, and what is refused.
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

@@ -3,9 +3,9 @@
 #include <map>
 #include <set>
 
-#include "scene/load.h"
-#include "scene/scene_keys.h"
-#include "scene/text_file.h"
+#include "core/text_file.h"
+#include "import/load.h"
+#include "import/scene_keys.h"
 #include "schema_checker.h"
 #include "support.h"
 

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <map>
 
-#include "scene/importers.h"
-#include "scene/load.h"
+#include "import/importers.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

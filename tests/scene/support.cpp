@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "scene/load.h"
+#include "import/load.h"
 
 namespace glint::test {
 
@@ -34,7 +34,7 @@ std::string errorOf(const std::function<void()>& action) {
     try {
         action();
     } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::Scene);
+        EXPECT_EQ(error.kind(), ErrorKind::Scene);
         const std::string message = error.what();
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
         return message;

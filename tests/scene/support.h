@@ -26,7 +26,7 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-// What `action` throws: it must be an Error with ExitCode::Scene, and one line. "no error" if it throws
+// What `action` throws: it must be an Error with ErrorKind::Scene, and one line. "no error" if it throws
 // nothing.
 std::string errorOf(const std::function<void()>& action);
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/image_io.h"
-#include "scene/load.h"
+#include "import/load.h"
 #include "support.h"
 
 namespace glint::test {

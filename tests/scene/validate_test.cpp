@@ -2,7 +2,7 @@
 // seen.
 #include <cmath>
 
-#include "scene/load.h"
+#include "scene/validate.h"
 #include "support.h"
 
 namespace glint::test {

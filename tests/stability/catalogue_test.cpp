@@ -82,7 +82,7 @@ TEST_F(CatalogueTest, SingularTransformsAreRefused) {
                                        transform + "}]}",
                                    1, 1);
         } catch (const Error& error) {
-            return error.code() == ExitCode::Scene;
+            return error.kind() == ErrorKind::Scene;
         }
         return false;
     };

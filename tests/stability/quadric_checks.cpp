@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "../reference/scene_maker.h"
-#include "bvh/packed_scene.h"
 #include "checks.h"
+#include "pack/packed_scene.h"
 
 namespace glint::stability {
 

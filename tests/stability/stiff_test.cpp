@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "../render/support.h"
-#include "scene/load.h"
+#include "import/load.h"
 #include "verify/verify.h"
 
 namespace glint::stability {

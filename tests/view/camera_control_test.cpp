@@ -1,4 +1,5 @@
 #include "view/camera_control.h"
+#include "scene/validate.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
 
-#include "scene/load.h"
+#include "import/load.h"
 
 namespace glint::view {
 namespace {

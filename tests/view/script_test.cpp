@@ -15,7 +15,7 @@ std::string messageOf(const std::string& script) {
     try {
         parseScript(script, "s.txt");
     } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::Usage);
+        EXPECT_EQ(e.kind(), ErrorKind::Argument);
         return e.what();
     }
     return "no error";

@@ -1,0 +1,105 @@
+// The container of glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): JSON, buffers, references.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "import/json_cursor.h"
+#include "import/json_document.h"
+
+namespace glint {
+
+// The arrays of the document that others refer to by index.
+enum class GltfList {
+    Accessors,
+    Buffers,
+    BufferViews,
+    Cameras,
+    Images,
+    Lights,
+    Materials,
+    Meshes,
+    Nodes,
+    Samplers,
+    Scenes,
+    Textures
+};
+inline constexpr size_t kGltfLists = 12;
+
+// Cursors that it hands out must not outlive it. Everything throws Error(Scene) "FILE: /POINTER: what".
+class GltfFile {
+  public:
+    // Reads .gltf or .glb, told apart by their first bytes, and checks the version and the extensions that
+    // the file requires.
+    explicit GltfFile(const std::filesystem::path& path);
+    GltfFile(const GltfFile&) = delete;
+    GltfFile& operator=(const GltfFile&) = delete;
+
+    const std::string& name() const { return name_; }
+    const JsonCursor& root() const { return *root_; }
+    size_t count(GltfList list) const { return cursors_[static_cast<size_t>(list)].second; }
+    // `index` must be below count; the item is an object.
+    JsonCursor item(GltfList list, size_t index) const;
+    // The index that stands at `reference`, which fails if the list has no such item.
+    size_t index(GltfList list, const JsonCursor& reference) const;
+
+    // Of item `view` of bufferViews; external files are read when they are first used.
+    std::string_view bufferView(size_t view);
+    // What a "uri" holds: decoded base64 of a data: URI, or the bytes of the file it names.
+    std::string readUri(const JsonCursor& uri) const;
+
+    // One line each, however often the same is said.
+    void warn(const std::string& what);
+    std::vector<std::string> takeWarnings() { return std::move(warnings_); }
+
+  private:
+    void openBinary();
+    void findLists();
+    void checkHeader();
+    std::string_view buffer(size_t index);
+
+    std::filesystem::path folder_;
+    std::string name_;
+    std::string bytes_;
+    std::string_view text_;                   // the JSON, within bytes_
+    std::optional<std::string_view> binary_;  // the BIN chunk of a .glb, within bytes_
+    JsonValue document_;
+    std::optional<JsonCursor> root_;
+    std::vector<JsonCursor> parents_;  // of the lists of extensions
+    std::array<std::pair<std::optional<JsonCursor>, size_t>, kGltfLists> cursors_;
+    std::vector<std::optional<std::string>> buffers_;
+    std::set<std::string> said_;
+    std::vector<std::string> warnings_;
+};
+
+// Members of a JSON object that may be missing. They fail if the member is of another kind; numbers must be
+// finite.
+double gltfNumber(const JsonCursor& object, std::string_view key, double missing);
+glm::dvec3 gltfVector(const JsonCursor& object, std::string_view key, const glm::dvec3& missing);
+// `count` numbers, or nothing.
+std::vector<double> gltfNumbers(const JsonCursor& object, std::string_view key, size_t count);
+std::string gltfString(const JsonCursor& object, std::string_view key);
+bool gltfFlag(const JsonCursor& object, std::string_view key);
+// A byte count or offset: a whole number from 0 to 2^53.
+uint64_t gltfSize(const JsonCursor& object, std::string_view key, uint64_t missing);
+
+// Calls visit(extension) with the object of this extension, if `object` has it: the cursor lives only as long
+// as its parents on the way.
+template <typename Visit>
+bool withExtension(const JsonCursor& object, std::string_view name, const Visit& visit) {
+    const auto extensions = object.find("extensions");
+    if (!extensions) return false;
+    extensions->expectObject();
+    const auto extension = extensions->find(name);
+    if (!extension) return false;
+    extension->expectObject();
+    visit(*extension);
+    return true;
+}
+
+}  // namespace glint

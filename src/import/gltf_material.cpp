@@ -1,0 +1,233 @@
+#include "import/gltf_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/limits.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+namespace {
+
+// Its highlight is 0.4 degrees wide at half its height; narrower ones fall between pixels.
+constexpr double kGreatestShininess = 1e5;
+// What is left of light after the attenuation distance where glTF says 0: e^-14.
+constexpr double kLeastAttenuationColor = 1e-6;
+// Where a texture decides what is blended, the nearer of there and not there.
+constexpr double kBlendCutoff = 0.5;
+
+double greatest(const Color& c) {
+    return std::max({c.x, c.y, c.z});
+}
+
+}  // namespace
+
+// A material as glTF describes it, with factors from textures of numbers already averaged.
+struct GltfMaterials::Surface {
+    std::string name;
+    Color base{1};
+    double alpha = 1;
+    uint32_t baseTexture = Material::kNoTexture;
+    double metallic = 1, roughness = 1;
+    Color emission{0};
+    uint32_t emissionTexture = Material::kNoTexture;
+    bool unlit = false;
+    double ior = 1.5;
+    double transmission = 0;
+    bool thin = true;
+    Color attenuation{0};
+    double alphaCutoff = 0;
+    double seeThrough = 0;  // blended: how much of what is behind is seen
+    std::optional<size_t> texCoord;
+};
+
+GltfMaterials::Use GltfMaterials::use(const std::optional<JsonCursor>& reference) {
+    if (!reference) {
+        if (!default_) {
+            default_ = static_cast<uint32_t>(scene_.materials.size());
+            Material& material = scene_.materials.emplace_back();
+            material.name = "default";
+            if (ambientIsEmission_) material.ambient = Color(0);
+        }
+        return {*default_, 0, false};
+    }
+    const size_t index = file_.index(GltfList::Materials, *reference);
+    const auto known = uses_.find(index);
+    return known != uses_.end() ? known->second : uses_[index] = convert(index);
+}
+
+GltfMaterials::Use GltfMaterials::convert(size_t index) {
+    const JsonCursor material = file_.item(GltfList::Materials, index);
+    Surface surface;
+    surface.name = gltfString(material, "name");
+    readBase(material, surface);
+    readEmission(material, surface);
+    readTransmission(material, surface);
+    applyAlpha(material, surface);
+    if (material.find("normalTexture")) file_.warn("normal maps (normalTexture) are ignored");
+    if (material.find("occlusionTexture"))
+        file_.warn("baked shadows (occlusionTexture) are ignored: rays find shadows themselves");
+
+    const auto at = static_cast<uint32_t>(scene_.materials.size());
+    scene_.materials.push_back(whitted(surface));
+    validateMaterial(scene_.materials.back(), {file_.name(), material.pointer()});
+    return {at, surface.texCoord.value_or(0), surface.texCoord.has_value()};
+}
+
+void GltfMaterials::noteTexCoord(const Reference& reference, Surface& surface) {
+    if (reference.texture == Material::kNoTexture) return;
+    if (surface.texCoord && *surface.texCoord != reference.texCoord)
+        file_.warn("a material uses two sets of texture coordinates; the first one is used for both");
+    if (!surface.texCoord) surface.texCoord = reference.texCoord;
+}
+
+void GltfMaterials::readBase(const JsonCursor& material, Surface& surface) {
+    if (const auto pbr = material.find("pbrMetallicRoughness")) {
+        pbr->expectObject();
+        const std::vector<double> factor = gltfNumbers(*pbr, "baseColorFactor", 4);
+        if (!factor.empty()) {
+            surface.base = {factor[0], factor[1], factor[2]};
+            surface.alpha = std::clamp(factor[3], 0.0, 1.0);
+        }
+        surface.metallic = gltfNumber(*pbr, "metallicFactor", 1);
+        surface.roughness = gltfNumber(*pbr, "roughnessFactor", 1);
+        if (const auto info = pbr->find("baseColorTexture")) {
+            const Reference reference = texture(*info);
+            surface.baseTexture = reference.texture;
+            noteTexCoord(reference, surface);
+        }
+        if (const auto info = pbr->find("metallicRoughnessTexture")) {
+            file_.warn("metallicRoughnessTexture is replaced by its mean values");
+            surface.roughness *= mean(*info, 1).value_or(1);
+            surface.metallic *= mean(*info, 2).value_or(1);
+        }
+    }
+    surface.metallic = std::clamp(surface.metallic, 0.0, 1.0);
+    surface.roughness = std::clamp(surface.roughness, 0.0, 1.0);
+    withExtension(material, "KHR_materials_ior",
+                  [&](const JsonCursor& extension) { surface.ior = gltfNumber(extension, "ior", 1.5); });
+    // 0 asks for a mirror of all light (KHR_materials_ior); the highest index there is comes near.
+    if (surface.ior == 0) surface.ior = 1e4;
+}
+
+void GltfMaterials::readEmission(const JsonCursor& material, Surface& surface) {
+    surface.emission = gltfVector(material, "emissiveFactor", Color(0));
+    withExtension(material, "KHR_materials_emissive_strength", [&](const JsonCursor& extension) {
+        surface.emission *= gltfNumber(extension, "emissiveStrength", 1);
+    });
+    if (const auto info = material.find("emissiveTexture"); info && surface.emission != Color(0)) {
+        const Reference reference = texture(*info);
+        surface.emissionTexture = reference.texture;
+        noteTexCoord(reference, surface);
+    }
+    surface.unlit = withExtension(material, "KHR_materials_unlit", [](const JsonCursor&) {});
+    if (surface.unlit) {
+        surface.emission = surface.base;
+        surface.emissionTexture = surface.baseTexture;
+    }
+}
+
+void GltfMaterials::readTransmission(const JsonCursor& material, Surface& surface) {
+    withExtension(material, "KHR_materials_transmission", [&](const JsonCursor& extension) {
+        surface.transmission = std::clamp(gltfNumber(extension, "transmissionFactor", 0), 0.0, 1.0);
+        if (const auto info = extension.find("transmissionTexture"); info && surface.transmission > 0) {
+            file_.warn("transmissionTexture is replaced by its mean value");
+            surface.transmission *= mean(*info, 0).value_or(1);
+        }
+    });
+    withExtension(material, "KHR_materials_volume", [&](const JsonCursor& extension) {
+        surface.thin = !(gltfNumber(extension, "thicknessFactor", 0) > 0);
+        const double distance = gltfNumber(extension, "attenuationDistance", 0);
+        const Color left = gltfVector(extension, "attenuationColor", Color(1));
+        if (!surface.thin && distance > 0)
+            surface.attenuation = glm::max(
+                -glm::log(glm::clamp(left, Color(kLeastAttenuationColor), Color(1))) / distance, Color(0));
+    });
+}
+
+void GltfMaterials::applyAlpha(const JsonCursor& material, Surface& surface) {
+    const auto mode = material.find("alphaMode");
+    if (!mode || mode->string() == "OPAQUE") return;
+    const bool textured =
+        surface.baseTexture != Material::kNoTexture &&
+        std::get<ImageTexture>(scene_.textures[surface.baseTexture].source).image->channels == 4;
+    if (mode->string() == "MASK") {
+        const double cutoff = gltfNumber(material, "alphaCutoff", 0.5);
+        if (surface.alpha < cutoff)
+            surface.seeThrough = 1;
+        else if (textured)  // the factor counts too: t f < c is t < c / f
+            surface.alphaCutoff = surface.alpha > 0 ? cutoff / surface.alpha : 0;
+    } else if (mode->string() == "BLEND") {
+        if (textured) {
+            file_.warn("alphaMode BLEND with a texture: surfaces are there where alpha is 0.5 or more");
+            surface.alphaCutoff = kBlendCutoff;
+        }
+        surface.seeThrough = 1 - surface.alpha;
+    } else {
+        mode->failWanted("must be OPAQUE, MASK or BLEND");
+    }
+}
+
+// The mapping; its derivation is in docs/scene-format.md.
+Material GltfMaterials::whitted(const Surface& s) {
+    Material material;
+    material.name = s.name;
+    const double alpha = s.roughness * s.roughness;
+    const double ratio = (s.ior - 1) / (s.ior + 1);
+    const Color normalReflectance = glm::mix(Color(ratio * ratio), s.base, s.metallic);
+    const double clear = (1 - s.metallic) * s.transmission;
+    const double sharp = std::max(0.0, 1 - 2 * s.roughness);
+    const double there = 1 - s.seeThrough;
+
+    material.diffuse = there * (1 - s.metallic) * (1 - s.transmission) * s.base;
+    material.shininess =
+        std::min(alpha > 0 ? 2 / (alpha * alpha) - 2 : kGreatestShininess, kGreatestShininess);
+    material.specular = there * (material.shininess + 2) / 8 * normalReflectance;
+    material.mirror = glm::clamp(there * sharp * normalReflectance, Color(0), Color(1));
+    material.diffuseTexture = s.baseTexture;
+    if (s.metallic > 0.5) material.specularTexture = material.mirrorTexture = s.baseTexture;
+    material.alphaCutoff = s.alphaCutoff;
+    if (clear > 0 && !s.thin) {  // Fresnel's law takes the place of the mirror colour
+        material.transmission = there * clear * glm::min(s.base, Color(1));
+        material.mirror *= s.metallic;
+        material.ior = s.ior;
+        material.attenuation = s.attenuation;
+        material.transmissionTexture = s.baseTexture;
+    } else if (clear > 0) {
+        material.transmission = there * clear * glm::min(s.base, Color(1)) * (Color(1) - normalReflectance);
+        material.ior = 1;
+        material.transmissionTexture = s.baseTexture;
+    }
+    if (s.seeThrough > 0) {
+        material.transmission += Color(s.seeThrough);
+        if (clear == 0) material.ior = 1;
+    }
+    if (s.unlit) {
+        material.diffuse = material.specular = material.mirror = Color(0);
+        material.diffuseTexture = s.alphaCutoff > 0 ? s.baseTexture : Material::kNoTexture;
+        material.specularTexture = material.mirrorTexture = Material::kNoTexture;
+    }
+    setAmbient(s, material);
+    return material;
+}
+
+// Ambient light reaches everything alike, so what a surface emits can be written as what it reflects of it.
+void GltfMaterials::setAmbient(const Surface& s, Material& material) {
+    const double there = 1 - s.seeThrough;
+    const bool emits = greatest(s.emission) > 0;
+    anyEmission_ = anyEmission_ || emits;
+    material.ambientTexture = emits ? s.emissionTexture : s.baseTexture;
+    const Color emission = there * s.emission;
+    if (ambientIsEmission_) {
+        material.ambient = emission;
+        return;
+    }
+    // What a rough metal reflects of its surroundings no mirror colour can say.
+    const double rough = std::min(1.0, 2 * s.roughness);
+    const Color reflected = s.unlit ? Color(0) : material.diffuse + there * s.metallic * rough * s.base;
+    const bool oneTexture = !emits || (s.emissionTexture == s.baseTexture);
+    material.ambient = (oneTexture ? reflected : Color(0)) + emission / scene_.ambient;
+}
+
+}  // namespace glint

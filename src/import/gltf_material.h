@@ -1,0 +1,67 @@
+// glTF's metallic-roughness materials as Whitted's: the formulas are in docs/scene-format.md.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/image.h"
+#include "import/gltf_file.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+class GltfMaterials {
+  public:
+    // Converted materials and their textures are appended to `scene`, each when it is first asked for. With
+    // `ambientIsEmission` (the file has lights of its own) ambient light 1 stands for what surfaces emit, and
+    // nothing else; otherwise scene.ambient lights all surfaces.
+    GltfMaterials(GltfFile& file, Scene& scene, bool ambientIsEmission)
+        : file_(file), scene_(scene), ambientIsEmission_(ambientIsEmission) {}
+
+    struct Use {
+        uint32_t material = 0;       // into scene.materials
+        size_t texCoord = 0;         // which TEXCOORD_n its textures go by
+        bool needsTexCoord = false;  // it has textures
+    };
+    // Of a primitive; without a reference glint's default material.
+    Use use(const std::optional<JsonCursor>& reference);
+
+    // Whether a converted material emits light.
+    bool anyEmission() const { return anyEmission_; }
+
+  private:
+    struct Surface;
+    struct Reference {
+        uint32_t texture = Material::kNoTexture;
+        size_t texCoord = 0;
+    };
+    struct Raw {  // of a picture that holds numbers, not colours
+        double means[3];
+    };
+    Use convert(size_t index);
+    void readBase(const JsonCursor& material, Surface& surface);
+    void readEmission(const JsonCursor& material, Surface& surface);
+    void readTransmission(const JsonCursor& material, Surface& surface);
+    void applyAlpha(const JsonCursor& material, Surface& surface);
+    Material whitted(const Surface& surface);
+    void setAmbient(const Surface& surface, Material& material);
+    void noteTexCoord(const Reference& reference, Surface& surface);
+
+    Reference texture(const JsonCursor& info);
+    Texture sampled(const JsonCursor& texture, std::shared_ptr<const Image> image);
+    std::optional<size_t> imageOf(const JsonCursor& info);
+    std::shared_ptr<const Image> image(size_t index);
+    std::optional<double> mean(const JsonCursor& info, int channel);
+
+    GltfFile& file_;
+    Scene& scene_;
+    bool ambientIsEmission_;
+    bool anyEmission_ = false;
+    std::optional<uint32_t> default_;
+    std::map<size_t, Use> uses_;
+    std::map<size_t, std::shared_ptr<const Image>> images_;
+    std::map<size_t, Raw> means_;
+};
+
+}  // namespace glint

@@ -1,0 +1,174 @@
+#include "import/gltf_mesh.h"
+
+#include <algorithm>
+#include <map>
+
+#include "import/gltf_accessor.h"
+
+namespace glint {
+
+namespace {
+
+enum Mode { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kTriangleStrip, kTriangleFan };
+
+constexpr glm::uvec3 kNone(Mesh::kNoIndex);
+
+// Where the elements of an accessor went: primitives may share them.
+struct Range {
+    uint32_t first = 0;
+    size_t count = 0;
+};
+
+class MeshReader {
+  public:
+    MeshReader(GltfFile& file, GltfMaterials& materials) : file_(file), materials_(materials) {}
+
+    std::shared_ptr<const Mesh> read(size_t index) {
+        const JsonCursor mesh = file_.item(GltfList::Meshes, index);
+        const JsonCursor primitives = mesh.require("primitives");
+        for (size_t i = 0; i < primitives.size(); i++) {
+            const JsonCursor primitive = primitives.item(i);
+            primitive.expectObject();
+            readPrimitive(primitive);
+        }
+        if (mesh_.corners.empty()) return nullptr;
+        dropUnused(mesh_.normals, mesh_.normalCorners);
+        dropUnused(mesh_.uvs, mesh_.uvCorners);
+        dropUnused(mesh_.colors, mesh_.colorCorners);
+        return std::make_shared<const Mesh>(std::move(mesh_));
+    }
+
+  private:
+    void readPrimitive(const JsonCursor& primitive) {
+        const auto modeCursor = primitive.find("mode");
+        const int mode = modeCursor ? modeCursor->integer(kPoints, kTriangleFan) : kTriangles;
+        if (mode < kTriangles) {
+            file_.warn("points and lines are not drawn");
+            return;
+        }
+        if (primitive.find("targets")) file_.warn("morph targets are ignored");
+        const JsonCursor attributes = primitive.require("attributes");
+        attributes.expectObject();
+        const auto position = attributes.find("POSITION");
+        if (!position) {
+            file_.warn(attributes.pointer() + ": no POSITION; not drawn");
+            return;
+        }
+        const auto material = primitive.find("material");
+        const GltfMaterials::Use use = materials_.use(material);
+        const Range positions = readPositions(*position);
+        const auto normal = attributes.find("NORMAL");
+        const Range normals = normal ? readNormals(*normal) : Range{};
+        const std::string uvName = "TEXCOORD_" + std::to_string(use.texCoord);
+        const auto uv = use.needsTexCoord ? attributes.find(uvName) : std::nullopt;
+        if (use.needsTexCoord && !uv)
+            file_.warn(attributes.pointer() + ": no " + uvName + ", which its material's texture goes by");
+        const Range uvs = uv ? readUvs(*uv) : Range{};
+        const auto color = attributes.find("COLOR_0");
+        const Range colors = color ? readColors(*color) : Range{};
+        for (const Range& range : {normals, uvs, colors})
+            if (range.count != 0 && range.count != positions.count)
+                attributes.fail("the attributes have " + std::to_string(positions.count) + " and " +
+                                std::to_string(range.count) + " elements; they must have the same number");
+
+        const auto add = [&](const glm::uvec3& v) {
+            const auto cornersOf = [&v](const Range& range) {
+                return range.count == 0 ? kNone : v + glm::uvec3(range.first);
+            };
+            mesh_.corners.push_back(cornersOf(positions));
+            mesh_.normalCorners.push_back(cornersOf(normals));
+            mesh_.uvCorners.push_back(cornersOf(uvs));
+            mesh_.colorCorners.push_back(cornersOf(colors));
+            mesh_.materials.push_back(use.material);
+        };
+        assemble(mode, vertexOrder(primitive, positions.count), add);
+    }
+
+    std::vector<uint32_t> vertexOrder(const JsonCursor& primitive, size_t count) {
+        std::vector<uint32_t> order;
+        if (const auto reference = primitive.find("indices")) {
+            order = readIndexAccessor(file_, file_.index(GltfList::Accessors, *reference));
+            for (size_t i = 0; i < order.size(); i++)
+                if (order[i] >= count)
+                    reference->fail("element " + std::to_string(i) + " is vertex " +
+                                    std::to_string(order[i]) + ", there are " + std::to_string(count) +
+                                    " (numbered from 0)");
+        } else {
+            order.resize(count);
+            for (size_t i = 0; i < count; i++) order[i] = static_cast<uint32_t>(i);
+        }
+        return order;
+    }
+
+    // Section 3.7.2.1. Corners repeated to join strips make no triangle.
+    template <typename Add>
+    static void assemble(int mode, const std::vector<uint32_t>& v, const Add& add) {
+        if (mode == kTriangles) {
+            for (size_t i = 0; i + 2 < v.size(); i += 3) add({v[i], v[i + 1], v[i + 2]});
+            return;
+        }
+        for (size_t i = 0; i + 2 < v.size(); i++) {
+            const glm::uvec3 corners = mode == kTriangleFan
+                                           ? glm::uvec3(v[i + 1], v[i + 2], v[0])
+                                           : glm::uvec3(v[i], v[i + 1 + i % 2], v[i + 2 - i % 2]);
+            if (corners.x != corners.y && corners.y != corners.z && corners.z != corners.x) add(corners);
+        }
+    }
+
+    // Appends an accessor's elements to `array`, unless they are there already.
+    template <typename Element, typename Convert>
+    Range append(std::vector<Element>& array, std::map<size_t, Range>& known, const JsonCursor& reference,
+                 std::initializer_list<std::string_view> types, const Convert& convert) {
+        const size_t accessor = file_.index(GltfList::Accessors, reference);
+        if (const auto at = known.find(accessor); at != known.end()) return at->second;
+        const GltfNumbers numbers = readAccessor(file_, accessor, types);
+        if (array.size() + numbers.count >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");
+        const Range range{static_cast<uint32_t>(array.size()), numbers.count};
+        array.reserve(array.size() + numbers.count);
+        for (size_t i = 0; i < numbers.count; i++)
+            array.push_back(convert(&numbers.values[i * numbers.components], numbers.components));
+        return known[accessor] = range;
+    }
+
+    static glm::dvec3 vector(const double* v, size_t) { return {v[0], v[1], v[2]}; }
+
+    Range readPositions(const JsonCursor& reference) {
+        return append(mesh_.positions, positions_, reference, {"VEC3"}, vector);
+    }
+    Range readNormals(const JsonCursor& reference) {
+        return append(mesh_.normals, normals_, reference, {"VEC3"}, vector);
+    }
+    Range readUvs(const JsonCursor& reference) {  // glTF counts v downwards
+        return append(mesh_.uvs, uvs_, reference, {"VEC2"},
+                      [](const double* v, size_t) { return glm::dvec2(v[0], 1 - v[1]); });
+    }
+    Range readColors(const JsonCursor& reference) {
+        return append(mesh_.colors, colors_, reference, {"VEC3", "VEC4"},
+                      [this](const double* v, size_t size) {
+                          if (size == 4 && v[3] < 1)
+                              file_.warn("the alpha of vertex colours (COLOR_0) is ignored");
+                          return Color(v[0], v[1], v[2]);
+                      });
+    }
+
+    template <typename Element>
+    static void dropUnused(std::vector<Element>& array, std::vector<glm::uvec3>& corners) {
+        if (!std::all_of(corners.begin(), corners.end(), [](const glm::uvec3& c) { return c == kNone; }))
+            return;
+        array.clear();
+        corners.clear();
+    }
+
+    GltfFile& file_;
+    GltfMaterials& materials_;
+    Mesh mesh_;
+    std::map<size_t, Range> positions_, normals_, uvs_, colors_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Mesh> readGltfMesh(GltfFile& file, GltfMaterials& materials, size_t index) {
+    return MeshReader(file, materials).read(index);
+}
+
+}  // namespace glint

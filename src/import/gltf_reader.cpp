@@ -1,0 +1,262 @@
+// glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): nodes, cameras, lights. Neither by assimp nor by
+// tinygltf: docs/architecture.md says what they lose.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "import/gltf_file.h"
+#include "import/gltf_material.h"
+#include "import/gltf_mesh.h"
+#include "import/readers.h"
+#include "scene/frame_model.h"
+#include "scene/limits.h"
+#include "scene/transform.h"
+
+namespace glint {
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+Affine matrixOf(const JsonCursor& node, const std::vector<double>& m) {
+    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        node.fail("the last row of the matrix must be 0 0 0 1");
+    return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
+}
+
+// Of a quaternion x y z w, which files hold with seven digits; normalised here.
+glm::dmat3 rotationOf(const JsonCursor& node, const std::vector<double>& q) {
+    const double length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(length2 > 0) || !std::isfinite(length2)) node.fail("the rotation must not be zero");
+    const double s = 2 / length2;
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    return {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+            {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+            {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}};
+}
+
+Affine placeOf(const JsonCursor& node) {
+    const std::vector<double> matrix = gltfNumbers(node, "matrix", 16);
+    if (!matrix.empty()) return matrixOf(node, matrix);
+    Affine place = scaling(gltfVector(node, "scale", glm::dvec3(1)));
+    const std::vector<double> rotation = gltfNumbers(node, "rotation", 4);
+    if (!rotation.empty()) place.linear = rotationOf(node, rotation) * place.linear;
+    place.offset = gltfVector(node, "translation", glm::dvec3(0));
+    return place;
+}
+
+class GltfReader {
+  public:
+    explicit GltfReader(const std::filesystem::path& path) : file_(path) {}
+
+    ImportedScene read() {
+        scene_.background = kModelBackground;
+        scene_.ambient = kModelAmbient;
+        walk();
+        const bool lit = !scene_.lights.empty();
+        GltfMaterials materials(file_, scene_, lit);
+        addObjects(materials);
+        if (lit) scene_.ambient = Color(materials.anyEmission() ? 1 : 0);
+        if (scene_.objects.empty()) file_.root().fail("the scene shows no triangles");
+        warnOfRest();
+        scene_.warnings = file_.takeWarnings();
+        return {std::move(scene_), hasCamera_};
+    }
+
+  private:
+    struct Visit {
+        size_t node;
+        Affine parent;
+    };
+    struct Instance {
+        size_t node, mesh;
+        Affine place;
+    };
+
+    // Later items first, as they go onto a stack.
+    void push(const JsonCursor& list, const Affine& parent, std::vector<Visit>& stack) {
+        for (size_t i = list.size(); i-- > 0;)
+            stack.push_back({file_.index(GltfList::Nodes, list.item(i)), parent});
+    }
+
+    void walk() {
+        std::vector<Visit> stack;
+        const auto chosen = file_.root().find("scene");
+        if (file_.count(GltfList::Scenes) > 0) {
+            const size_t index = chosen ? file_.index(GltfList::Scenes, *chosen) : 0;
+            if (file_.count(GltfList::Scenes) > 1)
+                file_.warn("of " + std::to_string(file_.count(GltfList::Scenes)) + " scenes only number " +
+                           std::to_string(index) + " is shown");
+            const JsonCursor scene = file_.item(GltfList::Scenes, index);
+            if (const auto nodes = scene.find("nodes")) push(*nodes, {}, stack);
+        } else {
+            pushRoots(stack);
+        }
+        // Every node has one parent at most, so one that comes twice is in a cycle or in two trees.
+        std::vector<bool> seen(file_.count(GltfList::Nodes));
+        while (!stack.empty()) {
+            const Visit visit = stack.back();
+            stack.pop_back();
+            const JsonCursor node = file_.item(GltfList::Nodes, visit.node);
+            if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
+            seen[visit.node] = true;
+            const Affine place = then(placeOf(node), visit.parent);
+            readNode(node, visit.node, place);
+            if (const auto children = node.find("children")) push(*children, place, stack);
+        }
+    }
+
+    // Without scenes: the nodes that are nobody's children.
+    void pushRoots(std::vector<Visit>& stack) {
+        std::vector<bool> child(file_.count(GltfList::Nodes));
+        for (size_t i = 0; i < child.size(); i++) {
+            const JsonCursor node = file_.item(GltfList::Nodes, i);
+            const auto children = node.find("children");
+            for (size_t k = 0; children && k < children->size(); k++)
+                child[file_.index(GltfList::Nodes, children->item(k))] = true;
+        }
+        for (size_t i = child.size(); i-- > 0;)
+            if (!child[i]) stack.push_back({i, {}});
+    }
+
+    void readNode(const JsonCursor& node, size_t index, const Affine& place) {
+        if (const auto mesh = node.find("mesh"))
+            instances_.push_back({index, file_.index(GltfList::Meshes, *mesh), place});
+        if (node.find("skin")) file_.warn("skins are ignored: meshes stand as they were modelled");
+        if (const auto camera = node.find("camera")) readCamera(*camera, place);
+        withExtension(node, "KHR_lights_punctual", [&](const JsonCursor& extension) {
+            readLight(file_.item(GltfList::Lights, file_.index(GltfList::Lights, extension.require("light"))),
+                      place);
+        });
+    }
+
+    void readCamera(const JsonCursor& reference, const Affine& place) {
+        const size_t index = file_.index(GltfList::Cameras, reference);
+        const JsonCursor object = file_.item(GltfList::Cameras, index);
+        const std::string name = gltfString(object, "name");
+        if (hasCamera_) {
+            file_.warn("the camera " + (name.empty() ? std::to_string(index) : '"' + name + '"') +
+                       " is not the first one and is not used");
+            return;
+        }
+        hasCamera_ = true;
+        Camera& camera = scene_.camera;
+        camera.eye = place.offset;
+        camera.target = place.offset - glm::normalize(place.linear[2]);
+        camera.up = place.linear[1];
+        const JsonCursor type = object.require("type");
+        if (type.string() == "perspective")
+            readPerspective(object.require("perspective"));
+        else if (type.string() == "orthographic")
+            readOrthographic(object.require("orthographic"));
+        else
+            type.failWanted("must be perspective or orthographic");
+    }
+
+    // A picture of the camera's aspect, 600 pixels high.
+    void setAspect(double aspect) {
+        if (!(aspect > 0)) return;
+        scene_.image.width = static_cast<int>(
+            std::clamp(std::round(scene_.image.height * aspect), 1.0, double{kMaxImageSize}));
+    }
+
+    void readPerspective(const JsonCursor& lens) {
+        lens.expectObject();
+        Camera& camera = scene_.camera;
+        const double yfov = lens.require("yfov").number();
+        camera.fovY = yfov * kDegrees;
+        if (!(camera.fovY > 0 && camera.fovY < 180))
+            lens.require("yfov").fail("must be between 0 and pi (got " + describe(yfov) + ")");
+        setAspect(gltfNumber(lens, "aspectRatio", 0));
+        camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
+        // zfar is a plane, farT a distance: what lies in front of the plane is no farther than its corners.
+        const double zfar = gltfNumber(lens, "zfar", 0);
+        const double tangent = std::tan(yfov / 2);
+        const double aspect = static_cast<double>(scene_.image.width) / scene_.image.height;
+        if (zfar > 0) camera.farT = zfar * std::sqrt(1 + tangent * tangent * (1 + aspect * aspect));
+    }
+
+    void readOrthographic(const JsonCursor& lens) {
+        lens.expectObject();
+        Camera& camera = scene_.camera;
+        camera.projection = Projection::Orthographic;
+        const double xmag = lens.require("xmag").number(), ymag = lens.require("ymag").number();
+        if (xmag == 0 || ymag == 0) lens.fail("xmag and ymag must not be 0");
+        camera.height = 2 * std::abs(ymag);
+        setAspect(std::abs(xmag / ymag));
+        camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
+        const double zfar = gltfNumber(lens, "zfar", 0);
+        if (zfar > 0) camera.farT = zfar;
+    }
+
+    // Candela and lux over pi: glint's diffuse colour is pi times the reflectance distribution that glTF
+    // divides by pi.
+    void readLight(const JsonCursor& light, const Affine& place) {
+        const Color intensity =
+            gltfVector(light, "color", Color(1)) * (gltfNumber(light, "intensity", 1) / std::numbers::pi);
+        const glm::dvec3 direction = -place.linear[2];
+        const JsonCursor type = light.require("type");
+        if (light.find("range")) file_.warn("the range of lights is ignored: they fall off by the square");
+        if (type.string() == "directional") {
+            scene_.lights.emplace_back(DirectionalLight{direction, intensity});
+        } else if (type.string() == "point") {
+            scene_.lights.emplace_back(PointLight{place.offset, intensity, true});
+        } else if (type.string() == "spot") {
+            SpotLight spot{place.offset, direction, 0, 45, intensity, true};
+            if (const auto cone = light.find("spot")) readCone(*cone, spot);
+            scene_.lights.emplace_back(spot);
+        } else {
+            type.failWanted("must be directional, point or spot");
+        }
+    }
+
+    static void readCone(const JsonCursor& cone, SpotLight& spot) {
+        cone.expectObject();
+        const double inner = gltfNumber(cone, "innerConeAngle", 0);
+        const double outer = gltfNumber(cone, "outerConeAngle", std::numbers::pi / 4);
+        if (!(inner >= 0 && inner <= outer && outer <= std::numbers::pi / 2))
+            cone.fail("must have 0 <= innerConeAngle <= outerConeAngle <= pi/2 (got " + describe(inner) +
+                      " and " + describe(outer) + ")");
+        spot.angle = inner * kDegrees;
+        spot.penumbra = (outer - inner) * kDegrees;
+    }
+
+    void addObjects(GltfMaterials& materials) {
+        std::map<size_t, std::shared_ptr<const Mesh>> meshes;
+        for (const Instance& instance : instances_) {
+            const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
+            const double condition = conditionNumber(instance.place.linear);
+            const glm::dvec3& offset = instance.place.offset;
+            if (std::isnan(condition) || !std::isfinite(offset.x + offset.y + offset.z))
+                node.fail("its transform, with those of its parents, is not finite");
+            if (condition > kMaxCondition) {
+                file_.warn(node.pointer() + ": flattened by its transform; not drawn");
+                continue;
+            }
+            auto known = meshes.find(instance.mesh);
+            if (known == meshes.end())
+                known = meshes.emplace(instance.mesh, readGltfMesh(file_, materials, instance.mesh)).first;
+            if (!known->second) continue;
+            Object object{node.pointer(), MeshShape{known->second}, known->second->materials.front()};
+            if (instance.place != Affine{}) object.transform = instance.place;
+            scene_.objects.push_back(std::move(object));
+        }
+    }
+
+    void warnOfRest() {
+        if (file_.root().find("animations")) file_.warn("animations are ignored");
+    }
+
+    GltfFile file_;
+    Scene scene_;
+    bool hasCamera_ = false;
+    std::vector<Instance> instances_;
+};
+
+}  // namespace
+
+ImportedScene readGltf(const std::filesystem::path& path) {
+    return GltfReader(path).read();
+}
+
+}  // namespace glint

@@ -1,0 +1,138 @@
+// The pictures of glTF materials: GltfMaterials' textures.
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/image_io.h"
+#include "import/gltf_material.h"
+
+namespace glint {
+
+namespace {
+
+Wrap wrapOf(const JsonCursor& sampler, std::string_view key) {
+    const auto mode = sampler.find(key);
+    if (!mode) return Wrap::Repeat;
+    const double number = mode->number();
+    if (number == 10497) return Wrap::Repeat;
+    if (number == 33071) return Wrap::Clamp;
+    if (number == 33648) return Wrap::Mirror;
+    mode->failWanted("must be 10497 (repeat), 33071 (clamp) or 33648 (mirror)");
+}
+
+// The file's number again from what readImage made of an 8- or 16-bit one (IEC 61966-2-1).
+double srgbEncoded(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+bool startsWith(std::string_view bytes, std::string_view magic, size_t at = 0) {
+    return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
+}
+
+// PNG and JPEG are all that glTF itself allows.
+bool known(std::string_view bytes) {
+    return startsWith(bytes, "\x89PNG\r\n\x1a\n") || startsWith(bytes, "\xff\xd8\xff");
+}
+
+}  // namespace
+
+// Nothing, with a warning, for a picture of a kind that only extensions allow.
+std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
+    if (const auto known = images_.find(index); known != images_.end()) return known->second;
+    const JsonCursor image = file_.item(GltfList::Images, index);
+    const auto uri = image.find("uri");
+    std::string owned;
+    std::string_view bytes;
+    if (uri) {
+        owned = file_.readUri(*uri);
+        bytes = owned;
+    } else {
+        bytes = file_.bufferView(file_.index(GltfList::BufferViews, image.require("bufferView")));
+    }
+    std::shared_ptr<const Image> decoded;
+    if (!known(bytes)) {
+        file_.warn(image.pointer() + ": neither PNG nor JPEG; drawn without this picture");
+    } else {
+        try {
+            const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
+            decoded = std::make_shared<const Image>(
+                decodeImage({data, bytes.size()}, file_.name() + ": " + image.pointer()));
+        } catch (const Error& error) {
+            throw Error(ErrorKind::Scene, error.what());
+        }
+    }
+    return images_[index] = decoded;
+}
+
+std::optional<size_t> GltfMaterials::imageOf(const JsonCursor& info) {
+    info.expectObject();
+    const JsonCursor texture =
+        file_.item(GltfList::Textures, file_.index(GltfList::Textures, info.require("index")));
+    const auto source = texture.find("source");
+    if (source) return file_.index(GltfList::Images, *source);
+    file_.warn(texture.pointer() + ": no \"source\"; drawn without this texture");
+    return std::nullopt;
+}
+
+Texture GltfMaterials::sampled(const JsonCursor& texture, std::shared_ptr<const Image> image) {
+    ImageTexture source;
+    source.image = std::move(image);
+    if (const auto reference = texture.find("sampler")) {
+        const JsonCursor sampler =
+            file_.item(GltfList::Samplers, file_.index(GltfList::Samplers, *reference));
+        source.wrapU = wrapOf(sampler, "wrapS");
+        source.wrapV = wrapOf(sampler, "wrapT");
+        source.nearest = gltfNumber(sampler, "magFilter", 9729) == 9728;
+    }
+    Texture result;
+    result.source = std::move(source);
+    return result;
+}
+
+GltfMaterials::Reference GltfMaterials::texture(const JsonCursor& info) {
+    const auto index = imageOf(info);
+    const auto picture = index ? image(*index) : nullptr;
+    if (!picture) return {};
+    Texture texture = sampled(
+        file_.item(GltfList::Textures, file_.index(GltfList::Textures, info.require("index"))), picture);
+    std::get<ImageTexture>(texture.source).file = file_.name() + ": /images/" + std::to_string(*index);
+    double texCoord = gltfNumber(info, "texCoord", 0);
+    withExtension(info, "KHR_texture_transform", [&](const JsonCursor& transform) {
+        const std::vector<double> offset = gltfNumbers(transform, "offset", 2);
+        const std::vector<double> scale = gltfNumbers(transform, "scale", 2);
+        if (gltfNumber(transform, "rotation", 0) != 0)
+            file_.warn("the rotation of KHR_texture_transform is ignored");
+        if (!scale.empty()) texture.scale = {scale[0], scale[1]};
+        const glm::dvec2 shift = offset.empty() ? glm::dvec2(0) : glm::dvec2(offset[0], offset[1]);
+        // glTF's v' = shift + scale v counts downwards; with v = 1 - V, V' = 1 - v':
+        texture.offset = {shift.x, 1 - shift.y - texture.scale.y};
+        texCoord = gltfNumber(transform, "texCoord", texCoord);
+    });
+    if (!(texCoord >= 0 && texCoord < 1000)) info.fail("texCoord must be a small whole number");
+    scene_.textures.push_back(std::move(texture));
+    return {static_cast<uint32_t>(scene_.textures.size() - 1), static_cast<size_t>(texCoord)};
+}
+
+// Of one channel, as the numbers stand in the file.
+std::optional<double> GltfMaterials::mean(const JsonCursor& info, int channel) {
+    const auto index = imageOf(info);
+    const auto picture = index ? image(*index) : nullptr;
+    if (!picture) return std::nullopt;
+    auto known = means_.find(*index);
+    if (known == means_.end()) {
+        Raw raw{};
+        const auto pixels = static_cast<size_t>(picture->width) * static_cast<size_t>(picture->height);
+        const auto channels = static_cast<size_t>(picture->channels);
+        for (size_t c = 0; c < 3; c++) {
+            double sum = 0;
+            for (size_t i = 0; i < pixels; i++)
+                sum +=
+                    srgbEncoded(static_cast<double>(picture->pixels[i * channels + (channels < 3 ? 0 : c)]));
+            raw.means[c] = sum / static_cast<double>(pixels);
+        }
+        known = means_.emplace(*index, raw).first;
+    }
+    return known->second.means[channel];
+}
+
+}  // namespace glint

@@ -1,0 +1,114 @@
+#include "import/json_cursor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/near_names.h"
+#include "core/text_file.h"
+
+namespace glint {
+
+std::string JsonCursor::pointer() const {
+    if (!parent_) return {};
+    return parent_->pointer() + "/" +
+           (parent_->value_->array() ? std::to_string(index_) : escapePointer(key_));
+}
+
+void JsonCursor::fail(const std::string& what) const {
+    const std::string where = pointer();
+    throw Error(ErrorKind::Scene, printable(*file_ + ": " + (where.empty() ? "" : where + ": ") + what));
+}
+
+void JsonCursor::failWanted(const std::string& wanted) const {
+    fail(wanted + " (got " + describe(*value_) + ")");
+}
+
+void JsonCursor::expectObject() const {
+    if (!value_->object()) failWanted("must be an object {...}");
+}
+
+void JsonCursor::expectKeys(const KeyTable& table) const {
+    expectObject();
+    for (size_t i = 0; i < memberCount(); i++) {
+        const std::string_view key = memberName(i);
+        const auto is = [key](std::string_view known) { return known == key; };
+        if (std::any_of(table.keys.begin(), table.keys.end(), is)) continue;
+        if (std::any_of(table.later.begin(), table.later.end(), is))
+            member(i).fail("\"" + std::string(key) + "\" is not supported by this version");
+        const std::string hint = suggestion(key, table.keys, "known");
+        member(i).fail("unknown key" + (hint.empty() ? "" : " (" + hint + ")"));
+    }
+}
+
+size_t JsonCursor::size() const {
+    if (!value_->array()) failWanted("must be an array [...]");
+    return value_->array()->size();
+}
+
+JsonCursor JsonCursor::item(size_t index) const {
+    return {*this, (*value_->array())[index], {}, index};
+}
+
+size_t JsonCursor::memberCount() const {
+    return value_->object()->keys.size();
+}
+
+std::string_view JsonCursor::memberName(size_t index) const {
+    return value_->object()->keys[index];
+}
+
+JsonCursor JsonCursor::member(size_t index) const {
+    const JsonObject& object = *value_->object();
+    return {*this, object.values[index], object.keys[index], index};
+}
+
+std::optional<JsonCursor> JsonCursor::find(std::string_view key) const {
+    const auto& keys = value_->object()->keys;
+    const auto at = std::find(keys.begin(), keys.end(), key);
+    if (at == keys.end()) return std::nullopt;
+    return member(static_cast<size_t>(at - keys.begin()));
+}
+
+JsonCursor JsonCursor::require(std::string_view key) const {
+    const auto found = find(key);
+    if (!found) fail("missing key \"" + std::string(key) + "\"");
+    return *found;
+}
+
+bool JsonCursor::boolean() const {
+    const bool* value = std::get_if<bool>(&value_->data);
+    if (!value) failWanted("must be true or false");
+    return *value;
+}
+
+double JsonCursor::number() const {
+    if (!value_->number()) failWanted("must be a number");
+    return *value_->number();
+}
+
+int JsonCursor::integer(int least, int greatest) const {
+    const double* number = value_->number();
+    if (!number || !(*number >= least && *number <= greatest) || std::floor(*number) != *number)
+        failWanted("must be a whole number from " + std::to_string(least) + " to " +
+                   std::to_string(greatest));
+    return static_cast<int>(*number);
+}
+
+const std::string& JsonCursor::string() const {
+    if (!value_->string()) failWanted("must be a string");
+    return *value_->string();
+}
+
+glm::dvec3 JsonCursor::vector3() const {
+    if (!value_->array() || value_->array()->size() != 3) failWanted("must be three numbers [x, y, z]");
+    return {item(0).number(), item(1).number(), item(2).number()};
+}
+
+glm::dvec3 JsonCursor::color() const {
+    if (value_->number()) return glm::dvec3(*value_->number());
+    if (!value_->array() || value_->array()->size() != 3) failWanted("must be a number or [r, g, b]");
+    return vector3();
+}
+
+}  // namespace glint

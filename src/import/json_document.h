@@ -1,0 +1,38 @@
+// JSON text as a tree that keeps the order of keys. Syntax by nlohmann's parser, with // and /* */ comments.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/text_file.h"
+
+namespace glint {
+
+struct JsonValue;
+using JsonArray = std::vector<JsonValue>;
+struct JsonObject {
+    std::vector<std::string> keys;  // in file order, all different; keys[i] names values[i]
+    std::vector<JsonValue> values;
+};
+
+struct JsonValue {
+    std::variant<std::monostate, bool, double, std::string, JsonArray, JsonObject> data;
+
+    const bool* boolean() const { return std::get_if<bool>(&data); }
+    const double* number() const { return std::get_if<double>(&data); }
+    const std::string* string() const { return std::get_if<std::string>(&data); }
+    const JsonArray* array() const { return std::get_if<JsonArray>(&data); }
+    const JsonObject* object() const { return std::get_if<JsonObject>(&data); }
+};
+
+// Throws Error(Scene) "FILE:LINE:COLUMN: ..." for anything that is not JSON, for a key that stands twice in
+// one object, and for text nested or sized beyond limits.h. `file` stands for the file in messages; columns
+// count characters.
+JsonValue parseJson(std::string_view text, const std::string& file);
+
+// A value as it is shown in messages: short ones as JSON on one line, long ones by what they are.
+std::string describe(const JsonValue& value);
+
+}  // namespace glint

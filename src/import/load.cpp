@@ -1,0 +1,55 @@
+#include "import/load.h"
+
+#include "core/error.h"
+#include "core/text_file.h"
+#include "import/importers.h"
+#include "import/readers.h"
+#include "scene/frame_model.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+namespace {
+
+Scene loadModel(const std::filesystem::path& path) {
+    ImportedMesh imported = importMesh(path);
+    Scene scene;
+    scene.materials = std::move(imported.materials);
+    scene.textures = std::move(imported.textures);
+    scene.warnings = std::move(imported.warnings);
+    if (scene.materials.empty()) scene.materials.emplace_back().name = "default";
+    scene.objects.push_back(
+        {"/objects/0", MeshShape{std::make_shared<const Mesh>(std::move(imported.mesh))}, 0});
+    frameModel(scene);
+    validateScene(scene, path.string());
+    return scene;
+}
+
+// Camera and light are added where the file brings none.
+Scene completed(ImportedScene imported, const std::filesystem::path& path) {
+    Scene scene = std::move(imported.scene);
+    if (!imported.hasCamera) frameCamera(scene);
+    validateCamera(scene.camera, {path.string(), "camera"});
+    if (scene.lights.empty()) lightModel(scene);
+    validateScene(scene, path.string());
+    return scene;
+}
+
+}  // namespace
+
+Scene loadScene(const std::filesystem::path& path) {
+    const std::string extension = lowerExtension(path);
+    if (extension == ".json") return parseScene(readWholeFile(path), path.string(), path.parent_path());
+    if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path);
+    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path), path);
+    if (extension == ".nff") return completed(readNff(path), path);
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
+        readWholeFile(path);  // says what is wrong
+    throw Error(ErrorKind::Scene,
+                path.string() +
+                    ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
+                    ".obj, .ply or .stl)");
+}
+
+}  // namespace glint

@@ -1,0 +1,137 @@
+#include "import/mesh_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "import/polygon_split.h"
+
+namespace glint {
+
+namespace {
+
+constexpr glm::uvec3 kNoNormals(Mesh::kNoIndex);
+
+std::string counted(size_t count, const char* singular, const char* plural) {
+    return std::to_string(count) + " " + (count == 1 ? singular : plural);
+}
+
+bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
+    if (corners.size() < 3) return false;
+    // Neighbours differ already, so the first two are two; what is wanted is one that is neither.
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](uint32_t corner) { return corner != corners[0] && corner != corners[1]; });
+}
+
+}  // namespace
+
+void MeshBuilder::reserve(size_t triangles) {
+    mesh_.corners.reserve(triangles);
+    mesh_.faces.reserve(triangles);
+    mesh_.materials.reserve(triangles);
+    if (!normals.empty()) mesh_.normalCorners.reserve(triangles);
+    if (!uvs.empty()) mesh_.uvCorners.reserve(triangles);
+    if (!colors.empty()) mesh_.colorCorners.reserve(triangles);
+}
+
+void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
+    const auto pick = [&](const std::vector<uint32_t>& from) {
+        return from.empty() ? kNoNormals : glm::uvec3(from[a], from[b], from[c]);
+    };
+    mesh_.corners.push_back(pick(corners_));
+    if (!normals.empty()) mesh_.normalCorners.push_back(pick(normalCorners_));
+    if (!uvs.empty()) mesh_.uvCorners.push_back(pick(uvCorners_));
+    if (!colors.empty()) mesh_.colorCorners.push_back(pick(colorCorners_));
+    mesh_.faces.push_back(polygons_);
+    mesh_.materials.push_back(material);
+}
+
+void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
+    for (auto* scratch : {&corners_, &normalCorners_, &uvCorners_, &colorCorners_}) scratch->clear();
+    const auto& corners = polygon.vertices;
+    for (size_t i = 0; i < corners.size(); i++) {
+        if (corners[i] == corners[(i + 1) % corners.size()])
+            continue;  // a corner repeated at once is no corner
+        corners_.push_back(corners[i]);
+        if (!polygon.normals.empty()) normalCorners_.push_back(polygon.normals[i]);
+        if (!polygon.uvs.empty()) uvCorners_.push_back(polygon.uvs[i]);
+        if (!polygon.colors.empty()) colorCorners_.push_back(polygon.colors[i]);
+    }
+    if (!hasThreeDifferent(corners_)) {
+        degenerate_++;
+    } else if (corners_.size() == 3) {
+        addTriangle(0, 1, 2, material);
+    } else {
+        points_.clear();
+        triangles_.clear();
+        for (const uint32_t corner : corners_) points_.push_back(positions[corner]);
+        splitPolygon(points_, triangles_);
+        for (const auto& [a, b, c] : triangles_) addTriangle(a, b, c, material);
+    }
+    polygons_++;
+}
+
+// A normal that is not finite would spread through the shading; the triangle is flat without it.
+void MeshBuilder::dropBadNormals() {
+    const auto bad = [this](uint32_t index) {
+        const glm::dvec3& n = normals[index];
+        return !std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z);
+    };
+    for (glm::uvec3& corners : mesh_.normalCorners) {
+        if (corners == kNoNormals || !(bad(corners.x) || bad(corners.y) || bad(corners.z))) continue;
+        corners = kNoNormals;
+        badNormals_++;
+    }
+    const auto none = [](const glm::uvec3& corners) { return corners == kNoNormals; };
+    if (std::all_of(mesh_.normalCorners.begin(), mesh_.normalCorners.end(), none)) {
+        mesh_.normalCorners.clear();
+        normals.clear();
+    }
+}
+
+void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
+    const auto missing = [](uint32_t material) { return material == Mesh::kNoIndex; };
+    if (std::all_of(mesh_.materials.begin(), mesh_.materials.end(), missing)) {
+        mesh_.materials.clear();
+        materials.clear();
+        return;
+    }
+    if (std::none_of(mesh_.materials.begin(), mesh_.materials.end(), missing)) return;
+    Material material;
+    material.name = "default";
+    std::replace(mesh_.materials.begin(), mesh_.materials.end(), Mesh::kNoIndex,
+                 static_cast<uint32_t>(materials.size()));
+    materials.push_back(material);
+}
+
+void MeshBuilder::finishAttributes() {
+    const auto none = [](const glm::uvec3& corners) { return corners == kNoNormals; };
+    for (auto* list : {&mesh_.uvCorners, &mesh_.colorCorners})
+        if (std::all_of(list->begin(), list->end(), none)) list->clear();
+    if (!mesh_.uvCorners.empty()) mesh_.uvs = std::move(uvs);
+    if (!mesh_.colorCorners.empty()) mesh_.colors = std::move(colors);
+}
+
+ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> materials,
+                                 std::vector<std::string> warnings) {
+    if (polygons_ == 0)
+        throw Error(ErrorKind::Scene, file + ": holds no faces; points and lines cannot be rendered");
+    if (mesh_.corners.empty()) throw Error(ErrorKind::Scene, file + ": no face has three different vertices");
+    dropBadNormals();
+    finishAttributes();
+    assignDefaultMaterial(materials);
+    if (degenerate_ > 0)
+        warnings.push_back(file + ": " + counted(degenerate_, "face", "faces") +
+                           " with fewer than three different vertices left out");
+    if (badNormals_ > 0)
+        warnings.push_back(file + ": the vertex normals of " + counted(badNormals_, "triangle", "triangles") +
+                           " are not finite and are not used");
+    bool identity = true;
+    for (size_t i = 0; i < mesh_.faces.size() && identity; i++) identity = mesh_.faces[i] == i;
+    if (identity) mesh_.faces.clear();
+    mesh_.positions = std::move(positions);
+    mesh_.normals = std::move(normals);
+    return {std::move(mesh_), std::move(materials), {}, std::move(warnings)};
+}
+
+}  // namespace glint

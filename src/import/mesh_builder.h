@@ -1,0 +1,56 @@
+// Collects the polygons of a mesh file as triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "import/importers.h"
+
+namespace glint {
+
+class MeshBuilder {
+  public:
+    // Filled by the reader; positions must be complete before the first polygon that uses them is added.
+    std::vector<glm::dvec3> positions;
+    std::vector<glm::dvec3> normals;
+    std::vector<glm::dvec2> uvs;
+    std::vector<Color> colors;  // linear
+
+    // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each
+    // empty or as long; all in range.
+    struct Corners {
+        std::span<const uint32_t> vertices;
+        std::span<const uint32_t> normals = {}, uvs = {}, colors = {};
+    };
+    // Fewer than three different corners: dropped and counted. `material` counts only if some polygon's
+    // differs from kNoIndex.
+    void addPolygon(const Corners& corners, uint32_t material = Mesh::kNoIndex);
+
+    void reserve(size_t triangles);
+
+    // The mesh, with warnings that start with `file`. Throws Error(Scene) if there is no triangle. Polygons
+    // without a material get a default one if others have one.
+    ImportedMesh finish(const std::string& file, std::vector<Material> materials,
+                        std::vector<std::string> warnings);
+
+  private:
+    // Of the polygon at hand, by the places of its corners in the scratch.
+    void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
+    void dropBadNormals();
+    void finishAttributes();
+    void assignDefaultMaterial(std::vector<Material>& materials);
+
+    Mesh mesh_;
+    uint32_t polygons_ = 0;
+    size_t degenerate_ = 0;
+    size_t badNormals_ = 0;
+    // Scratch of addPolygon.
+    std::vector<uint32_t> corners_, normalCorners_, uvCorners_, colorCorners_;
+    std::vector<glm::dvec3> points_;
+    std::vector<std::array<uint32_t, 3>> triangles_;
+};
+
+}  // namespace glint

@@ -1,0 +1,38 @@
+// The image maps of MTL files.
+#pragma once
+
+#include <tiny_obj_loader.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "import/texture_files.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+// Loads the maps of one file's materials. Models often come without their images: one that is missing or
+// broken is warned of once, and its material drawn without.
+class MtlMaps {
+  public:
+    MtlMaps(const std::filesystem::path& file, std::vector<Texture>& textures,
+            std::vector<std::string>& warnings)
+        : file_(file), textures_(textures), warnings_(warnings) {}
+
+    // map_Ka, map_Kd, map_Ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
+    void apply(const tinyobj::material_t& from, Material& material);
+
+  private:
+    std::optional<Texture> load(const std::string& name, const tinyobj::texture_option_t& options);
+    uint32_t add(const std::string& name, const tinyobj::texture_option_t& options);
+    void applyAlpha(const tinyobj::material_t& from, Material& material);
+
+    std::filesystem::path file_;
+    std::vector<Texture>& textures_;
+    std::vector<std::string>& warnings_;
+    TextureFiles files_;
+};
+
+}  // namespace glint

@@ -1,0 +1,342 @@
+// NFF, the Neutral File Format (E. Haines, version 3.9, 1996) of the Standard Procedural Databases. What the
+// format leaves open (intensities, ambient light, depth) follows the Readme of those databases (E. Haines,
+// version 3.14, 2005), "SPD" below.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "core/text_file.h"
+#include "import/mesh_builder.h"
+#include "import/readers.h"
+#include "import/text_scanner.h"
+#include "scene/frame_model.h"
+#include "scene/limits.h"
+#include "scene/polygon_plane.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+namespace {
+
+struct View {
+    std::optional<glm::dvec3> from, at, up;
+    std::optional<double> angle, hither;
+    std::optional<glm::ivec2> resolution;
+};
+
+using Fill = std::array<double, 8>;  // red green blue Kd Ks Shine T index of refraction
+
+class NffReader {
+  public:
+    explicit NffReader(const std::filesystem::path& path)
+        : file_(path.string()), text_(readWholeFile(path)), scanner_(text_, file_) {}
+
+    ImportedScene read() {
+        scene_.maxDepth = 4;  // "maximum tree depth is 5 (where the eye ray is of depth 1)": SPD, rule 7
+        while (scanner_.skipToWord()) readEntity(std::string(scanner_.word()));
+        flushPatches();
+        finishLights();
+        const bool hasCamera = view_.has_value();
+        if (hasCamera) finishCamera();
+        warn();
+        if (scene_.objects.empty()) scanner_.fail("the file holds no objects");
+        return {std::move(scene_), hasCamera};
+    }
+
+  private:
+    void readEntity(const std::string& kind) {
+        if (kind == "p") return readPolygon();
+        if (kind == "pp") return readPatch();
+        if (kind == "s") return readSphere();
+        if (kind == "c") return readCone();
+        if (kind == "f") return readFill();
+        if (kind == "l") return readLight();
+        if (kind == "b") {
+            scene_.background = readColor("a background");
+            return;
+        }
+        if (kind == "v") {
+            view_ = View{};
+            return;
+        }
+        readViewPart(kind);
+    }
+
+    double number(const char* owner) {
+        if (!scanner_.skipToWord()) scanner_.fail(std::string("the file ends within ") + owner);
+        const double value = scanner_.number(owner);
+        if (!std::isfinite(value)) scanner_.fail(std::string(owner) + " has a number that is not finite");
+        return value;
+    }
+    glm::dvec3 vector(const char* owner) {
+        const double x = number(owner), y = number(owner);
+        return {x, y, number(owner)};
+    }
+    Color readColor(const char* owner) {
+        const Color color = vector(owner);
+        if (std::min({color.x, color.y, color.z}) < 0)
+            scanner_.fail(std::string(owner) + " has a negative colour");
+        return color;
+    }
+
+    void readViewPart(const std::string& part) {
+        const bool known = part == "from" || part == "at" || part == "up" || part == "angle" ||
+                           part == "hither" || part == "resolution";
+        if (!known)
+            scanner_.fail('"' + part.substr(0, 40) + "\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
+        if (!view_) scanner_.fail('"' + part + "\" must follow \"v\"");
+        if (part == "from") view_->from = vector("from");
+        if (part == "at") view_->at = vector("at");
+        if (part == "up") view_->up = vector("up");
+        if (part == "hither") view_->hither = number("hither");
+        if (part == "angle") {
+            view_->angle = number("angle");
+            if (!(*view_->angle > 0 && *view_->angle < 180))
+                scanner_.fail("angle must be between 0 and 180 degrees");
+        }
+        if (part == "resolution") {
+            glm::ivec2 pixels;
+            for (int i = 0; i < 2; i++) {
+                const double value = number("resolution");
+                if (!(value >= 1 && value <= kMaxImageSize) || std::floor(value) != value)
+                    scanner_.fail("resolution must be whole numbers from 1 to " +
+                                  std::to_string(kMaxImageSize));
+                pixels[i] = static_cast<int>(value);
+            }
+            view_->resolution = pixels;
+        }
+    }
+
+    void readLight() {
+        PointLight light;
+        light.position = vector("a light");
+        const bool colored = !scanner_.lineDone();
+        if (colored) light.intensity = readColor("a light");
+        coloredLights_.push_back(colored);
+        scene_.lights.emplace_back(light);
+    }
+
+    // Colours multiply Kd alone: Ks and T are fractions of what the further rays bring.
+    void readFill() {
+        flushPatches();
+        Fill fill;
+        for (double& value : fill) value = number("a fill");
+        const auto [r, g, b, kd, ks, shine, t, ior] = fill;
+        if (std::min({r, g, b, kd, ks, shine}) < 0) scanner_.fail("a fill has a negative number");
+        if (!(t >= 0 && t <= 1)) scanner_.fail("the transmittance T of a fill must be from 0 to 1");
+        if (t > 0 && !(ior > 0)) scanner_.fail("the index of refraction of a fill with T > 0 must be > 0");
+        const auto [at, isNew] = fills_.try_emplace(fill, static_cast<uint32_t>(scene_.materials.size()));
+        fill_ = at->second;
+        if (!isNew) return;
+
+        Material material;
+        material.name = "line " + std::to_string(scanner_.line());
+        material.diffuse = kd * Color(r, g, b);
+        material.ambient = material.diffuse;
+        // Phong's cosine is that of twice the angle that Blinn's is of; near the peak cos(2a)^n = cos(a)^4n.
+        material.shininess = std::min(4 * shine, kMaxShininess);
+        material.specular = Color(shine > 0 ? ks : 0);
+        if (t > 0) {
+            material.transmission = Color(t);
+            material.ior = ior;
+        } else {
+            material.mirror = Color(std::min(ks, 1.0));
+        }
+        scene_.materials.push_back(material);
+    }
+
+    uint32_t fill() {
+        if (fill_ == Mesh::kNoIndex) {
+            fill_ = static_cast<uint32_t>(scene_.materials.size());
+            scene_.materials.emplace_back().name = "default";
+        }
+        return fill_;
+    }
+
+    void addObject(Shape shape, size_t line) {
+        const std::string name = "line " + std::to_string(line);
+        // At once, so that the message shows the number in the file; meshes are looked at once, at the end.
+        if (!std::holds_alternative<MeshShape>(shape)) validateShape(shape, {file_, name}, 0);
+        scene_.objects.push_back({name, std::move(shape), fill()});
+    }
+
+    // Of negative radii only the inside is to be seen.
+    double radius(double given) {
+        if (given < 0) insideOut_++;
+        return std::abs(given);
+    }
+
+    void readSphere() {
+        flushPatches();
+        const size_t line = scanner_.line();
+        SphereShape sphere;
+        sphere.center = vector("a sphere");
+        sphere.radius = radius(number("a sphere"));
+        if (sphere.radius == 0) scanner_.fail("the radius of a sphere must not be 0");
+        addObject(sphere, line);
+    }
+
+    void readCone() {
+        flushPatches();
+        const size_t line = scanner_.line();
+        ConeShape cone;
+        cone.base = vector("a cone");
+        cone.radius = number("a cone");
+        cone.apex = vector("a cone");
+        cone.topRadius = number("a cone");
+        if (cone.base == cone.apex) scanner_.fail("base and apex of a cone must differ");
+        if (cone.radius == 0 && cone.topRadius == 0) scanner_.fail("both radii of a cone are 0");
+        if (cone.radius * cone.topRadius < 0) scanner_.fail("the radii of a cone have different signs");
+        const double sign = cone.radius < 0 || cone.topRadius < 0 ? -1 : 1;
+        if (sign < 0) insideOut_++;
+        cone.radius *= sign;
+        cone.topRadius *= sign;
+        if (cone.topRadius > cone.radius) {
+            std::swap(cone.radius, cone.topRadius);
+            std::swap(cone.base, cone.apex);
+        }
+        if (cone.radius == cone.topRadius)
+            addObject(CylinderShape{cone.base, cone.apex, cone.radius, false}, line);
+        else
+            addObject(cone, line);
+    }
+
+    size_t cornerCount(const char* owner) {
+        const double count = number(owner);
+        if (!(count >= 3 && count <= static_cast<double>(kMaxPolygonCorners)) || std::floor(count) != count)
+            scanner_.fail(std::string(owner) + " must have from 3 to " + std::to_string(kMaxPolygonCorners) +
+                          " vertices");
+        return static_cast<size_t>(count);
+    }
+
+    void readPolygon() {
+        flushPatches();
+        const size_t line = scanner_.line();
+        std::vector<glm::dvec3> vertices(cornerCount("a polygon"));
+        for (glm::dvec3& vertex : vertices) vertex = vector("a polygon");
+        const auto plane = polygonPlane(vertices);
+        if (!plane) {
+            withoutArea_++;
+        } else if (vertices.size() == 3) {
+            addObject(TriangleShape{{vertices[0], vertices[1], vertices[2]}}, line);
+        } else if (plane->deviation <= planarTolerance(vertices) && vertices.size() <= kMaxPolygonVertices) {
+            addObject(PolygonShape{std::move(vertices)}, line);
+        } else {
+            if (plane->deviation > planarTolerance(vertices)) notPlanar_++;
+            addPatch(vertices, {}, line);
+            flushPatches();
+        }
+    }
+
+    void readPatch() {
+        const size_t line = scanner_.line();
+        const size_t count = cornerCount("a patch");
+        std::vector<glm::dvec3> vertices(count), normals(count);
+        for (size_t i = 0; i < count; i++) {
+            vertices[i] = vector("a patch");
+            normals[i] = vector("a patch");
+        }
+        if (polygonPlane(vertices))
+            addPatch(vertices, normals, line);
+        else
+            withoutArea_++;
+    }
+
+    // Patches that follow each other become one mesh.
+    void addPatch(const std::vector<glm::dvec3>& vertices, const std::vector<glm::dvec3>& normals,
+                  size_t line) {
+        if (!patches_) {
+            patches_.emplace();
+            patchLine_ = line;
+        }
+        std::vector<uint32_t> corners, normalCorners;
+        for (size_t i = 0; i < vertices.size(); i++) {
+            corners.push_back(static_cast<uint32_t>(patches_->positions.size()));
+            patches_->positions.push_back(vertices[i]);
+            if (normals.empty()) continue;
+            normalCorners.push_back(static_cast<uint32_t>(patches_->normals.size()));
+            patches_->normals.push_back(normals[i]);
+        }
+        patches_->addPolygon({corners, normalCorners});
+    }
+
+    void flushPatches() {
+        if (!patches_) return;
+        ImportedMesh imported = patches_->finish(file_, {}, {});
+        patches_.reset();
+        addObject(MeshShape{std::make_shared<const Mesh>(std::move(imported.mesh))}, patchLine_);
+    }
+
+    // "A simple formula for a relative intensity for each light and for the ambient component is
+    // sqrt(# lights) / (# lights * 2)": SPD.
+    void finishLights() {
+        const auto count = static_cast<double>(scene_.lights.size());
+        if (count == 0) {
+            scene_.ambient = kModelAmbient;
+            return;
+        }
+        const double relative = std::sqrt(count) / (2 * count);
+        for (size_t i = 0; i < scene_.lights.size(); i++)
+            if (!coloredLights_[i]) std::get<PointLight>(scene_.lights[i]).intensity = Color(relative);
+        scene_.ambient = Color(relative);
+    }
+
+    void finishCamera() {
+        const auto need = [this](bool there, const char* part) {
+            if (!there) scanner_.fail(std::string("the view (v) lacks \"") + part + '"');
+        };
+        need(view_->from.has_value(), "from");
+        need(view_->at.has_value(), "at");
+        need(view_->up.has_value(), "up");
+        need(view_->angle.has_value(), "angle");
+        need(view_->resolution.has_value(), "resolution");
+        Camera& camera = scene_.camera;
+        camera.eye = *view_->from;
+        camera.target = *view_->at;
+        camera.up = *view_->up;
+        camera.nearT = std::max(view_->hither.value_or(0), 0.0);
+        const int width = view_->resolution->x, height = view_->resolution->y;
+        scene_.image.width = width;
+        scene_.image.height = height;
+        // The angle lies between the centres of the first and the last row, fovY between the outer edges.
+        const double degree = std::numbers::pi / 180;
+        const double rows = height > 1 ? height / (height - 1.0) : 1.0;
+        camera.fovY = 2 * std::atan(std::tan(*view_->angle * degree / 2) * rows) / degree;
+        if (width != height)
+            scene_.warnings.push_back(file_ +
+                                      ": the resolution is not square; the angle is taken from top to "
+                                      "bottom and the pixels as square");
+    }
+
+    void warn() {
+        const auto add = [this](size_t count, const char* what) {
+            if (count > 0) scene_.warnings.push_back(file_ + ": " + std::to_string(count) + what);
+        };
+        add(insideOut_, " surfaces with a negative radius are seen from outside too");
+        add(withoutArea_, " polygons without area left out");
+        add(notPlanar_, " polygons are not planar and were split into triangles");
+    }
+
+    std::string file_;
+    std::string text_;
+    TextScanner scanner_;
+    Scene scene_;
+    std::optional<View> view_;
+    std::vector<bool> coloredLights_;  // for each light: the file names its colour
+    std::map<Fill, uint32_t> fills_;   // to materials
+    uint32_t fill_ = Mesh::kNoIndex;
+    std::optional<MeshBuilder> patches_;
+    size_t patchLine_ = 0;
+    size_t insideOut_ = 0, withoutArea_ = 0, notPlanar_ = 0;
+};
+
+}  // namespace
+
+ImportedScene readNff(const std::filesystem::path& path) {
+    return NffReader(path).read();
+}
+
+}  // namespace glint

@@ -1,0 +1,261 @@
+// The scene file, section by section. Keys and types are checked here, ranges by validateScene.
+#include <algorithm>
+#include <cmath>
+
+#include "import/json_cursor.h"
+#include "import/load.h"
+#include "import/parse_objects.h"
+#include "import/parse_textures.h"
+#include "import/scene_keys.h"
+#include "scene/limits.h"
+#include "scene/placement.h"
+#include "scene/sampling.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+namespace {
+
+// Reads an optional key into `target`.
+template <typename T>
+void readInto(const JsonCursor& object, std::string_view key, T& target) {
+    const auto found = object.find(key);
+    if (!found) return;
+    if constexpr (std::is_same_v<T, double>)
+        target = found->number();
+    else
+        target = found->vector3();
+}
+
+void readInteger(const JsonCursor& object, std::string_view key, int least, int most, int& target) {
+    if (const auto found = object.find(key)) target = found->integer(least, most);
+}
+
+// Colours are vectors of the same C++ type as points, hence a function of their own.
+void readColor(const JsonCursor& object, std::string_view key, Color& target) {
+    if (const auto found = object.find(key)) target = found->color();
+}
+
+template <typename Enum>
+Enum readName(const JsonCursor& value, std::optional<Enum> (*named)(std::string_view), const char* names) {
+    const auto found = named(value.string());
+    if (!found) value.failWanted(std::string("must be ") + names);
+    return *found;
+}
+
+void parseSampling(const JsonCursor& image, ImageSettings& settings) {
+    if (const auto sampler = image.find("sampler"))
+        settings.sampler =
+            readName(*sampler, samplerNamed, "\"auto\", \"grid\", \"jittered\" or \"lowDiscrepancy\"");
+    if (const auto filter = image.find("filter")) {
+        settings.filter = readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
+        settings.filterRadius = defaultRadius(settings.filter);
+    }
+    readInto(image, "filterRadius", settings.filterRadius);
+    if (const auto seed = image.find("seed")) {
+        const double value = seed->number();
+        if (!(value >= 0 && value <= 4294967295.0 && value == std::floor(value)))
+            seed->failWanted("must be a whole number from 0 to 4294967295");
+        settings.seed = static_cast<uint32_t>(value);
+    }
+    if (const auto adaptive = image.find("adaptive")) {
+        adaptive->expectKeys(keys::kAdaptive);
+        settings.adaptive.emplace();
+        readInteger(*adaptive, "maxSamples", 1, kMaxSamplesPerPixel, settings.adaptive->maxSamples);
+        readInto(*adaptive, "threshold", settings.adaptive->threshold);
+    }
+}
+
+void parseImage(const JsonCursor& image, ImageSettings& settings) {
+    image.expectKeys(keys::kImage);
+    readInteger(image, "width", 1, kMaxImageSize, settings.width);
+    readInteger(image, "height", 1, kMaxImageSize, settings.height);
+    readInteger(image, "samplesPerPixel", 1, kMaxSamplesPerPixel, settings.samplesPerPixel);
+    parseSampling(image, settings);
+}
+
+Projection readProjection(const JsonCursor& camera) {
+    const auto type = camera.find("type");
+    if (!type) return Projection::Perspective;
+    if (type->value().string() && type->string() == "oblique")
+        type->fail(
+            "a perspective or orthographic camera is made oblique by \"planeNormal\"; \"oblique\" is no "
+            "type");
+    const bool orthographic = readType(*type, keys::kCameraTypes) == "orthographic";
+    return orthographic ? Projection::Orthographic : Projection::Perspective;
+}
+
+void parseCamera(const JsonCursor& camera, Camera& result) {
+    camera.expectObject();
+    result.projection = readProjection(camera);
+    const bool orthographic = result.projection == Projection::Orthographic;
+    if (const auto fovY = camera.find("fovY"); fovY && orthographic)
+        fovY->fail("an orthographic camera has no field of view; give \"height\" or \"window\"");
+    if (const auto height = camera.find("height"); height && !orthographic)
+        height->fail("only an orthographic camera has a height; give \"fovY\" or \"window\"");
+    for (const char* key : {"lensRadius", "focusDistance"})
+        if (const auto lens = camera.find(key); lens && orthographic)
+            lens->fail(
+                "an orthographic camera has no lens: its rays are parallel and have no centre where one "
+                "could "
+                "stand; use a perspective camera");
+    camera.expectKeys(orthographic ? keys::kOrthographic : keys::kPerspective);
+    readInto(camera, "eye", result.eye);
+    readInto(camera, "target", result.target);
+    readInto(camera, "up", result.up);
+    if (const auto normal = camera.find("planeNormal")) result.planeNormal = normal->vector3();
+    readInto(camera, "fovY", result.fovY);
+    readInto(camera, "height", result.height);
+    readInto(camera, "near", result.nearT);
+    readInto(camera, "far", result.farT);
+    readInto(camera, "lensRadius", result.lensRadius);
+    readInto(camera, "focusDistance", result.focusDistance);
+    if (const auto window = camera.find("window")) {
+        if (!window->value().array() || window->size() != 4)
+            window->failWanted("must be four numbers [left, right, bottom, top]");
+        result.window = ViewWindow{window->item(0).number(), window->item(1).number(),
+                                   window->item(2).number(), window->item(3).number()};
+    }
+}
+
+bool readFalloff(const JsonCursor& light) {
+    const auto falloff = light.find("falloff");
+    if (!falloff) return false;
+    const std::string& name = falloff->string();
+    if (name != "none" && name != "inverseSquare")
+        falloff->failWanted("must be \"none\" or \"inverseSquare\"");
+    return name == "inverseSquare";
+}
+
+PointLight parsePoint(const JsonCursor& light) {
+    light.expectKeys(keys::kPoint);
+    PointLight point;
+    point.position = light.require("position").vector3();
+    readColor(light, "intensity", point.intensity);
+    point.inverseSquare = readFalloff(light);
+    return point;
+}
+
+SpotLight parseSpot(const JsonCursor& light) {
+    light.expectKeys(keys::kSpot);
+    SpotLight spot;
+    spot.position = light.require("position").vector3();
+    spot.direction = light.require("direction").vector3();
+    spot.angle = light.require("angle").number();
+    readInto(light, "penumbra", spot.penumbra);
+    readColor(light, "intensity", spot.intensity);
+    spot.inverseSquare = readFalloff(light);
+    return spot;
+}
+
+Light parseLight(const JsonCursor& light) {
+    light.expectObject();
+    const std::string_view type = readType(light.require("type"), keys::kLightTypes);
+    if (type == "point") return parsePoint(light);
+    if (type == "spot") return parseSpot(light);
+    light.expectKeys(keys::kDirectional);
+    DirectionalLight directional;
+    directional.direction = light.require("direction").vector3();
+    readColor(light, "intensity", directional.intensity);
+    return directional;
+}
+
+// Given directly, or as the colour that is left after a distance: sigma = -ln(color) / distance.
+void parseAttenuation(const JsonCursor& material, Material& result) {
+    readColor(material, "attenuation", result.attenuation);
+    const auto color = material.find("attenuationColor");
+    const auto distance = material.find("attenuationDistance");
+    if (!color && !distance) return;
+    if (material.find("attenuation"))
+        (color ? *color : *distance).fail("give \"attenuation\", or colour and distance, not both");
+    if (!color) distance->fail("needs \"attenuationColor\" with it");
+    if (!distance) color->fail("needs \"attenuationDistance\" with it");
+    const Color left = color->color();
+    const double length = distance->number();
+    if (!(std::min({left.x, left.y, left.z}) > 0 && std::max({left.x, left.y, left.z}) <= 1))
+        color->failWanted("must be above 0, and not above 1");
+    if (!(length > 0)) distance->failWanted("must be greater than 0");
+    // max: no -0 for white.
+    result.attenuation = glm::max(-glm::log(left) / length, Color(0));
+}
+
+void parseDielectric(const JsonCursor& material, Material& result, TextureParser& textures) {
+    textures.readColor(material, "transmission", result.transmission, result.transmissionTexture);
+    readInto(material, "ior", result.ior);
+    parseAttenuation(material, result);
+    readInteger(material, "priority", -kMaxPriority, kMaxPriority, result.priority);
+    // Glass scatters nothing unless told to.
+    if (result.transmission != Color(0)) result.diffuse = Color(0);
+}
+
+TransmissiveShadows readTransmissiveShadows(const JsonCursor& shadows) {
+    const std::string& name = shadows.string();
+    if (name != "colored" && name != "full") shadows.failWanted("must be \"colored\" or \"full\"");
+    return name == "full" ? TransmissiveShadows::Full : TransmissiveShadows::Colored;
+}
+
+Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
+    material.expectKeys(keys::kMaterial);
+    Material result;
+    result.name = name;
+    parseDielectric(material, result, textures);
+    textures.readColor(material, "diffuse", result.diffuse, result.diffuseTexture);
+    result.ambient = result.diffuse;
+    result.ambientTexture = result.diffuseTexture;
+    textures.readColor(material, "ambient", result.ambient, result.ambientTexture);
+    textures.readColor(material, "specular", result.specular, result.specularTexture);
+    readInto(material, "shininess", result.shininess);
+    textures.readColor(material, "mirror", result.mirror, result.mirrorTexture);
+    readInto(material, "alphaCutoff", result.alphaCutoff);
+    return result;
+}
+
+void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
+                  const std::filesystem::path& folder) {
+    const auto meshes = root.find("meshes");
+    if (meshes) {
+        meshes->expectObject();
+        for (size_t i = 0; i < meshes->memberCount(); i++) {
+            const JsonCursor mesh = meshes->member(i);
+            mesh.expectKeys(keys::kMesh);
+            mesh.require("file").string();
+        }
+    }
+    ObjectParser parser(scene, name, folder, meshes ? &*meshes : nullptr);
+    if (const auto objects = root.find("objects"))
+        for (size_t i = 0; i < objects->size(); i++) parser.parse(objects->item(i));
+    parser.warnOfUnusedMeshes();
+}
+
+}  // namespace
+
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
+    const JsonValue document = parseJson(text, name);
+    const JsonCursor root(document, name);
+    root.expectKeys(keys::kScene);
+
+    Scene scene;
+    if (const auto schema = root.find("$schema")) schema->string();
+    if (const auto image = root.find("image")) parseImage(*image, scene.image);
+    if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
+    TextureParser textures(scene, folder);
+    textures.readBackground(root);
+    readColor(root, "ambient", scene.ambient);
+    readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
+    if (const auto shadows = root.find("transmissiveShadows"))
+        scene.transmissiveShadows = readTransmissiveShadows(*shadows);
+    if (const auto lights = root.find("lights"))
+        for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
+    if (const auto materials = root.find("materials")) {
+        materials->expectObject();
+        for (size_t i = 0; i < materials->memberCount(); i++)
+            scene.materials.push_back(
+                parseMaterial(materials->member(i), materials->memberName(i), textures));
+    }
+    parseObjects(root, scene, name, folder);
+    placeObjects(scene);
+    validateScene(scene, name);
+    return scene;
+}
+
+}  // namespace glint

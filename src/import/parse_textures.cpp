@@ -1,0 +1,144 @@
+#include "import/parse_textures.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "import/scene_keys.h"
+
+namespace glint {
+
+namespace {
+
+// A number for both directions, or one for each.
+glm::dvec2 pair(const JsonCursor& value, const char* wanted) {
+    if (value.value().number()) return glm::dvec2(value.number());
+    if (!value.value().array() || value.size() != 2) value.failWanted(wanted);
+    return {value.item(0).number(), value.item(1).number()};
+}
+
+glm::dvec2 readScale(const JsonCursor& source) {
+    const auto scale = source.find("scale");
+    if (!scale) return glm::dvec2(1);
+    const glm::dvec2 result = pair(*scale, "must be a number or [u, v]");
+    if (!std::isfinite(result.x) || !std::isfinite(result.y) || result.x == 0 || result.y == 0)
+        scale->failWanted("must be finite and not 0");
+    return result;
+}
+
+glm::dvec2 readOffset(const JsonCursor& source) {
+    const auto offset = source.find("offset");
+    if (!offset) return glm::dvec2(0);
+    if (!offset->value().array() || offset->size() != 2) offset->failWanted("must be two numbers [u, v]");
+    return {offset->item(0).number(), offset->item(1).number()};
+}
+
+Wrap wrapMode(const JsonCursor& mode) {
+    const std::string& name = mode.string();
+    if (name == "repeat") return Wrap::Repeat;
+    if (name == "clamp") return Wrap::Clamp;
+    if (name == "mirror") return Wrap::Mirror;
+    mode.failWanted("must be \"repeat\", \"clamp\" or \"mirror\"");
+}
+
+void readWrap(const JsonCursor& source, ImageTexture& image) {
+    const auto wrap = source.find("wrap");
+    if (!wrap) return;
+    if (!wrap->value().array()) {
+        image.wrapU = image.wrapV = wrapMode(*wrap);
+        return;
+    }
+    if (wrap->size() != 2) wrap->failWanted("must be a wrap mode, or two of them [u, v]");
+    image.wrapU = wrapMode(wrap->item(0));
+    image.wrapV = wrapMode(wrap->item(1));
+}
+
+bool readNearest(const JsonCursor& source) {
+    const auto filter = source.find("filter");
+    if (!filter) return false;
+    const std::string& name = filter->string();
+    if (name != "bilinear" && name != "nearest") filter->failWanted("must be \"bilinear\" or \"nearest\"");
+    return name == "nearest";
+}
+
+}  // namespace
+
+std::shared_ptr<const Image> TextureParser::load(const JsonCursor& file) {
+    const std::string& name = file.string();
+    try {
+        return files_.read(folder_ / name);
+    } catch (const Error& e) {
+        file.fail(e.what());
+    }
+}
+
+Texture TextureParser::parseImage(const JsonCursor& source) {
+    source.expectKeys(keys::kImageTexture);
+    ImageTexture image;
+    const JsonCursor file = source.require("texture");
+    image.file = file.string();
+    image.image = load(file);
+    readWrap(source, image);
+    image.nearest = readNearest(source);
+    return {std::move(image), readScale(source), readOffset(source)};
+}
+
+Texture TextureParser::parseChecker(const JsonCursor& source) {
+    source.expectKeys(keys::kCheckerTexture);
+    CheckerTexture checker;
+    const JsonCursor colors = source.require("checker");
+    if (!colors.value().array() || colors.size() != 2) colors.failWanted("must be two colours [a, b]");
+    checker.a = colors.item(0).color();
+    checker.b = colors.item(1).color();
+    if (const auto solid = source.find("solid")) {
+        if (!solid->value().boolean()) solid->failWanted("must be true or false");
+        checker.solid = *solid->value().boolean();
+    }
+    const auto corner = source.find("corner");
+    if (corner && !checker.solid)
+        corner->fail("belongs to a solid checker; give \"solid\": true or \"offset\"");
+    if (corner) checker.corner = corner->vector3();
+    if (const auto offset = source.find("offset"); offset && checker.solid)
+        offset->fail("a solid checker is moved by \"corner\": [x, y, z]");
+    if (const auto scale = source.find("scale"); scale && checker.solid && !scale->value().number())
+        scale->failWanted("must be a number for a solid checker");
+    return {checker, readScale(source), readOffset(source)};
+}
+
+bool TextureParser::readColor(const JsonCursor& object, std::string_view key, Color& color,
+                              uint32_t& texture) {
+    const auto found = object.find(key);
+    if (!found) return false;
+    texture = Material::kNoTexture;
+    if (!found->value().object()) {
+        color = found->color();
+        return true;
+    }
+    const bool checker = found->find("checker").has_value();
+    if (!checker && !found->find("texture"))
+        found->fail("must hold \"texture\": \"FILE\" or \"checker\": [a, b], or be a number or [r, g, b]");
+    Texture parsed = checker ? parseChecker(*found) : parseImage(*found);
+    color = Color(1);
+    if (const auto tint = found->find("color")) color = tint->color();
+    texture = static_cast<uint32_t>(scene_.textures.size());
+    scene_.textures.push_back(std::move(parsed));
+    return true;
+}
+
+void TextureParser::readBackground(const JsonCursor& root) {
+    const auto background = root.find("background");
+    if (!background) return;
+    if (!background->value().object()) {
+        scene_.background = background->color();
+        return;
+    }
+    background->expectKeys(keys::kEnvironmentMap);
+    EnvironmentMap map;
+    const JsonCursor file = background->require("environment");
+    map.file = file.string();
+    map.image = load(file);
+    if (const auto rotation = background->find("rotation")) map.rotation = rotation->number();
+    if (const auto intensity = background->find("intensity")) map.intensity = intensity->color();
+    scene_.environment = std::move(map);
+}
+
+}  // namespace glint

@@ -1,0 +1,126 @@
+#include "import/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/error.h"
+#include "import/text_scanner.h"
+
+namespace glint {
+
+namespace {
+
+constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
+    {"char", PlyType::Int8},      {"uchar", PlyType::Uint8},    {"short", PlyType::Int16},
+    {"ushort", PlyType::Uint16},  {"int", PlyType::Int32},      {"uint", PlyType::Uint32},
+    {"float", PlyType::Float32},  {"double", PlyType::Float64}, {"int8", PlyType::Int8},
+    {"uint8", PlyType::Uint8},    {"int16", PlyType::Int16},    {"uint16", PlyType::Uint16},
+    {"int32", PlyType::Int32},    {"uint32", PlyType::Uint32},  {"float32", PlyType::Float32},
+    {"float64", PlyType::Float64}};
+
+PlyType readType(TextScanner& line) {
+    const std::string_view word = line.word();
+    for (const auto& [name, type] : kTypeNames)
+        if (word == name) return type;
+    line.fail("unknown property type \"" + std::string(word) + "\"");
+}
+
+PlyFormat readFormat(TextScanner& line) {
+    const std::string_view format = line.word();
+    const std::string_view version = line.word();
+    if (version != "1.0") line.fail("format version \"" + std::string(version) + "\" is not 1.0");
+    if (format == "ascii") return PlyFormat::Ascii;
+    if (format == "binary_little_endian") return PlyFormat::LittleEndian;
+    if (format == "binary_big_endian") return PlyFormat::BigEndian;
+    line.fail("unknown format \"" + std::string(format) +
+              "\" (known: ascii, binary_little_endian, binary_big_endian)");
+}
+
+PlyElement readElement(TextScanner& line) {
+    PlyElement element;
+    element.name = line.word();
+    const int64_t count = line.integer("an element count");
+    if (count < 0) line.fail("element count " + std::to_string(count) + " is negative");
+    element.count = static_cast<uint64_t>(count);
+    return element;
+}
+
+PlyProperty readProperty(TextScanner& line) {
+    PlyProperty property;
+    TextScanner copy = line;
+    if (copy.word() == "list") {
+        line.word();
+        property.isList = true;
+        property.countType = readType(line);
+        if (!isInteger(property.countType)) line.fail("a list's count must be of an integer type");
+    }
+    property.type = readType(line);
+    property.name = line.word();
+    if (property.name.empty()) line.fail("the property has no name");
+    return property;
+}
+
+// The offset behind the line "end_header". Only the header is lines: behind it binary data may hold any byte,
+// so whether lines end with CR alone is told from the header.
+size_t findBody(std::string_view bytes) {
+    constexpr std::string_view kMark = "end_header";
+    size_t mark = bytes.find(kMark);
+    while (mark != std::string_view::npos && mark > 0 && bytes[mark - 1] != '\n' && bytes[mark - 1] != '\r')
+        mark = bytes.find(kMark, mark + 1);
+    if (mark == std::string_view::npos) return bytes.size();
+    const bool feeds = bytes.substr(0, mark).find('\n') != std::string_view::npos;
+    const size_t lineEnd = bytes.find(feeds ? '\n' : '\r', mark);
+    return lineEnd == std::string_view::npos ? bytes.size() : lineEnd + 1;
+}
+
+}  // namespace
+
+size_t sizeOf(PlyType type) {
+    constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<size_t>(type)];
+}
+
+bool isInteger(PlyType type) {
+    return type != PlyType::Float32 && type != PlyType::Float64;
+}
+
+int PlyElement::find(std::string_view property) const {
+    const auto at = std::find_if(properties.begin(), properties.end(),
+                                 [&](const PlyProperty& p) { return p.name == property; });
+    return at == properties.end() ? -1 : static_cast<int>(at - properties.begin());
+}
+
+PlyHeader readPlyHeader(std::string_view bytes, const std::string& file) {
+    PlyHeader header;
+    header.bodyOffset = findBody(bytes);
+    TextScanner lines(bytes.substr(0, header.bodyOffset), file);
+    if (!lines.nextLine() || lines.word() != "ply") lines.fail("not a PLY file: it must start with \"ply\"");
+    bool hasFormat = false;
+    while (lines.nextLine()) {
+        const std::string_view keyword = lines.word();
+        if (keyword == "end_header") {
+            if (!hasFormat) lines.fail("the header has no format line");
+            header.bodyLine = lines.line() + 1;
+            return header;
+        }
+        if (keyword == "format") {
+            header.format = readFormat(lines);
+            hasFormat = true;
+        } else if (keyword == "element") {
+            PlyElement element = readElement(lines);
+            for (const PlyElement& other : header.elements)
+                if (other.name == element.name)
+                    lines.fail("element \"" + element.name + "\" stands here twice");
+            header.elements.push_back(std::move(element));
+        } else if (keyword == "property") {
+            if (header.elements.empty()) lines.fail("a property before the first element");
+            header.elements.back().properties.push_back(readProperty(lines));
+        } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
+            lines.fail("unknown header word \"" + std::string(keyword.substr(0, 40)) + "\"");
+        }
+    }
+    lines.fail("the file ends before end_header");
+}
+
+}  // namespace glint

@@ -1,0 +1,36 @@
+// The file readers behind importMesh and loadScene.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "import/importers.h"
+
+namespace glint {
+
+ImportedMesh readObj(const std::filesystem::path& path);
+ImportedMesh readPly(const std::filesystem::path& path);
+ImportedMesh readStl(const std::filesystem::path& path);
+
+// A scene that another program wrote. Without a camera of its own scene.camera means nothing; without lights
+// scene.lights is empty. Not yet validated.
+struct ImportedScene {
+    Scene scene;
+    bool hasCamera = false;
+};
+
+// What is read, how it is mapped and what is only warned about: docs/scene-format.md. They throw Error(Scene)
+// "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
+ImportedScene readNff(const std::filesystem::path& path);
+ImportedScene readGltf(const std::filesystem::path& path);
+
+// The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
+ImportedMesh flattened(Scene scene);
+
+// Appends the materials of an MTL file, and the textures that they index. What is read and what is only
+// warned about: importers.h. Throws Error(Scene) if it cannot be read or a value is out of range.
+void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
+             std::vector<Texture>& textures, std::vector<std::string>& warnings);
+
+}  // namespace glint

@@ -1,0 +1,198 @@
+// STL (3D Systems, Stereolithography Interface Specification, 1988), ascii and binary. Not by assimp (5.2.5):
+// it makes floats of ascii coordinates, keeps the stored normals, which modelling programs often leave wrong
+// or zero, and tells no line numbers.
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "core/text_file.h"
+#include "import/mesh_builder.h"
+#include "import/readers.h"
+#include "import/text_scanner.h"
+
+namespace glint {
+
+namespace {
+
+constexpr size_t kHeaderSize = 84;  // 80 bytes of anything and the number of triangles
+constexpr size_t kFacetSize = 50;   // normal, three vertices, two attribute bytes
+
+struct PointHash {
+    size_t operator()(const glm::dvec3& p) const {
+        uint64_t hash = 14695981039346656037u;  // FNV-1a over the words
+        for (const double x : {p.x, p.y, p.z}) hash = (hash ^ std::bit_cast<uint64_t>(x)) * 1099511628211u;
+        return static_cast<size_t>(hash ^ (hash >> 32));
+    }
+};
+
+template <typename T>
+T littleEndian(const char* bytes) {
+    std::array<char, sizeof(T)> ordered;
+    for (size_t i = 0; i < sizeof(T); i++)
+        ordered[std::endian::native == std::endian::little ? i : sizeof(T) - 1 - i] = bytes[i];
+    return std::bit_cast<T>(ordered);
+}
+
+// Triangles with vertices that know nothing of each other become a mesh: equal vertices are one.
+class FacetCollector {
+  public:
+    void reserve(size_t facets) {
+        builder_.reserve(facets);
+        indices_.reserve(facets / 2);  // closed meshes have half as many vertices as triangles
+    }
+
+    void add(const glm::dvec3& normal, const std::array<glm::dvec3, 3>& vertices) {
+        if (glm::dot(normal, glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])) < 0)
+            disagreeing_++;
+        std::array<uint32_t, 3> corners;
+        for (size_t i = 0; i < 3; i++) corners[i] = indexOf(vertices[i]);
+        builder_.addPolygon({corners});
+    }
+
+    ImportedMesh finish(const std::string& file, std::vector<std::string> warnings) {
+        if (disagreeing_ > 0)
+            warnings.push_back(file + ": the stored normals of " + std::to_string(disagreeing_) +
+                               " facets point against the winding of their vertices, which counts");
+        return builder_.finish(file, {}, std::move(warnings));
+    }
+
+  private:
+    uint32_t indexOf(const glm::dvec3& vertex) {
+        const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0, which it is equal to; NaN equals nothing
+        const auto [at, isNew] = indices_.try_emplace(key, static_cast<uint32_t>(builder_.positions.size()));
+        if (isNew) builder_.positions.push_back(key);
+        return at->second;
+    }
+
+    MeshBuilder builder_;
+    std::unordered_map<glm::dvec3, uint32_t, PointHash> indices_;
+    size_t disagreeing_ = 0;
+};
+
+// In ascii files line ends mean no more than blanks, but after the name of a solid.
+class AsciiStl {
+  public:
+    AsciiStl(std::string_view text, const std::string& file) : file_(file), scanner_(text, file) {}
+
+    ImportedMesh read() {
+        while (scanner_.skipToWord()) {
+            expect("solid");
+            scanner_.restOfLine();
+            while (!keywordIs("endsolid")) readFacet();
+            scanner_.restOfLine();
+        }
+        return facets_.finish(file_, {});
+    }
+
+  private:
+    std::string nextWord(const char* wanted) {
+        if (!scanner_.skipToWord())
+            scanner_.fail(std::string("the file ends where \"") + wanted + "\" is expected");
+        std::string word(scanner_.word());
+        for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return word;
+    }
+
+    void expect(const char* keyword) {
+        const std::string word = nextWord(keyword);
+        if (word != keyword)
+            scanner_.fail(std::string("expected \"") + keyword + "\" (got \"" + word.substr(0, 40) + "\")");
+    }
+
+    // True at `keyword`, false at "facet"; nothing else may stand there.
+    bool keywordIs(const char* keyword) {
+        const std::string word = nextWord(keyword);
+        if (word != keyword && word != "facet")
+            scanner_.fail(std::string("expected \"facet\" or \"") + keyword + "\" (got \"" +
+                          word.substr(0, 40) + "\")");
+        return word == keyword;
+    }
+
+    glm::dvec3 readVector(const char* owner) {
+        glm::dvec3 vector;
+        for (int i = 0; i < 3; i++) {
+            if (!scanner_.skipToWord()) scanner_.fail(std::string("the file ends within ") + owner);
+            vector[i] = scanner_.number(owner);
+        }
+        return vector;
+    }
+
+    void readFacet() {
+        expect("normal");
+        const glm::dvec3 normal = readVector("a normal");
+        expect("outer");
+        expect("loop");
+        std::array<glm::dvec3, 3> vertices;
+        for (glm::dvec3& vertex : vertices) {
+            expect("vertex");
+            vertex = readVector("a vertex");
+        }
+        expect("endloop");
+        expect("endfacet");
+        facets_.add(normal, vertices);
+    }
+
+    const std::string& file_;
+    TextScanner scanner_;
+    FacetCollector facets_;
+};
+
+ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
+    if (bytes.size() < kHeaderSize)
+        throw Error(ErrorKind::Scene,
+                    file + ": neither ascii STL (\"solid ...\") nor long enough for binary");
+    const uint64_t count = littleEndian<uint32_t>(bytes.data() + kHeaderSize - 4);
+    const uint64_t available = (bytes.size() - kHeaderSize) / kFacetSize;
+    if (available < count)
+        throw Error(ErrorKind::Scene, file + ": byte " + std::to_string(bytes.size()) +
+                                          ": the file ends after " + std::to_string(available) + " of " +
+                                          std::to_string(count) + " triangles");
+    FacetCollector facets;
+    facets.reserve(count);
+    size_t attributes = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        const char* facet = bytes.data() + kHeaderSize + i * kFacetSize;
+        std::array<glm::dvec3, 4> vectors;
+        for (size_t k = 0; k < 12; k++)
+            vectors[k / 3][static_cast<int>(k % 3)] = littleEndian<float>(facet + 4 * k);
+        facets.add(vectors[0], {vectors[1], vectors[2], vectors[3]});
+        if (littleEndian<uint16_t>(facet + 48) != 0) attributes++;
+    }
+    std::vector<std::string> warnings;
+    if (attributes > 0)
+        warnings.push_back(file + ": the attribute bytes of " + std::to_string(attributes) +
+                           " facets, in which some programs keep colours, are ignored");
+    const uint64_t rest = bytes.size() - kHeaderSize - count * kFacetSize;
+    if (rest > 0)
+        warnings.push_back(file + ": " + std::to_string(rest) + " bytes after the last triangle are ignored");
+    return facets.finish(file, std::move(warnings));
+}
+
+// Binary files may start with "solid" too, so their size is asked first: read as a number, four characters
+// of an ascii file stand for half a billion triangles or more.
+bool isAscii(std::string_view bytes) {
+    if (bytes.size() >= kHeaderSize) {
+        const uint64_t count = littleEndian<uint32_t>(bytes.data() + kHeaderSize - 4);
+        if (bytes.size() == kHeaderSize + count * kFacetSize) return false;
+    }
+    const size_t start = bytes.find_first_not_of(" \t\r\n");
+    if (start == std::string_view::npos || bytes.size() < start + 5) return false;
+    for (size_t i = 0; i < 5; i++)
+        if (std::tolower(static_cast<unsigned char>(bytes[start + i])) != "solid"[i]) return false;
+    // A binary file of another size is a damaged one; its counts and numbers hold zero bytes.
+    return bytes.substr(0, 1024).find('\0') == std::string_view::npos;
+}
+
+}  // namespace
+
+ImportedMesh readStl(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const std::string bytes = readWholeFile(path);
+    return isAscii(bytes) ? AsciiStl(bytes, file).read() : readBinary(bytes, file);
+}
+
+}  // namespace glint

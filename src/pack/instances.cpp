@@ -1,0 +1,302 @@
+#include "pack/instances.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/parallel.h"
+#include "pack/pack_geometry.h"
+#include "pack/pack_textures.h"
+#include "pack/primitives.h"
+#include "pack/region.h"
+#include "scene/transform.h"
+
+namespace glint {
+namespace {
+
+// Boxes of a prototype's top that each instance's box encloses after the transform. Measured,
+// docs/measurements.md.
+constexpr size_t kTopBoxes = 64;
+
+glm::dmat3 magnitudes(const glm::dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
+}
+
+double greatest(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+// The boxes of `most` or fewer nodes that enclose everything between them, the greatest split first.
+std::vector<Box> topBoxes(const std::vector<shared::Node>& nodes, size_t most) {
+    struct Child {
+        Box box;
+        uint32_t child;
+        bool isNode() const { return (child & shared::kLeafFlag) == 0; }
+    };
+    std::vector<Child> cut;
+    const auto add = [&](const shared::Node& node) {
+        cut.push_back({{node.lo0, node.hi0}, node.child0});
+        if (node.child1 != shared::kNone) cut.push_back({{node.lo1, node.hi1}, node.child1});
+    };
+    if (!nodes.empty()) add(nodes[0]);
+    while (cut.size() < most) {
+        const auto worth = [](const Child& c) { return c.isNode() ? c.box.halfArea() : -1.0; };
+        const auto next = std::max_element(
+            cut.begin(), cut.end(), [&](const Child& a, const Child& b) { return worth(a) < worth(b); });
+        if (next == cut.end() || !next->isNode()) break;
+        const shared::Node& node = nodes[next->child];
+        cut.erase(next);
+        add(node);
+    }
+    std::vector<Box> boxes;
+    for (const Child& c : cut) boxes.push_back(c.box);
+    return boxes;
+}
+
+// Spheres and discs are all the unit one (scene/placement.h), meshes are shared by address.
+std::pair<size_t, const void*> prototypeKey(const Object& object) {
+    if (const auto* mesh = std::get_if<MeshShape>(&object.shape))
+        return {object.shape.index(), mesh->mesh.get()};
+    const bool unit =
+        std::holds_alternative<SphereShape>(object.shape) || std::holds_alternative<DiscShape>(object.shape);
+    return {object.shape.index(), unit ? nullptr : static_cast<const void*>(&object)};
+}
+
+Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDepth,
+                        const PackOptions& options) {
+    Scene alone;
+    alone.objects.push_back({object.name, object.shape, 0, std::nullopt});
+    // Each instance may have a material of its own, so texture coordinates are kept if any material wants
+    // them.
+    alone.materials.assign(scene.materials.size(), {});
+    const auto textured = std::find_if(scene.materials.begin(), scene.materials.end(), hasTexture);
+    if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
+    const PrimitiveNumbers numbers(alone);
+    checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxDepth);
+    const Region region = geometryRegion(alone, numbers, nullptr, options.threads);
+    Prototype prototype;
+    PackedScene& packed = prototype.geometry;
+    if (region.empty()) return prototype;
+    packed.origin = originOf(region);
+    // Seen from its middle: no form of rounding may depend on where the camera is.
+    const Frame frame{packed.origin, region.center(), nullptr};
+    Materials unused(scene.materials.size());
+    packGeometry(alone, numbers, frame, maxDepth, options, packed, unused);
+    prototype.boxes = topBoxes(packed.nodes, kTopBoxes);
+    return prototype;
+}
+
+// Where the arrays of a part begin in the whole.
+struct Bases {
+    std::array<uint32_t, shared::kKindCount> kinds;
+    uint32_t nodes, vertexNormals, polygonVertices, vertexAttributes;
+};
+
+uint32_t sizeOf(const auto& array) {
+    return static_cast<uint32_t>(array.size());
+}
+
+Bases basesIn(const PackedScene& packed) {
+    Bases bases{};
+    bases.kinds[shared::kKindTriangle] = sizeOf(packed.triangles);
+    bases.kinds[shared::kKindSphere] = sizeOf(packed.spheres);
+    bases.kinds[shared::kKindDisc] = sizeOf(packed.discs);
+    bases.kinds[shared::kKindPolygon] = sizeOf(packed.polygons);
+    bases.kinds[shared::kKindQuadric] = sizeOf(packed.quadrics);
+    bases.nodes = sizeOf(packed.nodes);
+    bases.vertexNormals = sizeOf(packed.vertexNormals);
+    bases.vertexAttributes = sizeOf(packed.vertexAttributes);
+    bases.polygonVertices = sizeOf(packed.polygonVertices);
+    return bases;
+}
+
+uint32_t movedChild(uint32_t child, const Bases& bases) {
+    if (child == shared::kNone) return child;
+    if ((child & shared::kLeafFlag) == 0) return child + bases.nodes;
+    return child + bases.kinds[child >> shared::kLeafKindShift & shared::kLeafKindMask];
+}
+
+template <class T>
+void appendArray(std::vector<T>& to, std::vector<T>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+    from = {};
+}
+
+void appendGeometry(PackedScene& to, PackedScene& part) {
+    const Bases bases = basesIn(to);
+    for (shared::Node& node : part.nodes) {
+        node.child0 = movedChild(node.child0, bases);
+        node.child1 = movedChild(node.child1, bases);
+        if (node.escape != shared::kNone) node.escape += 2 * bases.nodes;
+    }
+    for (shared::TriangleSurface& surface : part.triangleSurfaces) {
+        if (surface.vertexNormals != shared::kNone) surface.vertexNormals += bases.vertexNormals;
+        if (surface.attributes != 0) surface.attributes += bases.vertexAttributes;
+    }
+    for (shared::Polygon& polygon : part.polygons) polygon.firstVertex += bases.polygonVertices;
+    appendArray(to.nodes, part.nodes);
+    appendArray(to.triangles, part.triangles);
+    appendArray(to.triangleSurfaces, part.triangleSurfaces);
+    appendArray(to.vertexNormals, part.vertexNormals);
+    appendArray(to.vertexAttributes, part.vertexAttributes);
+    appendArray(to.spheres, part.spheres);
+    appendArray(to.discs, part.discs);
+    appendArray(to.polygons, part.polygons);
+    appendArray(to.polygonVertices, part.polygonVertices);
+    appendArray(to.quadrics, part.quadrics);
+    to.polygonTripsPerLeaf = std::max(to.polygonTripsPerLeaf, part.polygonTripsPerLeaf);
+    to.statistics.leaves += part.statistics.leaves;
+    to.statistics.splitTriangles += part.statistics.splitTriangles;
+    to.statistics.buildSeconds += part.statistics.buildSeconds;
+    to.statistics.droppedZeroArea += part.statistics.droppedZeroArea;
+    to.statistics.droppedNotFinite += part.statistics.droppedNotFinite;
+    to.warnings.insert(to.warnings.end(), part.warnings.begin(), part.warnings.end());
+    for (const uint32_t count : basesIn(to).kinds)
+        checkLimit("primitives of a kind", count, uint64_t{shared::kLeafFirstMask} + 1);
+}
+
+// From the prototype's local coordinates to the world.
+Affine fromLocal(const Affine& transform, const glm::dvec3& prototypeOrigin) {
+    return then(translation(prototypeOrigin), transform);
+}
+
+Box worldBox(const std::vector<Box>& boxes, const glm::dmat3& linear, const glm::dvec3& place) {
+    const glm::dmat3 size = magnitudes(linear);
+    glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo;
+    for (const Box& box : boxes) {
+        const glm::dvec3 half = 0.5 * (glm::dvec3(box.hi) - glm::dvec3(box.lo));
+        const glm::dvec3 center = linear * (glm::dvec3(box.lo) + half) + place;
+        // A score of roundings in double of the transform's inverse and of these sums.
+        const glm::dvec3 margin = 0x1p-47 * (size * (half + glm::abs(glm::dvec3(box.lo))) + glm::abs(place));
+        lo = glm::min(lo, center - size * half - margin);
+        hi = glm::max(hi, center + size * half + margin);
+    }
+    Box box;
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    if (!(greatest(lo) < std::numeric_limits<float>::max() &&
+          greatest(hi) < std::numeric_limits<float>::max()))
+        return box;
+    for (int i = 0; i < 3; ++i) {
+        box.lo[i] = std::nextafter(static_cast<float>(lo[i]), -kInf);
+        box.hi[i] = std::nextafter(static_cast<float>(hi[i]), kInf);
+    }
+    return box;
+}
+
+}  // namespace
+
+Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options)
+    : slot_(scene.objects.size(), shared::kNone) {
+    std::map<std::pair<size_t, const void*>, uint32_t> known;
+    std::vector<const Object*> shown;
+    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (kindOf(object) != shared::kKindInstance) continue;
+        const auto [entry, fresh] = known.try_emplace(prototypeKey(object), sizeOf(shown));
+        if (fresh) shown.push_back(&object);
+        slot_[i] = sizeOf(objects_);
+        prototype_.push_back(entry->second);
+        objects_.push_back(i);
+    }
+    if (shown.empty()) return;
+    const uint32_t needed = static_cast<uint32_t>(std::bit_width(numbers.total())) + 4;
+    depthOfPrototypes_ = kDepth - std::max(needed, kDepth / 2);
+    for (const Object* object : shown)
+        prototypes_.push_back(packPrototype(*object, scene, depthOfPrototypes_, options));
+}
+
+std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) const {
+    const Prototype& prototype = prototypeOf(object);
+    std::vector<glm::dvec3> corners;
+    const Affine world = fromLocal(*scene.objects[object].transform, prototype.geometry.origin);
+    Box box;
+    for (const Box& part : prototype.boxes) box.include(part);
+    for (int i = 0; i < 8 && !box.empty(); ++i) {
+        const glm::dvec3 corner(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y,
+                                i & 4 ? box.hi.z : box.lo.z);
+        corners.push_back(world.linear * corner + world.offset);
+    }
+    return corners;
+}
+
+// A device ray errs in the object's coordinates: by gamma_4 |W| |o - T| at its origin (one difference, then
+// products and sums of three), by gamma_3 |W| |d| t at a distance t. Back in the world that is up to K (7 u
+// |o - T| + 3 u r) on any axis, with K the greatest row sum of |W^-1| |W|, and r the reach of the box from T,
+// since t |d| <= |o - T| + r. So a hit may lie that far outside of the box, and the ray's boxes are widened
+// by 10 u K (|o| + B), B bounding |T| + r, which also covers the rounding of the sum.
+Instances::Placed Instances::placedAt(const Scene& scene, uint32_t object, uint32_t id,
+                                      const glm::dvec3& origin) const {
+    const Prototype& prototype = prototypeOf(object);
+    const Affine world = fromLocal(*scene.objects[object].transform, prototype.geometry.origin);
+    const glm::dmat3 rows = glm::transpose(inverse(world).linear);
+    Placed placed;
+    shared::Instance& row = placed.row;
+    row.place = glm::vec3(world.offset - origin);
+    row.toObjectX = glm::vec3(rows[0]);
+    row.toObjectY = glm::vec3(rows[1]);
+    row.toObjectZ = glm::vec3(rows[2]);
+    // The surface is where the rounded matrix says; so the way back is its inverse.
+    const glm::dmat3 toObject = glm::transpose(
+        glm::dmat3(glm::dvec3(row.toObjectX), glm::dvec3(row.toObjectY), glm::dvec3(row.toObjectZ)));
+    const glm::dmat3 back = inverse({toObject, glm::dvec3(0)}).linear;
+    const glm::dmat3 backRows = glm::transpose(back);
+    row.toWorldX = glm::vec3(backRows[0]);
+    row.toWorldY = glm::vec3(backRows[1]);
+    row.toWorldZ = glm::vec3(backRows[2]);
+    row.root = prototype_[slot_[object]];
+    row.idBase = id;
+    row.mirrored = glm::dot(backRows[0], glm::cross(backRows[1], backRows[2])) < 0 ? 1 : 0;
+    row.object = object;
+    const Object& shown = scene.objects[object];
+    const auto* mesh = std::get_if<MeshShape>(&shown.shape);
+    row.material = mesh != nullptr && !mesh->mesh->materials.empty() ? shared::kNone : shown.material;
+    placed.box = worldBox(prototype.boxes, back, glm::dvec3(row.place));
+    if (placed.box.empty()) return placed;
+    placed.gain = greatest(magnitudes(back) * (magnitudes(toObject) * glm::dvec3(1)));
+    const glm::dvec3 far = glm::max(glm::abs(glm::dvec3(placed.box.lo)), glm::abs(glm::dvec3(placed.box.hi)));
+    placed.reach = 2 * greatest(row.place) + greatest(far);
+    return placed;
+}
+
+void Instances::place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
+                      unsigned threads) {
+    placed_.resize(objects_.size());
+    const auto place = [&](size_t i) {
+        placed_[i] = placedAt(scene, objects_[i], numbers.firstId(objects_[i]), origin);
+    };
+    parallelFor(objects_.size(), place, threads);
+}
+
+void Instances::append(PackedScene& packed) {
+    std::vector<uint32_t> roots, triangles;
+    uint32_t depth = 0;
+    for (Prototype& prototype : prototypes_) {
+        roots.push_back(sizeOf(packed.nodes));
+        triangles.push_back(sizeOf(prototype.geometry.triangles) -
+                            prototype.geometry.statistics.splitTriangles);
+        packed.statistics.prototypeTriangles += triangles.back();
+        depth = std::max(depth, prototype.geometry.statistics.depth);
+        appendGeometry(packed, prototype.geometry);
+    }
+    packed.statistics.depth += depth;
+    packed.statistics.prototypes = sizeOf(prototypes_);
+    for (shared::Instance& row : packed.instances) {
+        packed.statistics.instancedTriangles += triangles[row.root];
+        row.root = roots[row.root];
+    }
+    double gain = 0, reach = 0;
+    for (const Placed& placed : placed_) {
+        gain = std::max(gain, placed.gain);
+        reach = std::max(reach, placed.reach);
+    }
+    constexpr double kRoundings = 10 * 0x1p-24;
+    packed.environment.instancePad = static_cast<float>(kRoundings * gain);
+    packed.environment.instancePadAtOrigin = static_cast<float>(std::min(kRoundings * gain * reach, 1e30));
+    packed.instanceGain = gain;
+}
+
+}  // namespace glint

@@ -1,0 +1,71 @@
+// Objects that are instances: what they show is packed once, in its own coordinates, with a tree of its own.
+// Internal to the packing.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bvh/builder.h"
+#include "pack/packed_scene.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+class PrimitiveNumbers;
+struct PackOptions;
+
+// What instances show.
+struct Prototype {
+    PackedScene geometry;    // arrays, statistics and warnings; local to geometry.origin
+    std::vector<Box> boxes;  // of the tree's top, together around everything
+};
+
+class Instances {
+  public:
+    // Packs the prototypes of the objects with a transform, see placeObjects. A level of the trees' 48 is
+    // left to the instances for each factor of two in their number and 4 more.
+    Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options);
+
+    bool any() const { return !prototypes_.empty(); }
+    uint32_t depthOfTop() const { return kDepth - depthOfPrototypes_; }
+
+    // The corners of the box around an instance, in the world; none for one that shows nothing.
+    std::vector<glm::dvec3> corners(const Scene& scene, uint32_t object) const;
+
+    // Rounds transforms relative to the origin of the packed scene and boxes the instances.
+    void place(const Scene& scene, const PrimitiveNumbers& numbers, const glm::dvec3& origin,
+               unsigned threads);
+    // Of an object that shows something and whose place is within the range of fp32. `root` is the number of
+    // its prototype until append is called.
+    bool showsAnything(uint32_t object) const { return !prototypeOf(object).boxes.empty(); }
+    bool isFinite(uint32_t object) const { return !placed_[slot_[object]].box.empty(); }
+    const Box& box(uint32_t object) const { return placed_[slot_[object]].box; }
+    const shared::Instance& row(uint32_t object) const { return placed_[slot_[object]].row; }
+
+    // Puts the prototypes' arrays behind those of the scene, completes its instances, and says how far boxes
+    // are to be widened for them (Environment::instancePad...).
+    void append(PackedScene& packed);
+
+  private:
+    static constexpr uint32_t kDepth = shared::kMaxBvhDepth;
+    struct Placed {
+        shared::Instance row;
+        Box box;
+        double gain = 0;   // see place()
+        double reach = 0;  // greatest coordinate of the box and the place
+    };
+    const Prototype& prototypeOf(uint32_t object) const { return prototypes_[prototype_[slot_[object]]]; }
+    Placed placedAt(const Scene& scene, uint32_t object, uint32_t id, const glm::dvec3& origin) const;
+
+    std::vector<Prototype> prototypes_;
+    std::vector<uint32_t> slot_;       // of each object among the instances
+    std::vector<uint32_t> prototype_;  // of each instance
+    std::vector<uint32_t> objects_;    // of each instance
+    std::vector<Placed> placed_;
+    uint32_t depthOfPrototypes_ = 0;
+};
+
+}  // namespace glint

@@ -1,0 +1,160 @@
+#include "pack/pack_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "pack/filter_table.h"
+#include "pack/sample_points.h"
+#include "scene/sampling.h"
+#include "trace/picture.h"
+
+namespace glint {
+
+namespace {
+
+// Samples whose x and y are drawn from the positive (0) or the negative (1) part of the filter.
+struct SampleClass {
+    uint32_t tableX = 0, tableY = 0;
+    double mass = 1;  // of the filter over these, as a share of its integral
+    uint32_t count = 0;
+};
+
+// A filter that is never negative has one class. Mitchell's has four, whose samples are counted out by the
+// integral of |filter|, one at least of each class that weighs more than a thousandth of the positive one.
+std::vector<SampleClass> classesOf(const FilterParts& parts, uint32_t count) {
+    const double p = parts.positive.mass, n = parts.negative.mass;
+    if (n == 0) return {{0, 0, 1, count}};
+    std::vector<SampleClass> classes = {{0, 0, p * p}, {1, 0, n * p}, {0, 1, p * n}, {1, 1, n * n}};
+    const double all = (p + n) * (p + n);
+    uint32_t left = count;
+    for (size_t i = 1; i < classes.size(); ++i) {
+        const auto share = static_cast<uint32_t>(std::lround(count * classes[i].mass / all));
+        classes[i].count = std::min(std::max(share, i < 3 ? 1u : 0u), left - 1);
+        left -= classes[i].count;
+    }
+    classes[0].count = left;
+    return classes;
+}
+
+double sign(const SampleClass& c) {
+    return c.tableX == c.tableY ? 1.0 : -1.0;
+}
+
+shared::Sample sampleOf(const FixedPoint& place, const SampleClass& c, double weight, uint32_t seed) {
+    shared::Sample s;
+    s.x = place[0];
+    s.y = place[1];
+    s.lensX = place[2];
+    s.lensY = place[3];
+    s.tableX = c.tableX;
+    s.tableY = c.tableY;
+    s.weight = glm::vec3(static_cast<float>(weight));
+    s.seed = seed;
+    return s;
+}
+
+class SampleMaker {
+  public:
+    explicit SampleMaker(const ImageSettings& image)
+        : image_(image), sampler_(samplerOf(image)), parts_(filterParts(image.filter, image.filterRadius)) {}
+
+    void addTables(std::vector<shared::Sample>& rows) const {
+        static_assert(sizeof(shared::Sample) * shared::kFirstSample == 2 * 16 * shared::kFilterRows);
+        static_assert(16 * shared::kFilterRows == 4 * 2 * shared::kFilterCells);
+        rows.resize(shared::kFirstSample);
+        auto* bytes = reinterpret_cast<std::byte*>(rows.data());
+        const size_t size = 16 * shared::kFilterRows;
+        std::memcpy(bytes, parts_.positive.cells.data(), size);
+        std::memcpy(bytes + size, parts_.negative.cells.data(), size);
+    }
+
+    // `count` samples whose weights sum to their number.
+    void addRound(uint32_t count, std::vector<shared::Sample>& rows) {
+        const std::vector<SampleClass> classes = classesOf(parts_, count);
+        double kept = 0;
+        for (const SampleClass& c : classes) kept += c.count > 0 ? sign(c) * c.mass : 0.0;
+        for (size_t i = 0; i < classes.size(); ++i) {
+            const double weight = sign(classes[i]) * classes[i].mass / kept * count / classes[i].count;
+            if (classes[i].count > 0) addClass(i, classes[i], weight, rows);
+        }
+    }
+
+  private:
+    // Sequences go on from round to round. The cells of jittered samples are made anew, their random numbers
+    // come from the sample's number in the picture.
+    void addClass(size_t number, const SampleClass& c, double weight, std::vector<shared::Sample>& rows) {
+        const auto add = [&](const FixedPoint& place, uint32_t scatter, uint32_t key,
+                             const FixedPoint& width) {
+            shared::Sample s = sampleOf(place, c, weight, image_.seed);
+            s.scatter = scatter;
+            s.key = key;
+            s.widthX = width[0];
+            s.widthY = width[1];
+            s.widthLensX = width[2];
+            s.widthLensY = width[3];
+            rows.push_back(s);
+        };
+        const auto key = static_cast<uint32_t>(number);
+        const uint32_t order = image_.seed + 4 * round_++ + key;
+        if (sampler_ == Sampler::Grid) {
+            for (const FixedPoint& p : gridPoints(c.count, key)) add(p, shared::kScatterNone, key, {});
+        } else if (sampler_ == Sampler::Jittered) {
+            for (const FixedCell& cell : stratifiedCells(c.count, order))
+                add(cell.low, shared::kScatterJitter, taken_++, cell.width);
+        } else {
+            for (uint32_t i = 0; i < c.count; ++i)
+                add(sobolPoint(next_[number]++), shared::kScatterOwen, key, {});
+        }
+    }
+
+    const ImageSettings& image_;
+    Sampler sampler_;
+    FilterParts parts_;
+    std::array<uint32_t, 4> next_{};  // of each class's sequence
+    uint32_t taken_ = 0, round_ = 0;
+};
+
+}  // namespace
+
+uint32_t PackedSamples::count() const {
+    return static_cast<uint32_t>(scattered() ? rows.size() - shared::kFirstSample : offsets.size());
+}
+
+PackedSamples PackedSamples::only(uint32_t index) const {
+    PackedSamples one;
+    if (scattered()) {
+        one.rows.assign(rows.begin(), rows.begin() + shared::kFirstSample);
+        one.rows.push_back(rows[shared::kFirstSample + index]);
+    } else {
+        one.offsets = {offsets[index]};
+    }
+    return one;
+}
+
+PackedSamples PackedSamples::fixed(std::vector<glm::dvec2> offsets) {
+    PackedSamples samples;
+    samples.round = static_cast<uint32_t>(offsets.size());
+    samples.offsets = std::move(offsets);
+    return samples;
+}
+
+PackedSamples packSamples(const ImageSettings& image, bool lens) {
+    const bool everywhere = samplerOf(image) == Sampler::Grid && image.filter == Filter::Box &&
+                            image.filterRadius == 0.5 && !lens && !image.adaptive;
+    if (everywhere) return PackedSamples::fixed(sampleOffsets(image.samplesPerPixel));
+    PackedSamples samples;
+    samples.round = static_cast<uint32_t>(image.samplesPerPixel);
+    SampleMaker maker(image);
+    maker.addTables(samples.rows);
+    uint32_t rounds = 1;
+    if (image.adaptive) {
+        rounds = std::max(1u, static_cast<uint32_t>(image.adaptive->maxSamples) / samples.round);
+        samples.threshold = static_cast<float>(image.adaptive->threshold);
+    }
+    for (uint32_t i = 0; i < rounds; ++i) maker.addRound(samples.round, samples.rows);
+    return samples;
+}
+
+}  // namespace glint

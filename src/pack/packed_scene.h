@@ -1,0 +1,129 @@
+// The flat arrays that both tracers read: fp32, in leaf order, relative to a local origin.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "bvh/builder.h"
+#include "scene/scene.h"
+#include "shared/layout.h"
+#include "trace/methods.h"
+
+namespace glint {
+
+// What a scene uses. The device pipeline leaves out whatever is false.
+struct SceneFeatures {
+    bool triangles = false;
+    bool spheres = false;
+    bool anchoredSpheres = false;
+    bool planes = false;
+    bool vertexNormals = false;
+    bool pointLights = false;
+    bool directionalLights = false;
+    bool specular = false;  // some material has a highlight
+    bool mirrors = false;   // some material reflects, and maxDepth > 0
+    bool discs = false;
+    bool polygons = false;
+    bool quadrics = false;
+    bool spotLights = false;
+    bool instances = false;
+    bool parallelCamera = false;  // the origin of camera rays moves with the pixel
+    bool transmission = false;    // some material lets light through
+    bool coloredShadows = false;  // and so do its shadows
+    bool attenuation = false;     // and light fades inside of it
+    bool textures = false;        // some material has an image
+    bool environmentMap = false;
+    bool vertexColors = false;
+    bool uvs = false;             // triangles with texture coordinates of their own
+    bool checkers = false;        // some material has a checker
+    bool alphaMask = false;       // some material's image cuts holes
+    bool splitTriangles = false;  // some triangles stand in the tree more than once
+    bool thinLens = false;        // it moves with the sample
+    bool operator==(const SceneFeatures&) const = default;
+};
+
+// Every feature on: the pipeline that leaves nothing out.
+SceneFeatures allFeatures();
+
+struct PackStatistics {
+    double buildSeconds = 0;  // of the BVH alone
+    uint32_t leaves = 0;
+    uint32_t depth = 0;
+    uint32_t splitTriangles = 0;  // further entries of triangles that were split for the BVH
+    // Expected cost of a random ray in primitive tests; a node costs BvhOptions::traversalCost.
+    double sahCost = 0;
+    uint32_t prototypes = 0;
+    uint64_t prototypeTriangles = 0;  // stored once each
+    uint64_t instancedTriangles = 0;  // that these stand for
+    uint32_t droppedZeroArea = 0;     // triangles and polygons without area after rounding to fp32
+    uint32_t droppedNotFinite =
+        0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
+};
+
+struct PackedScene {
+    glm::dvec3 origin{0};  // world = origin + local; every position below is local
+    std::vector<shared::Node> nodes;
+    std::vector<shared::Triangle> triangles;
+    std::vector<shared::TriangleSurface> triangleSurfaces;  // parallel to triangles
+    std::vector<shared::VertexNormals> vertexNormals;
+    std::vector<shared::Sphere> spheres;
+    std::vector<shared::Plane> planes;
+    std::vector<shared::Disc> discs;
+    std::vector<shared::Polygon> polygons;
+    std::vector<shared::PolygonVertex> polygonVertices;
+    std::vector<shared::Instance> instances;
+    // How many times instances make rounding worse at most: the greatest row sum of |A| |A^-1|; 0 without.
+    double instanceGain = 0;
+    std::vector<shared::Quadric> quadrics;
+    uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
+    std::vector<shared::Material> materials;
+    std::vector<shared::Optics> optics;  // of the materials that let light through
+    std::vector<shared::Light> lights;
+    shared::Environment environment;
+    std::vector<shared::Texture> textures;  // those that a primitive's material, or the background, uses
+    std::vector<shared::Texel> texels;      // each image once
+    std::vector<shared::VertexAttribute> vertexAttributes;
+    std::vector<shared::ObjectFrame>
+        objectFrames;  // of every object, if a material has a texture; else empty
+    SceneFeatures features;
+    Methods methods;  // the intersection tests of both tracers; packScene leaves the default
+    PackStatistics statistics;
+    std::vector<std::string> warnings;
+    glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
+};
+
+// The world point that local coordinates start from. Let c be the centre and e half the greatest edge of the
+// box around the camera's eye and all finite geometry except planes (without such geometry: around the eye,
+// its target and each plane's point nearest the eye). The origin is exactly 0 unless the largest |component|
+// of c exceeds 64 e, which would cost the geometry 6 and more of the 24 bits that fp32 has. Then it is c
+// rounded to a multiple of the power of two in (e, 2e]: no more than e away from c in any axis, and a number
+// of few bits, exact in fp32 too as long as |c| < 2^24 e.
+glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
+
+// Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,
+// drops degenerate triangles, builds the BVH, puts primitives in leaf order. What instances show is packed
+// once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
+// with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
+// naming the array, its size and the limit.
+PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default);
+
+// The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
+// point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",
+// IEEE Trans. Biomed. Eng. 30(2), 1983), so surfaces must be closed and wound outwards; a plane has its
+// inside below. Numbers as in shared::Material::medium; ordered from the material of the largest box to that
+// of the smallest, those of planes first, and cut off at kMaxMedia.
+glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
+
+// The greatest radiance, in any channel, that a ray of the tree can bring with `maxDepth` rays after it: the
+// greatest of the background and, for each material, of ambient light, all lights unshadowed and head on, and
+// the branches. kInfinity if there is none: a light that falls off touches a box of the BVH, or the sum
+// overflows.
+float radianceBound(const PackedScene& scene, uint32_t maxDepth);
+
+// The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
+// computed in double.
+shared::Camera packCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
+
+}  // namespace glint

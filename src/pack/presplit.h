@@ -1,0 +1,32 @@
+// Large triangles given to the BVH in parts, so that boxes hug what they hold.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bvh/builder.h"
+#include "pack/primitives.h"
+
+namespace glint {
+
+// One triangle and its box, cut along planes into `parts` boxes (at most; fewer where cutting gains nothing)
+// that together enclose it. `root`: the scene's box; the planes are those that halve it again and again, so
+// that the parts of neighbours end at the same planes.
+std::vector<Box> splitTriangle(const Corners& corners, const Box& root, uint32_t parts);
+
+// How many triangles a random ray that meets the scene's box is tested against only because their boxes are
+// larger than they are: the sum of (half the box's area - the least that boxes around small parts of the
+// triangle come down to) over half the scene's box's area. 1 to 4 for meshes of even triangles, much more
+// where long ones stand askew.
+double boxEmptiness(const Primitives& primitives, const Scene& scene, const Frame& frame, unsigned threads);
+
+// Adds to `primitives` further entries for the triangles whose boxes are emptiest, up to `budget` times the
+// number of triangles, and shrinks their first ones: each entry names the same source, the boxes of one
+// triangle enclose it together. `corners(entry)` gives the rounded triangle of an entry. Returns how many
+// entries were added. T. Karras, T. Aila, "Fast Parallel Construction of High-Quality Bounding Volume
+// Hierarchies", HPG 2013, section 4: importance (2^-level (box area - ideal area))^(1/3), splits in
+// proportion to it.
+uint32_t splitLargeTriangles(Primitives& primitives, const Scene& scene, const Frame& frame, double budget,
+                             unsigned threads);
+
+}  // namespace glint

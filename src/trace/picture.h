@@ -1,0 +1,95 @@
+// What a tracer makes: colour for each pixel, and on request everything else known about the pixel's first
+// sample.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint {
+
+// The pixels x0 <= x < x1, y0 <= y < y1, from the top left corner.
+struct Region {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    int width() const { return x1 - x0; }
+    int height() const { return y1 - y0; }
+};
+
+// Of a pixel's first sample; definitions in docs/shading.md. Indices are kNoIndex, depth infinite and all
+// else 0 on a miss.
+struct PixelData {
+    static constexpr uint32_t kNoIndex = 0xffffffffu;
+    glm::dvec3 position{0};  // world
+    double depth = std::numeric_limits<double>::infinity();
+    glm::vec3 normal{0};           // outward shading normal
+    glm::vec3 geometricNormal{0};  // outward
+    float u = 0, v = 0;
+    uint32_t object = kNoIndex;
+    uint32_t primitive = kNoIndex;
+    uint32_t material = kNoIndex;
+    uint32_t bounces = 0;
+    uint32_t cost = 0;
+    uint32_t pathHash = 0;
+    uint32_t shadowBits = 0;
+};
+
+// Branches of one kind that were not followed. Bounds are of what they could have added to the pixels, in any
+// channel; infinite where no bound is known.
+struct LostBranches {
+    uint64_t count = 0;
+    double sum = 0;       // over all pixels
+    double greatest = 0;  // in one pixel
+    void add(uint64_t branches, double bound) {
+        count += branches;
+        sum += bound;
+        greatest = bound > greatest ? bound : greatest;
+    }
+};
+
+// What a picture lacks of the whole tree of rays.
+struct TreeLosses {
+    LostBranches cut;    // below the least contribution asked for
+    LostBranches depth;  // beyond maxDepth
+    LostBranches room;   // more than could wait at a time
+    uint64_t crowdedMedia =
+        0;  // surfaces that a ray passed as if they were not there: it was in too many media
+};
+
+struct Picture {
+    Region region;
+    Image color;                  // region-sized, 4 channels: linear radiance and alpha
+    std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
+    std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
+    bool complete = true;
+    std::vector<uint32_t> samples;  // per pixel, taken; empty if all pixels took samplesPerPixel
+    uint32_t samplesPerPixel = 1;
+    uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
+    TreeLosses losses;       // the device's only if asked for
+    // The first of them in reading order, in coordinates of the whole picture; -1: none.
+    glm::ivec2 firstNotFinite{-1};
+
+    // Counts the pixel if its colour is not finite.
+    void checkFinite(int x, int y);
+
+    const PixelData& at(int x, int y) const {
+        return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];
+    }
+};
+
+// Turns colours that are not finite black, whole pixels, so that no file holds NaN or infinity for a colour.
+// Alpha, the count and the place stay.
+void blackenNotFinite(Picture& picture);
+
+// The AOVs that makeLayers knows, in the order of the documentation: color alpha depth position normal uv
+// object primitive material bounces cost.
+const std::vector<std::string>& aovNames();
+
+// The named layers of a picture. A picture without `data` has only color and alpha. Throws Error(Usage) for
+// an unknown name.
+std::vector<Layer> makeLayers(const Picture& picture, const std::vector<std::string>& names);
+
+}  // namespace glint
