@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """From the shell to a PNG with the driver's shader cache off: where the time goes, and another build beside it.
 
-    bench/cold_start.py [--against OTHER/bin/glint] [--repeat N] [--page docs/performance.md] [--quick]
+    bench/cold_start.py [--against OTHER/bin/glint] [--repeat N] [--page docs/lab/cold-start.md] [--quick]
 
 Ten spheres and scenes of the repository at 640x480, runs of both builds in turn, medians of N (default 7). The target is 0.3 s for the ten
 spheres. About one minute on two idle cores.

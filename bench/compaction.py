@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What it brings that later bounces run over the paths that go on alone: `glint bench --compaction off` against `on` and `auto`.
 
-    bench/compaction.py [--page docs/performance.md] [--rounds 5] [--device NAME] [--quick]
+    bench/compaction.py [--page docs/lab/compaction.md] [--rounds 5] [--device NAME] [--quick]
 
 Processor time of a picture where the device is the processor, else the time of its submissions; the least of all rounds, in turns. About four
 minutes on two idle cores. Pictures have to be the same to the bit.

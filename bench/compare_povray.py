@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whole pictures beside POV-Ray 3.7: the same mesh, camera, light and shadows, no antialiasing, from the shell's point of view.
 
-    bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--page docs/performance.md] [--quick]
+    bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--page docs/lab/povray.md] [--quick]
 
 Each program reads its own file (POV-Ray a mesh2 that this script writes, glint the mesh's own file) and writes a PNG; runs take turns, and the
 median of N (default 5) counts. `cold`: the driver's shader cache switched off. Needs povray (Debian package) and the meshes of --assets

@@ -20,7 +20,7 @@ COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 def arguments(description):
     parser = argparse.ArgumentParser(description=description.split("\n")[0])
     parser.add_argument("--glint", default=str(ROOT / "build/bin/glint"), help="the program (default: build/bin/glint)")
-    parser.add_argument("--page", type=pathlib.Path, help="page whose block of this script's name gets the table, such as docs/performance.md")
+    parser.add_argument("--page", type=pathlib.Path, help="page whose block of this script's name gets the table, such as docs/lab/scaling.md")
     parser.add_argument("--quick", action="store_true", help="few and small measurements, to see that everything runs")
     return parser
 

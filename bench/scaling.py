@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How time grows: triangles, pixels, lights, depth and threads, each with the exponent fitted to it.
 
-    bench/scaling.py [--page docs/performance.md] [--images docs/images] [--quick]
+    bench/scaling.py [--page docs/lab/scaling.md] [--images docs/images] [--quick]
 
 Runs `glint bench` on scenes it makes itself, writes a diagram scaling-NAME.svg for each curve, and prints a table in Markdown (--page: puts it
 there). About five minutes on two idle cores, --quick one.

@@ -1,5 +1,5 @@
 # One static library per module. A module names the modules to its left; tests/module_dependencies checks
-# the #include lines against the same order (docs/architecture.md).
+# the #include lines against the same order (docs/design/architecture.md).
 function(glint_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LIBRARIES" ${ARGN})
   add_library(glint_${name} STATIC ${ARG_SOURCES})

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another round? (docs/sampling.md)
+// After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another round? (docs/guide/sampling.md)
 #include "path.glsl"
 
 // A mean darker than this is judged as if it were this bright.

@@ -1,5 +1,5 @@
 // Triangles, spheres and planes in double precision, of the rays and primitives that are stored in single: what fp32's arithmetic costs, for
-// `glint report` (docs/accuracy.md). t, u and v are rounded once, at the end. In kernels of their own (GLINT_FP64), as a module that holds a double needs
+// `glint report` (docs/lab/accuracy.md). t, u and v are rounded once, at the end. In kernels of their own (GLINT_FP64), as a module that holds a double needs
 // the device's shaderFloat64, used or not.
 #ifndef GLINT_DOUBLE_GLSL
 #define GLINT_DOUBLE_GLSL

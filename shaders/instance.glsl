@@ -1,4 +1,4 @@
-// Into the coordinates of an instance and back. Numerics: docs/architecture.md; the host's part is src/bvh/instances.cpp.
+// Into the coordinates of an instance and back. Numerics: docs/design/numerics.md; the host's part is src/pack/instances.cpp.
 #ifndef GLINT_INSTANCE_GLSL
 #define GLINT_INSTANCE_GLSL
 

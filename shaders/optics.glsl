@@ -1,4 +1,4 @@
-// Dielectrics: which media a ray is in, what a surface makes of them, Snell's law and Fresnel's reflectance (docs/shading.md).
+// Dielectrics: which media a ray is in, what a surface makes of them, Snell's law and Fresnel's reflectance (docs/reference/shading.md).
 #ifndef GLINT_OPTICS_GLSL
 #define GLINT_OPTICS_GLSL
 

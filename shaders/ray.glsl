@@ -1,5 +1,5 @@
 // Rays, their bounds, and the arithmetic helpers of intersection. Everything here is `precise`: a contracted product would break
-// the sign argument of the watertight triangle test and the error bounds (docs/architecture.md, numerics).
+// the sign argument of the watertight triangle test and the error bounds (docs/design/numerics.md).
 #ifndef GLINT_RAY_GLSL
 #define GLINT_RAY_GLSL
 

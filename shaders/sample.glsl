@@ -1,4 +1,4 @@
-// Where a sample of a pixel lies on the film and on the lens (docs/sampling.md).
+// Where a sample of a pixel lies on the film and on the lens (docs/guide/sampling.md).
 #ifndef GLINT_SAMPLE_GLSL
 #define GLINT_SAMPLE_GLSL
 

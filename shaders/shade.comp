@@ -5,7 +5,7 @@
 #include "material.glsl"
 #include "tree.glsl"
 
-// FNV-1a over words (Fowler, Noll, Vo), see docs/shading.md.
+// FNV-1a over words (Fowler, Noll, Vo), see docs/reference/shading.md.
 uint hashStep(uint hash, uint word) { return (hash ^ word) * 16777619u; }
 
 void storeAovs(uint path, bool isHit, Hit hit, Surface surface) {

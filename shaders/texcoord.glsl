@@ -1,4 +1,4 @@
-// Texture coordinates (u, v) of surface points and directions (docs/shading.md, texture coordinates).
+// Texture coordinates (u, v) of surface points and directions (docs/reference/shading.md, texture coordinates).
 #ifndef GLINT_TEXCOORD_GLSL
 #define GLINT_TEXCOORD_GLSL
 

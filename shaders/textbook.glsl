@@ -1,4 +1,4 @@
-// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included (docs/command-line.md tells where
+// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included (docs/reference/command-line.md tells where
 // they fail); the choice is a specialization constant, so that the code of the others is not in the pipeline. Those of the
 // reference are in src/reference/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL

@@ -1,4 +1,4 @@
-# A module includes only modules to its left (docs/architecture.md). Run: cmake -DSOURCE=<repository> -P module_dependencies.cmake
+# A module includes only modules to its left (docs/design/architecture.md). Run: cmake -DSOURCE=<repository> -P module_dependencies.cmake
 cmake_minimum_required(VERSION 3.25)
 set(sees_shared)
 set(sees_core shared)

@@ -1,5 +1,5 @@
 // Layouts, limits and lists that the host and the shaders must agree on, written once and included by both.
-// Algorithms are never shared (docs/architecture.md).
+// Algorithms are never shared (docs/design/architecture.md).
 //
 // Every struct is a list of 16-byte rows, so that std430, std140 and C++ agree without padding:
 //   V3F(a, b)  vec3 a, float b      V3U(a, b)  vec3 a, uint b      U4(a, b, c, d)  four uints

@@ -89,7 +89,7 @@ void addSampling(CLI::App& command, SceneOptions& options) {
     addText(command, "--seed", "N", "of the jittered and the lowDiscrepancy sampler, instead of the scene's",
             [&](const Text& t) { options.seed = parseSeed(t); });
     addText(command, "--adaptive", "MAX[,THRESHOLD]",
-            "up to MAX samples for pixels whose samples differ, see docs/sampling.md",
+            "up to MAX samples for pixels whose samples differ, see docs/guide/sampling.md",
             [&](const Text& t) { options.adaptive = parseAdaptive(t); });
 }
 
@@ -158,7 +158,7 @@ void addView(CLI::App& app, ViewCommand& c) {
     addText(command, "--frames", "N", "close after N frames (and the script's end)", [&](const Text& t) {
         c.frames = static_cast<uint64_t>(parseWhole("--frames", t, 1, 1'000'000));
     });
-    addText(command, "--script", "FILE", "drive the window without a person, see docs/viewer.md",
+    addText(command, "--script", "FILE", "drive the window without a person, see docs/guide/window.md",
             [&](const Text& t) {
                 if (t.empty()) throw Error(ErrorKind::Argument, "--script: the file name is empty");
                 c.script = t;

@@ -1,4 +1,4 @@
-// The command line (docs/command-line.md).
+// The command line (docs/reference/command-line.md).
 #pragma once
 
 #include <cstdint>

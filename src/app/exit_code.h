@@ -1,4 +1,4 @@
-// Exit codes of the command line; scripts depend on the values (docs/command-line.md).
+// Exit codes of the command line; scripts depend on the values (docs/reference/command-line.md).
 #pragma once
 
 #include "core/error.h"

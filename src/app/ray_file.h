@@ -1,4 +1,4 @@
-// Rays of `glint trace --rays`: ox,oy,oz,dx,dy,dz[,tmin[,tmax]], one a line (docs/command-line.md).
+// Rays of `glint trace --rays`: ox,oy,oz,dx,dy,dz[,tmin[,tmax]], one a line (docs/reference/command-line.md).
 #pragma once
 
 #include <istream>

@@ -14,7 +14,7 @@ ReportData fromJson(const std::string& text, const std::string& name);
 // One line a configuration, a header before them; RFC 4180.
 std::string toCsv(const ReportData& data);
 
-// Tables and conclusions, for a terminal and for docs/accuracy.md.
+// Tables and conclusions, for a terminal and for docs/lab/accuracy.md.
 std::string toMarkdown(const ReportData& data);
 std::string conclusionOf(const SceneReport& scene);
 

@@ -37,7 +37,7 @@ struct BvhOptions {
     uint32_t bins = 16;
     // Of one node, in units of one primitive test. Measured on the mountain of 524 k triangles: packets trace
     // a tenth faster with 2 than with 1.5, lanes are as fast; from 2 to 5 nothing changes by more than noise
-    // (docs/performance.md).
+    // (docs/lab/traversal.md).
     double traversalCost = 2;
     unsigned threads = 0;  // 0: all
     // Optional, one per box: a leaf never mixes groups (shared::kKind...). Empty: one group.

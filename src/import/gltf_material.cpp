@@ -169,7 +169,7 @@ void GltfMaterials::applyAlpha(const JsonCursor& material, Surface& surface) {
     }
 }
 
-// The mapping; its derivation is in docs/scene-format.md.
+// The mapping; its derivation is in docs/reference/file-formats.md.
 Material GltfMaterials::whitted(const Surface& s) {
     Material material;
     material.name = s.name;

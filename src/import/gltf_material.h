@@ -1,4 +1,4 @@
-// glTF's metallic-roughness materials as Whitted's: the formulas are in docs/scene-format.md.
+// glTF's metallic-roughness materials as Whitted's: the formulas are in docs/reference/file-formats.md.
 #pragma once
 
 #include <map>

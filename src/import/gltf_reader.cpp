@@ -1,5 +1,5 @@
 // glTF 2.0 (Khronos, The glTF 2.0 Specification, 2021): nodes, cameras, lights. Neither by assimp nor by
-// tinygltf: docs/architecture.md says what they lose.
+// tinygltf: docs/lab/file-readers.md says what they lose.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -13,7 +13,7 @@ namespace glint {
 // Loads a glint scene (.json), a scene of another program (.gltf, .glb, .nff) or a model alone (.obj, .ply,
 // .stl), chosen by extension, any case. Relative paths inside a file are relative to that file. A model alone
 // gets a camera that frames it and a light (frameModel), a scene of another program what it lacks of these.
-// Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/scene-format.md.
+// Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/reference/scene-format.md.
 Scene loadScene(const std::filesystem::path& path);
 
 // Parses scene text; `name` stands for the file in messages, `folder` is where relative paths start.

@@ -20,8 +20,8 @@ struct ImportedScene {
     bool hasCamera = false;
 };
 
-// What is read, how it is mapped and what is only warned about: docs/scene-format.md. They throw Error(Scene)
-// "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
+// What is read, how it is mapped and what is only warned about: docs/reference/file-formats.md. They throw
+// Error(Scene) "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
 ImportedScene readNff(const std::filesystem::path& path);
 ImportedScene readGltf(const std::filesystem::path& path);
 

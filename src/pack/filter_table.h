@@ -1,4 +1,4 @@
-// Reconstruction filters as tables of inverse cumulative distributions (docs/sampling.md).
+// Reconstruction filters as tables of inverse cumulative distributions (docs/guide/sampling.md).
 #pragma once
 
 #include <cstdint>

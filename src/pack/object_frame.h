@@ -5,8 +5,8 @@
 
 namespace glint {
 
-// `origin`: of the local coordinates. The (u, v) of flat shapes is as docs/shading.md has it; that of others
-// is left 0.
+// `origin`: of the local coordinates. The (u, v) of flat shapes is as docs/reference/shading.md has it; that
+// of others is left 0.
 shared::ObjectFrame objectFrame(const Object& object, const glm::dvec3& origin);
 
 // Two unit vectors across a unit normal, u x v = normal: u horizontal and v upwards on what stands upright or

@@ -1,4 +1,4 @@
-// The samples of a picture's pixels, as both tracers read them (docs/sampling.md).
+// The samples of a picture's pixels, as both tracers read them (docs/guide/sampling.md).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Points of [0, 1)^4 in units of 2^-32: film x, film y, lens x, lens y (docs/sampling.md).
+// Points of [0, 1)^4 in units of 2^-32: film x, film y, lens x, lens y (docs/guide/sampling.md).
 #pragma once
 
 #include <array>

@@ -285,8 +285,9 @@ int sideOf(const glm::vec3& a, const glm::vec3& b, const PreparedRay& ray) {
 
 }  // namespace
 
-// Even-odd rule (docs/shading.md): the edges that cross the half line which leaves the ray's line along axis
-// kx. An edge goes over it from below to above with the line on its left, or down with the line on its right.
+// Even-odd rule (docs/reference/shading.md): the edges that cross the half line which leaves the ray's line
+// along axis kx. An edge goes over it from below to above with the line on its left, or down with the line on
+// its right.
 bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::PolygonVertex> vertices,
                       const PreparedRay& ray, double tMax, Root& root) {
     root.u = root.v = 0;

@@ -1,5 +1,5 @@
 // Dielectrics for the reference: lists of media, and what a surface does to a ray. Formulas in
-// docs/shading.md.
+// docs/reference/shading.md.
 #pragma once
 
 #include <cstdint>

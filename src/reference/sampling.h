@@ -19,7 +19,7 @@ FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, 
 // The point of the unit disc that belongs to (a, b) of [0, 1]^2 (P. Shirley, K. Chiu 1997).
 glm::dvec2 concentricDisc(double a, double b);
 
-// True if a pixel whose samples so far have these colours takes another round (docs/sampling.md).
+// True if a pixel whose samples so far have these colours takes another round (docs/guide/sampling.md).
 bool needsMore(const std::vector<glm::dvec3>& colors, double threshold);
 
 }  // namespace glint::reference

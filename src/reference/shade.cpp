@@ -1,5 +1,6 @@
-// Whitted's shading (docs/shading.md; T. Whitted, "An Improved Illumination Model for Shaded Display", CACM
-// 23(6), 1980; J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977).
+// Whitted's shading (docs/reference/shading.md; T. Whitted, "An Improved Illumination Model for Shaded
+// Display", CACM 23(6), 1980; J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures",
+// SIGGRAPH 1977).
 #include <algorithm>
 #include <cmath>
 #include <utility>

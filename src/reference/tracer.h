@@ -55,7 +55,7 @@ struct Surface {
     glm::dvec3 position{0};         // local
     glm::dvec3 geometricNormal{0};  // outward, unit: winding order for triangles
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
-    glm::dvec2 uv{0};               // texture coordinates (docs/shading.md)
+    glm::dvec2 uv{0};               // texture coordinates (docs/reference/shading.md)
     glm::dvec3 color{1};            // of the vertices, interpolated
 };
 
@@ -108,7 +108,7 @@ struct PixelRecord {
     double alpha = 0;                         // 1 if the camera ray hits anything
     uint32_t bounces = 0;                     // rays after the camera ray, of all branches
     uint64_t cost = 0;                        // boxes and primitives tested by all rays of the path
-    uint32_t pathHash = 0;                    // FNV-1a over the hit ids, see docs/shading.md
+    uint32_t pathHash = 0;                    // FNV-1a over the hit ids, see docs/reference/shading.md
     uint32_t shadowBits = 0;                  // bit i: light i (i < 32) is occluded at the first hit
     std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
     Losses lost;

@@ -64,7 +64,7 @@ bool runsPackets(const gpu::DeviceInfo& device);
 // spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
 // and from kFewestForPackets triangles and spheres on. On a GPU (discrete, integrated or virtual) rays walk
 // compressed nodes where the scene has kFewestForWide primitives in its tree: by counts, not by measurement
-// (docs/performance.md, Nodes for a GPU). Wide nodes know every scene with a tree, but not SlabPad, whose
+// (docs/lab/nodes.md). Wide nodes know every scene with a tree, but not SlabPad, whose
 // leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree.
 // Throws Error(Device) if packets are asked for where the device cannot run them; a scene that the traversal
 // asked for cannot take is traced by lanes.

@@ -42,7 +42,8 @@ inline constexpr int kMaxBounces = 1000;
 // Pixels. A sample's place is known to 2^-18 pixels, and filters wider than this only blur.
 inline constexpr double kMinFilterRadius = 0.01;
 inline constexpr double kMaxFilterRadius = 8;
-// One sample at least of each of the three parts of the filter that count (docs/sampling.md), and one more.
+// One sample at least of each of the three parts of the filter that count (docs/guide/sampling.md), and one
+// more.
 inline constexpr int kMinMitchellSamples = 4;
 
 // A transform whose linear part has a greater condition number loses 12 of a double's 16 digits.

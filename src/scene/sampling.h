@@ -17,8 +17,9 @@ std::optional<Filter> filterNamed(std::string_view name);
 const char* nameOf(Sampler sampler);
 const char* nameOf(Filter filter);
 
-// From how many samples on Auto takes LowDiscrepancy. Measured (docs/accuracy.md): up to there the grid errs
-// as little or less in most scenes, from there on it errs less in few and up to 2.6 times more in the others.
+// From how many samples on Auto takes LowDiscrepancy. Measured (docs/lab/accuracy.md): up to there the grid
+// errs as little or less in most scenes, from there on it errs less in few and up to 2.6 times more in the
+// others.
 inline constexpr int kLeastLowDiscrepancySamples = 16;
 
 // Where the samples lie in the end, never Auto. Adaptive sampling, which cannot go on from a grid, makes Auto

@@ -16,9 +16,9 @@ namespace glint {
 
 using Color = glm::dvec3;  // linear RGB radiance or reflectance
 
-// Where the samples of a pixel lie (docs/sampling.md). Grid: the same regular grid in every pixel. Jittered:
-// one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel. Auto: Grid
-// or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
+// Where the samples of a pixel lie (docs/guide/sampling.md). Grid: the same regular grid in every pixel.
+// Jittered: one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel.
+// Auto: Grid or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
 enum class Sampler { Auto, Grid, Jittered, LowDiscrepancy };
 
 // How samples are weighted into pixels, by their distance from the pixel's centre.
@@ -136,7 +136,7 @@ struct Material {
     Color mirror{0};        // each channel in [0, 1]
 
     // What passes through the surface, each channel in [0, 1]; not black: a dielectric, whose exact Fresnel
-    // reflectance splits light into a reflected and a refracted part (docs/optics.md).
+    // reflectance splits light into a reflected and a refracted part (docs/reference/shading.md).
     Color transmission{0};
     double ior = 1.5;      // index of refraction, inside over outside; > 0
     Color attenuation{0};  // Beer: light falls by exp(-attenuation * length) inside; per unit length, >= 0
@@ -261,7 +261,7 @@ struct EnvironmentMap {
 };
 
 // What a transmissive object does to shadow rays: block them, or let through what its transmission and
-// attenuation leave, straight on (docs/optics.md).
+// attenuation leave, straight on (docs/reference/shading.md).
 enum class TransmissiveShadows { Colored, Full };
 
 struct Scene {

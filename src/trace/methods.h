@@ -1,5 +1,5 @@
 // How rays are tried against triangles and spheres: the textbooks' ways, and the ones that hold
-// (docs/command-line.md).
+// (docs/reference/command-line.md).
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ enum class SphereMethod : uint32_t { Robust, Algebraic, Geometric };
 // By how much the far planes of boxes are moved away: 1 + 2 (gamma_7 + 11 u) (kFarPad in
 // shaders/intersect.glsl), 1 + 2 gamma_3, not at all; and how far
 // from a surface rays start that leave it: by the error box of the point, by 1e-4, not at all. Of the device
-// alone, and for `glint report` alone, which shows what the defaults are worth (docs/accuracy.md).
+// alone, and for `glint report` alone, which shows what the defaults are worth (docs/lab/accuracy.md).
 enum class SlabPad : uint32_t { Gamma7, Gamma3, None };
 enum class OriginOffset : uint32_t { ErrorBox, Fixed, None };
 

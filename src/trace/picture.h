@@ -19,8 +19,8 @@ struct Region {
     int height() const { return y1 - y0; }
 };
 
-// Of a pixel's first sample; definitions in docs/shading.md. Indices are kNoIndex, depth infinite and all
-// else 0 on a miss.
+// Of a pixel's first sample; definitions in docs/reference/shading.md. Indices are kNoIndex, depth infinite
+// and all else 0 on a miss.
 struct PixelData {
     static constexpr uint32_t kNoIndex = 0xffffffffu;
     glm::dvec3 position{0};  // world

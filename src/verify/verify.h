@@ -49,7 +49,7 @@ struct DifferingPixel {
 };
 
 // How many times as many pixels the device may see otherwise as the reference does when each of its rays is
-// moved by up to one unit of 2^-24. Measured: 0.6 to 1 times as many (docs/architecture.md).
+// moved by up to one unit of 2^-24. Measured: 0.6 to 1 times as many (docs/design/verification.md).
 inline constexpr double kShareOfPrediction = 2;
 
 struct Report {
@@ -70,7 +70,7 @@ struct Report {
     bool interrupted = false;
 
     uint64_t explained() const { return ties + edges; }
-    // What share of explained pixels is allowed, see docs/architecture.md.
+    // What share of explained pixels is allowed, see docs/design/verification.md.
     double allowedShare(const Options& options) const {
         return std::max(options.maxExplainedShare, kShareOfPrediction * predictedShare);
     }

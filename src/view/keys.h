@@ -1,5 +1,5 @@
 // Every key and mouse gesture, once: the window obeys this list, shows it (F1), scripts name keys by it, and
-// a test holds docs/viewer.md to it.
+// a test holds docs/guide/window.md to it.
 #pragma once
 
 #include <optional>

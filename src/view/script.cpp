@@ -81,7 +81,7 @@ std::vector<ScriptCommand> parseScript(const std::string& text, const std::strin
         const ScriptWord* known = wordNamed(command.name);
         if (known == nullptr)
             throw Error(ErrorKind::Argument, command.place + ": unknown command '" + command.name +
-                                                 "' (docs/viewer.md lists all)");
+                                                 "' (docs/guide/window.md lists all)");
         const size_t given = command.arguments.size();
         if (given < known->least || given > known->most)
             throw Error(ErrorKind::Argument, command.place + ": expected '" +

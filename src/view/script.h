@@ -1,4 +1,4 @@
-// The language of `glint view --script`: one command a line, `#` begins a comment (docs/viewer.md).
+// The language of `glint view --script`: one command a line, `#` begins a comment (docs/guide/window.md).
 #pragma once
 
 #include <filesystem>

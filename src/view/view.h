@@ -1,5 +1,5 @@
 // `glint view`: a window to look around a scene in, drawn by the tracer that `glint render` uses
-// (docs/viewer.md).
+// (docs/guide/window.md).
 #pragma once
 
 #include <cstdint>

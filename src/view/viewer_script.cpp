@@ -225,7 +225,7 @@ void Viewer::set(const ScriptCommand& command) {
         s.lights[static_cast<size_t>(light)].dim = static_cast<float>(numberOf(command, 2));
     } else {
         throw Error(ErrorKind::Argument,
-                    command.place + ": cannot set '" + command.rest + "' (docs/viewer.md)");
+                    command.place + ": cannot set '" + command.rest + "' (docs/guide/window.md)");
     }
     takeSettings();
 }

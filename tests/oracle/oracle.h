@@ -3,8 +3,8 @@
 // arithmetic; give it the doubles of the scene and the rounding of the inputs is in it too.
 //
 // It shares no code, and where there are several no formula, with the shaders or src/reference, both of which
-// it judges. The policies are those of docs/shading.md: t = 0 is excluded, a tangent hits, the rim of a disc
-// and the edges of a triangle belong to it, a ray in the plane of a flat shape misses.
+// it judges. The policies are those of docs/reference/shading.md: t = 0 is excluded, a tangent hits, the rim
+// of a disc and the edges of a triangle belong to it, a ray in the plane of a flat shape misses.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -25,8 +25,8 @@ struct Truth {
     glm::dvec3 normal{0};  // unit, geometric, outward
     // How far the nearest decision was from falling the other way, relative to the terms that it is the sum
     // of; 0: decided by an exact zero. A float's answer is beyond doubt where this exceeds its rounding
-    // error. Triangle, plane: NUMERICS' min |e_i| / sum |terms of e_i|. Sphere: |1 - (b / r)^2| for a ray
-    // that passes the centre at the distance b, and |c| / (|o|^2 + r^2) for c = |o|^2 - r^2.
+    // error. Triangle, plane: docs/numerics.md 3, min |e_i| / sum |terms of e_i|. Sphere: |1 - (b / r)^2| for
+    // a ray that passes the centre at the distance b, and |c| / (|o|^2 + r^2) for c = |o|^2 - r^2.
     double margin = 0;
 };
 

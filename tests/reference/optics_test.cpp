@@ -21,7 +21,7 @@ Interface meet(double cosine, double ratio) {
     return meetInterface({std::sqrt((1 - cosine) * (1 + cosine)), 0, -cosine}, up, up, ratio);
 }
 
-// NUMERICS T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
+// docs/numerics.md T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
 TEST(OpticsTest, reflectanceOfGlass) {
     EXPECT_NEAR(meet(1, 1 / 1.5).reflectance, 0.04, 1e-15);
     EXPECT_NEAR(meet(0.5, 1 / 1.5).reflectance, 0.0891867128022, 1e-13);
@@ -40,7 +40,7 @@ TEST(OpticsTest, reflectanceIsTheSameBothWays) {
     }
 }
 
-// NUMERICS T86: the two floats on either side of the critical cosine sqrt(1 - 1/1.5^2).
+// docs/numerics.md T86: the two floats on either side of the critical cosine sqrt(1 - 1/1.5^2).
 TEST(OpticsTest, totalReflectionBeginsAtTheCriticalAngle) {
     EXPECT_TRUE(meet(double(0.74535596f), 1.5).total);
     EXPECT_FALSE(meet(double(std::nextafter(0.74535596f, 1.0f)), 1.5).total);
@@ -77,7 +77,7 @@ uint32_t addGlass(PackedScene& scene, uint32_t material, float ior, int priority
     return medium;
 }
 
-// NUMERICS T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2 a)).
+// docs/numerics.md T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2 a)).
 TEST(OpticsTest, slabShiftsARay) {
     SceneMaker maker;
     maker.plane({0, 0, 0}, {0, 0, 1});

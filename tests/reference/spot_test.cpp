@@ -1,4 +1,4 @@
-// Spot lights: docs/shading.md, "Spot light".
+// Spot lights: docs/reference/shading.md, "Spot light".
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Textures in the reference: values worked out by hand from docs/shading.md.
+// Textures in the reference: values worked out by hand from docs/reference/shading.md.
 #include <gtest/gtest.h>
 
 #include <cmath>

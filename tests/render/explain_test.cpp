@@ -112,7 +112,7 @@ TEST_F(ExplainTest, coincidentSurfacesAreATie) {
     reference::PixelRecord second = first;
     second.surface->object = 1;
     second.color = dvec3(0.1);
-    second.pathHash = (2166136261u ^ 2u) * 16777619u;  // docs/shading.md: k = id + 1
+    second.pathHash = (2166136261u ^ 2u) * 16777619u;  // docs/reference/shading.md: k = id + 1
     DifferingPixel pixel = pixelOf(second, first);
     explain(tracer, ray, both.packed, 1.0 / 512, pixel);
     EXPECT_EQ(pixel.reason, Reason::Tie);

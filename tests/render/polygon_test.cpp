@@ -29,8 +29,8 @@ class PolygonTest : public RenderTest {
     }
 };
 
-// NUMERICS T70 and T71 from above and below; T74 is the last polygon, the L with doubled and collinear
-// vertices.
+// docs/numerics.md T70 and T71 from above and below; T74 is the last polygon, the L with doubled and
+// collinear vertices.
 TEST_F(PolygonTest, levelWithVertices) {
     struct Point {
         float x, y;

@@ -75,7 +75,7 @@ TEST_F(SphereTest, tinyAndFar) {
     }
 }
 
-// The unit sphere from ever farther away: NUMERICS, table of section 1. hit or miss must be right unless the
+// The unit sphere from ever farther away: docs/numerics.md 2.4. hit or miss must be right unless the
 // ray passes within 1e-3 (in the square of its distance to the centre) of the limb; t is judged at the 99th
 // percentile. The table's figures have two digits and come from rays of other seeds: a tenth more is allowed.
 // The textbook's discriminant is 250 times worse.
@@ -133,7 +133,8 @@ TEST_F(SphereTest, planetUnderTheEye) {
     }
 }
 
-// The same, aslant: against the reference on the packed numbers. NUMERICS: 2.9e-7 at most, for downward rays.
+// The same, aslant: against the reference on the packed numbers. docs/numerics.md 2.4: 2.9e-7 at most, for
+// downward rays.
 TEST_F(SphereTest, planetAslant) {
     for (const double height : {100.0, 1.0, 0.01}) {
         Scene scene = emptyScene();

@@ -42,9 +42,9 @@ SpotLight lampAt(double height, double angle, double penumbra) {
 }
 
 // A lamp at height h lights a disc of radius h tan(angle), and nothing from h tan(angle + penumbra) on;
-// between them the smoothstep of the cosine, docs/shading.md. Radii are known to 1e-6 of h; the factor's
-// slope there is below 1.5 / (cos 30 - cos 40) = 15 for the widest penumbra and below 10^4 for the narrow
-// cone's.
+// between them the smoothstep of the cosine, docs/reference/shading.md. Radii are known to 1e-6 of h; the
+// factor's slope there is below 1.5 / (cos 30 - cos 40) = 15 for the widest penumbra and below 10^4 for the
+// narrow cone's.
 TEST_F(SpotTest, lightsADiscOfTheConesRadius) {
     struct Lamp {
         double height, angle, penumbra, tolerance;

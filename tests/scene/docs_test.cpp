@@ -1,4 +1,4 @@
-// docs/scene-format.md: its examples work, and no key is missing.
+// docs/reference/scene-format.md: its examples work, and no key is missing.
 #include <sstream>
 
 #include "core/text_file.h"
@@ -12,7 +12,7 @@ namespace glint::test {
 namespace {
 
 std::string page() {
-    return readWholeFile(GLINT_SOURCE_DIR "/docs/scene-format.md");
+    return readWholeFile(GLINT_SOURCE_DIR "/docs/reference/scene-format.md");
 }
 
 // The ```jsonc blocks; one that is no whole scene, but keys of one, is given its braces.

@@ -1,4 +1,4 @@
-// glTF materials as Whitted's: the formulas of docs/scene-format.md, and the pictures.
+// glTF materials as Whitted's: the formulas of docs/reference/file-formats.md, and the pictures.
 #include <cmath>
 #include <numbers>
 

@@ -67,7 +67,7 @@ TEST(Parse, imageCameraAndSurroundings) {
     EXPECT_EQ(scene.maxDepth, 0);
 }
 
-// docs/sampling.md: the grid below 16 samples, the sequence from there on and for adaptive sampling.
+// docs/guide/sampling.md: the grid below 16 samples, the sequence from there on and for adaptive sampling.
 TEST(Parse, samplerUnlessOneIsNamed) {
     const auto samplerOfImage = [](const std::string& keys) {
         return samplerOf(parse("{\"image\": {" + keys + "}}").image);

@@ -19,8 +19,8 @@ constexpr double kUnit = 0x1p-24;
 constexpr int kSide = 16;  // pixels
 
 // Three mirrors of radius 1 with their centres `side` apart in the plane z = 0, and a ray from (side / 2,
-// 0.2) at `angle`, which stays between them for more than `bounces` (NUMERICS T85). growth: what NUMERICS
-// measured for a bounce.
+// 0.2) at `angle`, which stays between them for more than `bounces` (docs/numerics.md T85). growth: what the
+// catalogue measured for a bounce.
 struct Trap {
     double side, angle;
     int bounces;
@@ -37,7 +37,7 @@ struct Step {
 // Follows the ray, and what becomes of its errors: a unit of direction at the eye, a unit of each point,
 // along the mirror, and of each reflected direction, all of one sign. A point that is off by x turns the
 // normal by x, radius 1, and the reflected direction by 2 x; after the way t the next point is off by the sum
-// across the ray over the cosine there (NUMERICS section 4: 1 + 2 t / cos for each bounce).
+// across the ray over the cosine there (docs/numerics.md 4: 1 + 2 t / cos for each bounce).
 std::vector<Step> walk(const Trap& trap) {
     const dvec2 centers[] = {{0, 0}, {trap.side, 0}, {trap.side / 2, trap.side * std::sqrt(3.0) / 2}};
     dvec2 o(trap.side / 2, 0.2), d(std::cos(trap.angle), std::sin(trap.angle));
@@ -181,7 +181,7 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
               << std::pow(measured.back() / measured[first], 1.0 / (trap.bounces - first))
               << " for each bounce, by curvature "
               << std::pow(steps.back().error / steps[first].error, 1.0 / (trap.bounces - first))
-              << ", NUMERICS " << trap.growth << '\n';
+              << ", docs/numerics.md T85 " << trap.growth << '\n';
 }
 
 INSTANTIATE_TEST_SUITE_P(Traps, GrowthTest,

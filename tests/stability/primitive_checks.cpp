@@ -221,7 +221,7 @@ Judged judgeDiscs(const Subject& subject, const FlatFamily& family, size_t count
     return judged;
 }
 
-// The corners as seen are off by gamma_5 of the way to them (NUMERICS section 1, delta x): 64 u of it over
+// The corners as seen are off by gamma_5 of the way to them (docs/numerics.md 2.3, delta x): 64 u of it over
 // the size.
 Judged judgePolygons(const Subject& subject, const FlatFamily& family, size_t count, uint32_t seed) {
     Random random(seed);

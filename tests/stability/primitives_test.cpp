@@ -37,8 +37,8 @@ std::string text(double x) {
     return buffer;
 }
 
-// NUMERICS section 1: Woop's relative t at the 99th percentile is 1.1e-6 for generic triangles, and no worse
-// at an offset against the rounded inputs.
+// docs/numerics.md 2.3: Woop's relative t at the 99th percentile is 1.1e-6 for generic triangles, and no
+// worse at an offset against the rounded inputs.
 constexpr double kWoopBar = 2e-6;
 
 TEST_P(PrimitiveTest, TrianglesOfAnySize) {
@@ -62,9 +62,9 @@ TEST_P(PrimitiveTest, Needles) {
     }
 }
 
-// T59, T61: the discriminant must hold however far away the sphere is. The bars are those of NUMERICS' table
-// for t over the radius of the unit sphere, a tenth added for other seeds; the t of another radius may stand
-// elsewhere between two powers of two, where rounding is up to twice as coarse.
+// T59, T61: the discriminant must hold however far away the sphere is. The bars are those of the table in
+// docs/numerics.md 2.4 for t over the radius of the unit sphere, a tenth added for other seeds; the t of
+// another radius may stand elsewhere between two powers of two, where rounding is up to twice as coarse.
 TEST_P(PrimitiveTest, SpheresFromAnyDistance) {
     const struct {
         double distance, bar, radius;
@@ -87,14 +87,14 @@ TEST_P(PrimitiveTest, SpheresFarFromTheOrigin) {
     }
 }
 
-// T60. NUMERICS: at most 2.9e-7.
+// docs/numerics.md T60: at most 2.9e-7.
 TEST_P(PrimitiveTest, PlanetUnderTheEye) {
     for (const double height : {100.0, 1.0, 0.0625, 0.01})
         expectRight(judgePlanet(subject(), height, rays(), 706), "planet of 1e6 from " + text(height), 1e-6);
 }
 
 // A third of the rays grazes at a thousandth. |dt / t| <= gamma_7 (1 / m1 + 1 / m2) with the margins m of n.d
-// and of n.(p - o) (NUMERICS section 1): times the smaller margin no more than 2 gamma_7, for every single
+// and of n.(p - o) (docs/numerics.md 2.5): times the smaller margin no more than 2 gamma_7, for every single
 // ray. The reference has long double.
 TEST_P(PrimitiveTest, FlatShapes) {
     for (const FlatFamily& family : {FlatFamily{1e-8, 0}, FlatFamily{1e-3, 0}, FlatFamily{1, 0},

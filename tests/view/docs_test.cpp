@@ -1,5 +1,5 @@
-// docs/viewer.md names every key, gesture, layer and script command, with the words that the window itself
-// uses.
+// docs/guide/window.md names every key, gesture, layer and script command, with the words that the window
+// itself uses.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -13,7 +13,7 @@ namespace glint::view {
 namespace {
 
 std::string page() {
-    std::ifstream in(GLINT_SOURCE_DIR "/docs/viewer.md");
+    std::ifstream in(GLINT_SOURCE_DIR "/docs/guide/window.md");
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();

@@ -32,7 +32,8 @@ TEST(Script, ReadsCommandsAndComments) {
 }
 
 TEST(Script, RefusesWithThePlace) {
-    EXPECT_EQ(messageOf("wait 1\nfly 3\n"), "s.txt:2: unknown command 'fly' (docs/viewer.md lists all)");
+    EXPECT_EQ(messageOf("wait 1\nfly 3\n"),
+              "s.txt:2: unknown command 'fly' (docs/guide/window.md lists all)");
     EXPECT_EQ(messageOf("orbit 3"), "s.txt:1: expected 'orbit DX DY'");
     EXPECT_EQ(messageOf("settle now"), "s.txt:1: expected 'settle'");
 }
