@@ -1,4 +1,4 @@
-// PLY meshes. Not by assimp, although it reads PLY fast; tried (5.2.5) on files of the kinds in tests/scene:
+// PLY meshes. Not by assimp, although it reads PLY fast; tried (5.2.5) on files of the kinds in tests/import:
 // it rounds double properties to float (123456.123456789 becomes 123456.125), takes a truncated ascii file
 // for a whole one and fills the rest with whatever was in memory, and lets bad vertex indices pass.
 #include <algorithm>

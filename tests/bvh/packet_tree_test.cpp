@@ -62,7 +62,7 @@ struct Visit {
     }
 };
 
-TEST(PacketTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
+TEST(PacketTree, HasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
     for (const BoxSet& set : hardSets()) {
         if (set.boxes.empty()) continue;
         SCOPED_TRACE(set.name);
@@ -84,7 +84,7 @@ TEST(PacketTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
 }
 
 // The walk of any-hit packets knows an inner child by its place alone.
-TEST(PacketTree, innerChildrenComeFirstAndFollowEachOther) {
+TEST(PacketTree, InnerChildrenComeFirstAndFollowEachOther) {
     for (const BoxSet& set : hardSets()) {
         if (set.boxes.empty()) continue;
         SCOPED_TRACE(set.name);
@@ -105,7 +105,7 @@ TEST(PacketTree, innerChildrenComeFirstAndFollowEachOther) {
 }
 
 // 4096 boxes in leaves of one are 4095 binary nodes; 8-wide ones, were all full, (4096 - 1) / 7 = 585.
-TEST(PacketTree, nodesAreNearlyFull) {
+TEST(PacketTree, NodesAreNearlyFull) {
     BvhOptions options;
     options.maxLeafSize = 1;
     const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(4096, 3), options), {});
@@ -115,7 +115,7 @@ TEST(PacketTree, nodesAreNearlyFull) {
     EXPECT_LE(wide, 2 * 585u);
 }
 
-TEST(PacketTree, ofNothingIsEmptyAndOfOneLeafIsOneNode) {
+TEST(PacketTree, OfNothingIsEmptyAndOfOneLeafIsOneNode) {
     EXPECT_TRUE(packetTree({}).empty());
     const std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(1, 1)), {});
     ASSERT_EQ(nodes.size(), 1u);
@@ -156,7 +156,7 @@ double leastAreas(const std::vector<shared::Node>& nodes) {
     return least;
 }
 
-TEST(PacketTree, noOtherCollapseHasLessArea) {
+TEST(PacketTree, NoOtherCollapseHasLessArea) {
     BvhOptions options;
     options.maxLeafSize = 1;
     for (uint32_t seed = 1; seed <= 40; ++seed) {

@@ -126,7 +126,7 @@ void expectSameLeaves(const Leaves& found, const Leaves& expected, bool exact) {
     }
 }
 
-TEST(WideTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
+TEST(WideTree, HasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
     for (const BoxSet& set : hardSets()) {
         if (set.boxes.empty()) continue;
         const std::vector<shared::Node> nodes = flattenBvh(buildBvh(set.boxes), {});
@@ -147,7 +147,7 @@ TEST(WideTree, hasTheLeavesOfTheBinaryTreeEachOnceInBoxesThatHoldThem) {
 // Where floats are far apart beside a node's size, at the least and greatest coordinates, and flat: the
 // decoded box of every child holds its box, and is no more than two steps of 1/255 of the node larger, or
 // what floats can tell.
-TEST(WideTree, compressedBoxesHoldTheirChildrenAndLittleMore) {
+TEST(WideTree, CompressedBoxesHoldTheirChildrenAndLittleMore) {
     for (const float scale : {1.0f, 1e-30f, 1e-18f, 1e18f, 3e37f}) {
         for (const float offset : {0.0f, 1.0f, 1000.0f, 1e6f}) {
             std::vector<Box> boxes = randomBoxes(500, 3);
@@ -183,7 +183,7 @@ TEST(WideTree, compressedBoxesHoldTheirChildrenAndLittleMore) {
 
 // So that slot ^ octant is about the order that rays meet children in: of eight boxes in the corners of a
 // cube each has the slot that names its corner.
-TEST(WideTree, childrenStandInTheSlotsOfTheirCorners) {
+TEST(WideTree, ChildrenStandInTheSlotsOfTheirCorners) {
     std::vector<Box> boxes;
     for (int corner = 0; corner < 8; ++corner)
         boxes.push_back(boxAround({corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1}, 0.1f));
@@ -201,7 +201,7 @@ TEST(WideTree, childrenStandInTheSlotsOfTheirCorners) {
 }
 
 // Two trees in one array of nodes, the second one shown twice.
-TEST(WideTree, instancesStartAtTheirOwnTrees) {
+TEST(WideTree, InstancesStartAtTheirOwnTrees) {
     std::vector<shared::Node> nodes = flattenBvh(buildBvh(randomBoxes(40, 5)), {});
     const auto root = static_cast<uint32_t>(nodes.size());
     for (shared::Node node : flattenBvh(buildBvh(randomBoxes(300, 6)), {})) {
@@ -229,7 +229,7 @@ TEST(WideTree, instancesStartAtTheirOwnTrees) {
     }
 }
 
-TEST(WideTree, sizes) {
+TEST(WideTree, Sizes) {
     EXPECT_TRUE(wideTree({}, NodeFormat::Four).rows.empty());
     EXPECT_TRUE(wideTree({}, NodeFormat::Compressed).rows.empty());
     const std::vector<shared::Node> one = flattenBvh(buildBvh(randomBoxes(1, 1)), {});

@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(All, RoundTrip,
                                           testing::Values(Path::Mapped, Path::Staged)),
                          caseName);
 
-TEST_P(RoundTrip, kernelDoublesWhatWasUploaded) {
+TEST_P(RoundTrip, KernelDoublesWhatWasUploaded) {
     const uint32_t texels = 1000;
     const Buffer buffer = make("values", texels * 16);
     write(device_, buffer, counting(texels * 4, 7));
@@ -48,7 +48,7 @@ TEST_P(RoundTrip, kernelDoublesWhatWasUploaded) {
     for (uint32_t i = 0; i < texels * 4; ++i) ASSERT_EQ(values[i], 2 * (7 + i)) << i;
 }
 
-TEST_P(RoundTrip, offsetsAddressBytes) {
+TEST_P(RoundTrip, OffsetsAddressBytes) {
     const Buffer buffer = make("values", 4096);
     write(device_, buffer, std::vector<uint32_t>(1024, 0));
     write(device_, buffer, counting(700, 1), 404);
@@ -57,7 +57,7 @@ TEST_P(RoundTrip, offsetsAddressBytes) {
     EXPECT_EQ(read(device_, buffer, 2, 404 + 699 * 4), (std::vector<uint32_t>{700, 0}));
 }
 
-TEST_P(RoundTrip, anOddNumberOfBytes) {
+TEST_P(RoundTrip, AnOddNumberOfBytes) {
     const Buffer buffer = make("bytes", 3001);
     std::vector<std::byte> bytes(3001);
     for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 37 % 251);
@@ -67,7 +67,7 @@ TEST_P(RoundTrip, anOddNumberOfBytes) {
     EXPECT_EQ(back, bytes);
 }
 
-TEST_P(RoundTrip, hostBuffersAreMapped) {
+TEST_P(RoundTrip, HostBuffersAreMapped) {
     const Buffer buffer = make("values", 64);
     if (std::get<MemoryKind>(GetParam()) == MemoryKind::Device) {
         EXPECT_EQ(buffer.mapped(), nullptr);
@@ -81,7 +81,7 @@ TEST_P(RoundTrip, hostBuffersAreMapped) {
     EXPECT_EQ(read(device_, buffer, 1), std::vector<uint32_t>{99});
 }
 
-TEST_P(RoundTrip, theHostSeesKernelWritesInHostMemory) {
+TEST_P(RoundTrip, TheHostSeesKernelWritesInHostMemory) {
     const Buffer buffer(device_, "values", 64 * 16, std::get<Access>(GetParam()), MemoryKind::Host);
     write(device_, buffer, counting(256));
     Kernel kernel = scaleKernel(device_, buffer.access(), {3, 0});
@@ -94,7 +94,7 @@ TEST_P(RoundTrip, theHostSeesKernelWritesInHostMemory) {
     for (uint32_t i = 0; i < 256; ++i) ASSERT_EQ(values[i], 3 * i);
 }
 
-TEST_P(RoundTrip, accessesPastTheEndAreErrors) {
+TEST_P(RoundTrip, AccessesPastTheEndAreErrors) {
     const Buffer buffer = make("nodes", 64);
     std::vector<std::byte> bytes(65);
     EXPECT_EQ(errorOf([&] { upload(device_, buffer, bytes); }),
@@ -109,7 +109,7 @@ TEST_P(RoundTrip, accessesPastTheEndAreErrors) {
 
 class BufferTest : public GpuTest {};
 
-TEST_F(BufferTest, sizesAreWholeTexelsAndNeverZero) {
+TEST_F(BufferTest, SizesAreWholeTexelsAndNeverZero) {
     const auto size = [&](uint64_t bytes) {
         return Buffer(device_, "b", bytes, Access::StorageBuffer, MemoryKind::Device).size();
     };
@@ -119,7 +119,7 @@ TEST_F(BufferTest, sizesAreWholeTexelsAndNeverZero) {
     EXPECT_EQ(size(17), 32u);
 }
 
-TEST_F(BufferTest, moves) {
+TEST_F(BufferTest, Moves) {
     Buffer first(device_, "first", 64, Access::TexelBuffer, MemoryKind::Host);
     write(device_, first, counting(16));
     Buffer second = std::move(first);
@@ -132,7 +132,7 @@ TEST_F(BufferTest, moves) {
     EXPECT_FALSE(Buffer());
 }
 
-TEST_F(BufferTest, tooLargeForAStorageBuffer) {
+TEST_F(BufferTest, TooLargeForAStorageBuffer) {
     device_.state().physical.info.limits.maxStorageBufferRange = 134217728;
     EXPECT_EQ(
         errorOf([&] { Buffer(device_, "triangles", 201326592, Access::StorageBuffer, MemoryKind::Device); }),
@@ -141,20 +141,20 @@ TEST_F(BufferTest, tooLargeForAStorageBuffer) {
         "buffer");
 }
 
-TEST_F(BufferTest, tooLargeForATexelBuffer) {
+TEST_F(BufferTest, TooLargeForATexelBuffer) {
     device_.state().physical.info.limits.maxTexelBufferElements = 65536;
     EXPECT_EQ(
         errorOf([&] { Buffer(device_, "nodes", 1048577, Access::TexelBuffer, MemoryKind::Device); }),
         "array \"nodes\" needs 1048577 bytes, but this device binds at most 1048576 bytes as a texel buffer");
 }
 
-TEST_F(BufferTest, tooLargeForOneAllocation) {
+TEST_F(BufferTest, TooLargeForOneAllocation) {
     device_.state().physical.info.limits.maxAllocationSize = 1000000;
     EXPECT_EQ(errorOf([&] { Buffer(device_, "nodes", 1048576, Access::TexelBuffer, MemoryKind::Device); }),
               "array \"nodes\" needs 1048576 bytes, but this device allocates at most 1000000 bytes at once");
 }
 
-TEST_F(BufferTest, theLargestOneOfTheDeviceIsMade) {
+TEST_F(BufferTest, TheLargestOneOfTheDeviceIsMade) {
     const DeviceLimits& limits = device_.info().limits;
     const uint64_t largest = limits.maxStorageBufferRange / 16 * 16;
     ASSERT_TRUE(fits(largest, Access::StorageBuffer, limits));
@@ -163,7 +163,7 @@ TEST_F(BufferTest, theLargestOneOfTheDeviceIsMade) {
     EXPECT_EQ(read(device_, buffer, 1, largest - 4), std::vector<uint32_t>{42});
 }
 
-TEST_F(BufferTest, aDeviceWithoutTheMemoryType) {
+TEST_F(BufferTest, ADeviceWithoutTheMemoryType) {
     device_.state().physical.memory.memoryTypeCount = 0;
     EXPECT_EQ(errorOf([&] { Buffer(device_, "image", 64, Access::StorageBuffer, MemoryKind::Host); }),
               "array \"image\" needs 64 bytes, but this device has no host-visible memory for it");

@@ -35,11 +35,11 @@ const std::vector<DeviceInfo> kDesktop = {
     made(4, "Old Card", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1"),
 };
 
-TEST(ChooseDevice, prefersDiscreteThenTheLowestIndex) {
+TEST(ChooseDevice, PrefersDiscreteThenTheLowestIndex) {
     EXPECT_EQ(chooseDevice(kDesktop, "").index, 2u);
 }
 
-TEST(ChooseDevice, followsTheWholeOrderOfTypes) {
+TEST(ChooseDevice, FollowsTheWholeOrderOfTypes) {
     const std::vector<std::string> order = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
     for (size_t i = 0; i < order.size(); ++i) {
         for (size_t j = i + 1; j < order.size(); ++j) {
@@ -49,28 +49,28 @@ TEST(ChooseDevice, followsTheWholeOrderOfTypes) {
     }
 }
 
-TEST(ChooseDevice, neverChoosesARefusedOne) {
+TEST(ChooseDevice, NeverChoosesARefusedOne) {
     EXPECT_EQ(
         chooseDevice({made(0, "a", "discrete GPU", "has no compute queue"), made(1, "b", "CPU")}, "").index,
         1u);
 }
 
-TEST(ChooseDevice, takesANumberAsTheIndex) {
+TEST(ChooseDevice, TakesANumberAsTheIndex) {
     EXPECT_EQ(chooseDevice(kDesktop, "0").index, 0u);
     EXPECT_EQ(chooseDevice(kDesktop, "3").index, 3u);
 }
 
-TEST(ChooseDevice, takesPartOfTheNameInAnyCase) {
+TEST(ChooseDevice, TakesPartOfTheNameInAnyCase) {
     EXPECT_EQ(chooseDevice(kDesktop, "LLVMPIPE").index, 0u);
     EXPECT_EQ(chooseDevice(kDesktop, "gt 1030").index, 3u);
     EXPECT_EQ(chooseDevice(kDesktop, "uhd").index, 1u);
 }
 
-TEST(ChooseDevice, ofSeveralMatchesTheBest) {
+TEST(ChooseDevice, OfSeveralMatchesTheBest) {
     EXPECT_EQ(chooseDevice(kDesktop, "nvidia").index, 2u);
 }
 
-TEST(ChooseDevice, ofAMatchingRefusedAndAMatchingUsableOneTheUsable) {
+TEST(ChooseDevice, OfAMatchingRefusedAndAMatchingUsableOneTheUsable) {
     EXPECT_EQ(
         chooseDevice({made(0, "card A", "discrete GPU", "has no compute queue"), made(1, "card B", "CPU")},
                      "card")
@@ -78,13 +78,13 @@ TEST(ChooseDevice, ofAMatchingRefusedAndAMatchingUsableOneTheUsable) {
         1u);
 }
 
-TEST(ChooseDevice, anEmptyListNamesThePackage) {
+TEST(ChooseDevice, AnEmptyListNamesThePackage) {
     EXPECT_EQ(errorOf({}, ""),
               "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
     EXPECT_EQ(errorOf({}, "nvidia"), errorOf({}, ""));
 }
 
-TEST(ChooseDevice, withoutAUsableOneSaysWhyForEach) {
+TEST(ChooseDevice, WithoutAUsableOneSaysWhyForEach) {
     EXPECT_EQ(errorOf({made(0, "A", "CPU", "has no compute queue"),
                        made(1, "B", "discrete GPU", "knows Vulkan 1.0 only, glint needs 1.1")},
                       ""),
@@ -92,19 +92,19 @@ TEST(ChooseDevice, withoutAUsableOneSaysWhyForEach) {
               "needs 1.1");
 }
 
-TEST(ChooseDevice, anUnknownNameListsWhatThereIs) {
+TEST(ChooseDevice, AnUnknownNameListsWhatThereIs) {
     EXPECT_EQ(errorOf({made(0, "A", "CPU"), made(1, "B", "discrete GPU")}, "radeon"),
               "no Vulkan device has \"radeon\" in its name; there is 0 \"A\", 1 \"B\"");
 }
 
-TEST(ChooseDevice, anUnknownIndexListsWhatThereIs) {
+TEST(ChooseDevice, AnUnknownIndexListsWhatThereIs) {
     EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "1"), "no Vulkan device has index 1; there is 0 \"A\"");
     // More digits than any integer holds, and whose low 64 bits are 0.
     EXPECT_EQ(errorOf({made(0, "A", "CPU")}, "18446744073709551616"),
               "no Vulkan device has index 18446744073709551616; there is 0 \"A\"");
 }
 
-TEST(ChooseDevice, aRefusedSelectionSaysWhy) {
+TEST(ChooseDevice, ARefusedSelectionSaysWhy) {
     EXPECT_EQ(errorOf(kDesktop, "4"),
               "device 4 cannot be used: 4 \"Old Card\" knows Vulkan 1.0 only, glint needs 1.1");
     EXPECT_EQ(errorOf(kDesktop, "old"),
@@ -124,20 +124,20 @@ DeviceLimits sufficientLimits() {
     return limits;
 }
 
-TEST(Refusal, acceptsSufficientLimits) {
+TEST(Refusal, AcceptsSufficientLimits) {
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, sufficientLimits()), "");
 }
 
-TEST(Refusal, namesTheVersion) {
+TEST(Refusal, NamesTheVersion) {
     EXPECT_EQ(refusal(VK_MAKE_API_VERSION(0, 1, 0, 255), true, sufficientLimits()),
               "knows Vulkan 1.0 only, glint needs 1.1");
 }
 
-TEST(Refusal, namesTheMissingQueue) {
+TEST(Refusal, NamesTheMissingQueue) {
     EXPECT_EQ(refusal(VK_API_VERSION_1_3, false, sufficientLimits()), "has no compute queue");
 }
 
-TEST(Refusal, namesTheWorkgroupSize) {
+TEST(Refusal, NamesTheWorkgroupSize) {
     DeviceLimits limits = sufficientLimits();
     limits.maxWorkgroupInvocations = 63;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
@@ -148,13 +148,13 @@ TEST(Refusal, namesTheWorkgroupSize) {
               "runs workgroups of at most 32 invocations, glint needs 64");
 }
 
-TEST(Refusal, namesThePushConstants) {
+TEST(Refusal, NamesThePushConstants) {
     DeviceLimits limits = sufficientLimits();
     limits.maxPushConstantBytes = 127;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "has 127 bytes of push constants, glint needs 128");
 }
 
-TEST(Refusal, needsEnoughBindingsOfEitherKind) {
+TEST(Refusal, NeedsEnoughBindingsOfEitherKind) {
     DeviceLimits limits = sufficientLimits();
     limits.maxStorageBuffersPerStage = 4;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
@@ -166,7 +166,7 @@ TEST(Refusal, needsEnoughBindingsOfEitherKind) {
               "binds 24 storage buffers and 4 storage texel buffers to a kernel, glint needs 25 of one kind");
 }
 
-TEST(Refusal, countsNoTexelBuffersWithoutTheFormat) {
+TEST(Refusal, CountsNoTexelBuffersWithoutTheFormat) {
     DeviceLimits limits = sufficientLimits();
     limits.maxStorageBuffersPerStage = 4;
     limits.maxTexelBufferElements = 0;

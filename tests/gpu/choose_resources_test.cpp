@@ -21,27 +21,27 @@ std::optional<uint32_t> choose(const std::vector<VkQueueFamilyProperties>& famil
     return chooseQueueFamily(families);
 }
 
-TEST(QueueFamily, prefersComputeAlone) {
+TEST(QueueFamily, PrefersComputeAlone) {
     EXPECT_EQ(choose({family(kAll, 64), family(VK_QUEUE_TRANSFER_BIT, 64), family(kCompute, 64)}), 2u);
 }
 
-TEST(QueueFamily, takesTheOnlyOne) {
+TEST(QueueFamily, TakesTheOnlyOne) {
     EXPECT_EQ(choose({family(kAll, 64)}), 0u);
 }
 
-TEST(QueueFamily, doesNotGiveUpTimestamps) {
+TEST(QueueFamily, DoesNotGiveUpTimestamps) {
     EXPECT_EQ(choose({family(kAll, 36), family(kCompute, 0)}), 0u);
 }
 
-TEST(QueueFamily, prefersComputeAloneIfNoneHasTimestamps) {
+TEST(QueueFamily, PrefersComputeAloneIfNoneHasTimestamps) {
     EXPECT_EQ(choose({family(kAll, 0), family(kCompute, 0)}), 1u);
 }
 
-TEST(QueueFamily, firstOfEquals) {
+TEST(QueueFamily, FirstOfEquals) {
     EXPECT_EQ(choose({family(kCompute, 64), family(kCompute, 64)}), 0u);
 }
 
-TEST(QueueFamily, noneWithoutCompute) {
+TEST(QueueFamily, NoneWithoutCompute) {
     EXPECT_EQ(choose({family(VK_QUEUE_GRAPHICS_BIT, 64), family(VK_QUEUE_TRANSFER_BIT, 64)}), std::nullopt);
     EXPECT_EQ(choose({}), std::nullopt);
 }
@@ -66,38 +66,38 @@ const VkPhysicalDeviceMemoryProperties kDiscrete =
 const VkPhysicalDeviceMemoryProperties kIntegrated =
     memory({kLocal, kLocal | kVisible, kLocal | kVisible | kCached});
 
-TEST(MemoryType, ofADiscreteCardStaysOutOfTheWindow) {
+TEST(MemoryType, OfADiscreteCardStaysOutOfTheWindow) {
     EXPECT_EQ(chooseMemoryType(kDiscrete, kEvery, MemoryKind::Device, false), 0u);
     EXPECT_EQ(chooseMemoryType(memory({kLocal | kVisible, kLocal}), kEvery, MemoryKind::Device, false), 1u);
 }
 
-TEST(MemoryType, ofADiscreteCardTakesTheWindowIfThereIsNothingElse) {
+TEST(MemoryType, OfADiscreteCardTakesTheWindowIfThereIsNothingElse) {
     EXPECT_EQ(chooseMemoryType(kDiscrete, 0b1110, MemoryKind::Device, false), 3u);
 }
 
-TEST(MemoryType, ofAnIntegratedCardIsMappedAndCached) {
+TEST(MemoryType, OfAnIntegratedCardIsMappedAndCached) {
     EXPECT_EQ(chooseMemoryType(kIntegrated, kEvery, MemoryKind::Device, true), 2u);
     EXPECT_EQ(chooseMemoryType(kIntegrated, 0b011, MemoryKind::Device, true), 1u);
     EXPECT_EQ(chooseMemoryType(kIntegrated, 0b001, MemoryKind::Device, true), 0u);
 }
 
-TEST(MemoryType, forTheHostIsCachedIfThereIsSuch) {
+TEST(MemoryType, ForTheHostIsCachedIfThereIsSuch) {
     EXPECT_EQ(chooseMemoryType(kDiscrete, kEvery, MemoryKind::Host, false), 2u);
     EXPECT_EQ(chooseMemoryType(kDiscrete, 0b0010, MemoryKind::Host, false), 1u);
 }
 
-TEST(MemoryType, forTheHostIsCoherent) {
+TEST(MemoryType, ForTheHostIsCoherent) {
     const VkMemoryPropertyFlags incoherent = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | kCached;
     EXPECT_EQ(chooseMemoryType(memory({incoherent, kVisible}), kEvery, MemoryKind::Host, false), 1u);
     EXPECT_EQ(chooseMemoryType(memory({incoherent, kLocal}), kEvery, MemoryKind::Host, false), std::nullopt);
 }
 
-TEST(MemoryType, noneIfNoneIsAllowed) {
+TEST(MemoryType, NoneIfNoneIsAllowed) {
     EXPECT_EQ(chooseMemoryType(kDiscrete, 0b0110, MemoryKind::Device, false), std::nullopt);
     EXPECT_EQ(chooseMemoryType(kDiscrete, 0, MemoryKind::Host, false), std::nullopt);
 }
 
-TEST(MemoryType, avoidsTypesThatNeedAFeature) {
+TEST(MemoryType, AvoidsTypesThatNeedAFeature) {
     EXPECT_EQ(chooseMemoryType(memory({kLocal | VK_MEMORY_PROPERTY_PROTECTED_BIT, kLocal}), kEvery,
                                MemoryKind::Device, false),
               1u);
@@ -115,32 +115,32 @@ DeviceLimits limits(uint64_t range, uint64_t texels, uint64_t allocation) {
     return result;
 }
 
-TEST(Fits, upToTheRangeOfAStorageBuffer) {
+TEST(Fits, UpToTheRangeOfAStorageBuffer) {
     EXPECT_TRUE(fits(1024, Access::StorageBuffer, limits(1024, 0, 1 << 20)));
     EXPECT_FALSE(fits(1025, Access::StorageBuffer, limits(1024, 0, 1 << 20)));
 }
 
-TEST(Fits, upToSixteenBytesATexel) {
+TEST(Fits, UpToSixteenBytesATexel) {
     EXPECT_TRUE(fits(16 * 10, Access::TexelBuffer, limits(0, 10, 1 << 20)));
     EXPECT_FALSE(fits(16 * 10 + 1, Access::TexelBuffer, limits(0, 10, 1 << 20)));
 }
 
-TEST(Fits, countsTheRoundingUp) {
+TEST(Fits, CountsTheRoundingUp) {
     // 1001 bytes become 1008.
     EXPECT_FALSE(fits(1001, Access::StorageBuffer, limits(1007, 0, 1 << 20)));
     EXPECT_TRUE(fits(1001, Access::StorageBuffer, limits(1008, 0, 1 << 20)));
 }
 
-TEST(Fits, upToTheLargestAllocation) {
+TEST(Fits, UpToTheLargestAllocation) {
     EXPECT_TRUE(fits(512, Access::StorageBuffer, limits(1024, 0, 512)));
     EXPECT_FALSE(fits(513, Access::StorageBuffer, limits(1024, 0, 512)));
 }
 
-TEST(Fits, survivesTheLargestNumber) {
+TEST(Fits, SurvivesTheLargestNumber) {
     EXPECT_FALSE(fits(~uint64_t{0}, Access::StorageBuffer, limits(~uint64_t{0}, 0, ~uint64_t{0})));
 }
 
-TEST(Fits, nothingWithoutTexelBuffers) {
+TEST(Fits, NothingWithoutTexelBuffers) {
     EXPECT_FALSE(fits(0, Access::TexelBuffer, limits(1024, 0, 1024)));
 }
 

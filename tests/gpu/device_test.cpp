@@ -28,7 +28,7 @@ class ScopedEnvironment {
     std::optional<std::string> old_;
 };
 
-TEST(ListDevices, findsLavapipe) {
+TEST(ListDevices, FindsLavapipe) {
     const std::vector<DeviceInfo> devices = listDevices();
     ASSERT_EQ(devices.size(), 1u)
         << "the tests set VK_DRIVER_FILES to lavapipe alone; run them through ctest";
@@ -45,7 +45,7 @@ TEST(ListDevices, findsLavapipe) {
 }
 
 // The minima are those that Vulkan 1.1 requires (tables "Required Limits" and "Required Limit Types").
-TEST(ListDevices, tellsTheLimits) {
+TEST(ListDevices, TellsTheLimits) {
     const std::vector<DeviceInfo> devices = listDevices();
     ASSERT_FALSE(devices.empty());
     const DeviceLimits& limits = devices[0].limits;
@@ -63,7 +63,7 @@ TEST(ListDevices, tellsTheLimits) {
     EXPECT_GT(limits.timestampPeriod, 0.0);
 }
 
-TEST(ListDevices, isEmptyWithoutADriver) {
+TEST(ListDevices, IsEmptyWithoutADriver) {
     const ScopedEnvironment files("VK_DRIVER_FILES", "/nonexistent.json");
     const ScopedEnvironment names("VK_ICD_FILENAMES", "/nonexistent.json");
     EXPECT_TRUE(listDevices().empty());
@@ -71,7 +71,7 @@ TEST(ListDevices, isEmptyWithoutADriver) {
               "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
 }
 
-TEST_F(GpuTest, opensTheSelectedDevice) {
+TEST_F(GpuTest, OpensTheSelectedDevice) {
     EXPECT_TRUE(device_.info().llvmpipe);
     EXPECT_EQ(Device(selecting("0")).info().name, device_.info().name);
     EXPECT_EQ(Device(selecting("LLVMpipe")).info().name, device_.info().name);
@@ -79,14 +79,14 @@ TEST_F(GpuTest, opensTheSelectedDevice) {
     EXPECT_EQ(message, "no Vulkan device has index 17; there is 0 \"" + device_.info().name + "\"");
 }
 
-TEST(Validation, isOffUnlessAskedFor) {
+TEST(Validation, IsOffUnlessAskedFor) {
     const Device device;
     EXPECT_FALSE(device.validationActive());
     EXPECT_TRUE(device.validationMessages().empty());
 }
 
 // The other tests rely on silence, so the layer must be known to speak.
-TEST(Validation, collectsWhatTheLayerSays) {
+TEST(Validation, CollectsWhatTheLayerSays) {
     const Device device(withValidation());
     ASSERT_TRUE(device.validationActive());
     VkBufferCreateInfo info{};
@@ -103,7 +103,7 @@ TEST(Validation, collectsWhatTheLayerSays) {
         << device.validationMessages()[0];
 }
 
-TEST(Validation, synchronisationIsChecked) {
+TEST(Validation, SynchronisationIsChecked) {
     Device device(withValidation());
     ASSERT_TRUE(device.validationActive());
     const Buffer a(device, "a", 1024, Access::StorageBuffer, MemoryKind::Device);
@@ -122,7 +122,7 @@ TEST(Validation, synchronisationIsChecked) {
         << device.validationMessages()[0];
 }
 
-TEST(Validation, silentWhenEverythingIsDestroyed) {
+TEST(Validation, SilentWhenEverythingIsDestroyed) {
     std::shared_ptr<ValidationLog> log;
     {
         const Device device(withValidation());
@@ -155,7 +155,7 @@ void doubleOn(const Device& device, std::vector<uint32_t>& values) {
     values = read(device, buffer, values.size());
 }
 
-TEST_F(GpuTest, devicesWorkSideBySide) {
+TEST_F(GpuTest, DevicesWorkSideBySide) {
     std::vector<uint32_t> here = counting(400);
     std::vector<uint32_t> there = counting(400, 1000);
     {
@@ -170,7 +170,7 @@ TEST_F(GpuTest, devicesWorkSideBySide) {
     }
 }
 
-TEST(Device, opensAndWorksInSeveralThreads) {
+TEST(Device, OpensAndWorksInSeveralThreads) {
     constexpr uint32_t kThreads = 4;
     std::vector<std::vector<uint32_t>> values(kThreads);
     std::vector<std::thread> threads;
@@ -184,7 +184,7 @@ TEST(Device, opensAndWorksInSeveralThreads) {
     }
 }
 
-TEST_F(GpuTest, movesWithoutDisturbingItsBuffers) {
+TEST_F(GpuTest, MovesWithoutDisturbingItsBuffers) {
     const Buffer buffer(device_, "buffer", 64, Access::StorageBuffer, MemoryKind::Device);
     Device moved = std::move(device_);
     write(moved, buffer, counting(16, 5));

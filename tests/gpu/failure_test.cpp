@@ -9,7 +9,7 @@ class FailureTest : public GpuTest {
     DeviceState& state() { return device_.state(); }
 };
 
-TEST_F(FailureTest, outOfDeviceMemoryNamesTheArray) {
+TEST_F(FailureTest, OutOfDeviceMemoryNamesTheArray) {
     state().vk.vkAllocateMemory = [](VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*,
                                      VkDeviceMemory*) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; };
     EXPECT_EQ(errorOf([&] { Buffer(device_, "nodes", 4096, Access::TexelBuffer, MemoryKind::Device); }),
@@ -18,7 +18,7 @@ TEST_F(FailureTest, outOfDeviceMemoryNamesTheArray) {
               "device memory)");
 }
 
-TEST_F(FailureTest, aKernelThatDoesNotCompileIsNamed) {
+TEST_F(FailureTest, AKernelThatDoesNotCompileIsNamed) {
     state().vk.vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
                                              const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
                                              VkPipeline*) { return VK_ERROR_INVALID_SHADER_NV; };
@@ -28,7 +28,7 @@ TEST_F(FailureTest, aKernelThatDoesNotCompileIsNamed) {
         "compile)");
 }
 
-TEST_F(FailureTest, aLostDeviceIsNamed) {
+TEST_F(FailureTest, ALostDeviceIsNamed) {
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
     submission.dispatch(kernel, 1, {});
@@ -39,7 +39,7 @@ TEST_F(FailureTest, aLostDeviceIsNamed) {
               "vkQueueSubmit failed: VK_ERROR_DEVICE_LOST (the device was reset, or its driver crashed)");
 }
 
-TEST_F(FailureTest, aSubmissionWorksAgainAfterAFailure) {
+TEST_F(FailureTest, ASubmissionWorksAgainAfterAFailure) {
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
     const PFN_vkQueueSubmit real = state().vk.vkQueueSubmit;
@@ -54,13 +54,13 @@ TEST_F(FailureTest, aSubmissionWorksAgainAfterAFailure) {
     EXPECT_GT(submission.submit().wall, 0.0);
 }
 
-TEST_F(FailureTest, anUnknownResultIsANumber) {
+TEST_F(FailureTest, AnUnknownResultIsANumber) {
     state().vk.vkCreateFence = [](VkDevice, const VkFenceCreateInfo*, const VkAllocationCallbacks*,
                                   VkFence*) { return static_cast<VkResult>(-12345); };
     EXPECT_EQ(errorOf([&] { Submission submission(device_); }), "vkCreateFence failed: VkResult -12345");
 }
 
-TEST_F(FailureTest, aHangIsReportedAfterAMinute) {
+TEST_F(FailureTest, AHangIsReportedAfterAMinute) {
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
     submission.dispatch(kernel, 1, {});
@@ -79,7 +79,7 @@ TEST_F(FailureTest, aHangIsReportedAfterAMinute) {
 
 // Destroying what a hung device uses is undefined, and the driver may wait for it for ever. The device and
 // its instance outlive the Device, so that this test can destroy them after all.
-TEST(Hang, aHungDeviceIsNotDestroyed) {
+TEST(Hang, AHungDeviceIsNotDestroyed) {
     static int destroyed;
     destroyed = 0;
     VolkDeviceTable real{};
@@ -100,7 +100,7 @@ TEST(Hang, aHungDeviceIsNotDestroyed) {
 }
 
 // A 36-bit counter (Intel) of 83.333 ns a tick that wraps: from 2^36 - 10 to 5 are 15 ticks.
-TEST_F(FailureTest, timestampsMayWrap) {
+TEST_F(FailureTest, TimestampsMayWrap) {
     state().physical.timestampBits = 36;
     state().physical.info.limits.timestampPeriod = 83.333;
     state().vk.vkGetQueryPoolResults = [](VkDevice, VkQueryPool, uint32_t, uint32_t count, size_t bytes,

@@ -24,17 +24,17 @@ class HandleTest : public testing::Test {
     DeviceContext context_;
 };
 
-TEST_F(HandleTest, destroysItsObjectOnce) {
+TEST_F(HandleTest, DestroysItsObjectOnce) {
     { const Handle<VkBuffer> handle = make(1); }
     EXPECT_EQ(destroyed, std::vector{fake(1)});
 }
 
-TEST_F(HandleTest, anEmptyOneDestroysNothing) {
+TEST_F(HandleTest, AnEmptyOneDestroysNothing) {
     { const Handle<VkBuffer> handle; }
     EXPECT_TRUE(destroyed.empty());
 }
 
-TEST_F(HandleTest, movingHandsTheObjectOver) {
+TEST_F(HandleTest, MovingHandsTheObjectOver) {
     Handle<VkBuffer> first = make(1);
     const Handle<VkBuffer> second = std::move(first);
     EXPECT_FALSE(first);
@@ -42,7 +42,7 @@ TEST_F(HandleTest, movingHandsTheObjectOver) {
     EXPECT_TRUE(destroyed.empty());
 }
 
-TEST_F(HandleTest, assigningDestroysTheOldObject) {
+TEST_F(HandleTest, AssigningDestroysTheOldObject) {
     Handle<VkBuffer> handle = make(1);
     handle = make(2);
     EXPECT_EQ(destroyed, std::vector{fake(1)});
@@ -50,7 +50,7 @@ TEST_F(HandleTest, assigningDestroysTheOldObject) {
     EXPECT_EQ(destroyed, (std::vector{fake(1), fake(2)}));
 }
 
-TEST_F(HandleTest, leaksOnADeviceThatHangs) {
+TEST_F(HandleTest, LeaksOnADeviceThatHangs) {
     {
         const Handle<VkBuffer> handle = make(1);
         context_.abandoned = true;

@@ -23,7 +23,7 @@ INSTANTIATE_TEST_SUITE_P(All, KernelTest, testing::Values(Access::StorageBuffer,
                              return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
                          });
 
-TEST_P(KernelTest, specializationConstantsFollowTheirIds) {
+TEST_P(KernelTest, SpecializationConstantsFollowTheirIds) {
     // FACTOR and ADDS; left out, the shader's own 1 and false stand.
     Kernel triple = scaleKernel(device_, GetParam(), {3});
     Kernel both = scaleKernel(device_, GetParam(), {5, 1});
@@ -38,7 +38,7 @@ TEST_P(KernelTest, specializationConstantsFollowTheirIds) {
     }
 }
 
-TEST_P(KernelTest, pushConstantsChangeFromDispatchToDispatch) {
+TEST_P(KernelTest, PushConstantsChangeFromDispatchToDispatch) {
     Kernel kernel = scaleKernel(device_, GetParam(), {1, 1});
     const Buffer buffer(device_, "values", 256, GetParam(), MemoryKind::Device);
     write(device_, buffer, counting(64));
@@ -52,7 +52,7 @@ TEST_P(KernelTest, pushConstantsChangeFromDispatchToDispatch) {
     for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], i + (i < 16 ? 1100 : 100));
 }
 
-TEST_P(KernelTest, rebindingMovesItToAnotherBuffer) {
+TEST_P(KernelTest, RebindingMovesItToAnotherBuffer) {
     Kernel kernel = scaleKernel(device_, GetParam(), {2});
     const std::vector<uint32_t> first = run(kernel, {4, 0}, 16);
     const std::vector<uint32_t> second = run(kernel, {2, 0}, 16);  // another buffer; the first one is gone
@@ -62,7 +62,7 @@ TEST_P(KernelTest, rebindingMovesItToAnotherBuffer) {
     }
 }
 
-TEST_P(KernelTest, theWrongAccessIsAnError) {
+TEST_P(KernelTest, TheWrongAccessIsAnError) {
     Kernel kernel = scaleKernel(device_, GetParam(), {2});
     const bool storage = GetParam() == Access::StorageBuffer;
     const Buffer other(device_, "nodes", 64, storage ? Access::TexelBuffer : Access::StorageBuffer,
@@ -77,7 +77,7 @@ TEST_P(KernelTest, theWrongAccessIsAnError) {
 
 class OneKernelTest : public GpuTest {};
 
-TEST_F(OneKernelTest, theWrongNumberOfBuffersIsAnError) {
+TEST_F(OneKernelTest, TheWrongNumberOfBuffersIsAnError) {
     Kernel kernel = reverseKernel(device_);
     const Buffer buffer(device_, "source", 64, Access::TexelBuffer, MemoryKind::Device);
     const Buffer* const one[] = {&buffer};
@@ -90,14 +90,14 @@ TEST_F(OneKernelTest, theWrongNumberOfBuffersIsAnError) {
     EXPECT_EQ(errorOf([&] { kernel.bind(empty); }), "kernel \"reverse\": binding 1 was given no buffer");
 }
 
-TEST_F(OneKernelTest, needsNoBindings) {
+TEST_F(OneKernelTest, NeedsNoBindings) {
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
     submission.dispatch(kernel, 3, {});
     EXPECT_GT(submission.submit().wall, 0.0);
 }
 
-TEST_F(OneKernelTest, moves) {
+TEST_F(OneKernelTest, Moves) {
     Kernel first = emptyKernel(device_);
     Kernel second = std::move(first);
     EXPECT_FALSE(first);
@@ -108,7 +108,7 @@ TEST_F(OneKernelTest, moves) {
 }
 
 // A kernel that was compiled before is not compiled again; one that differs in anything is.
-TEST_F(OneKernelTest, sharesItsProgram) {
+TEST_F(OneKernelTest, SharesItsProgram) {
     const Kernel first = emptyKernel(device_);
     const Kernel again = emptyKernel(device_);
     EXPECT_EQ(first.state().program, again.state().program);
@@ -127,7 +127,7 @@ TEST_F(OneKernelTest, sharesItsProgram) {
     EXPECT_NE(Kernel(device_, options).state().program, first.state().program);  // dropped since
 }
 
-TEST_F(OneKernelTest, compilesAgainWhereProgramsAreNotKept) {
+TEST_F(OneKernelTest, CompilesAgainWhereProgramsAreNotKept) {
     DeviceOptions options;
     options.keepPrograms = false;
     const Device device(options);
@@ -135,7 +135,7 @@ TEST_F(OneKernelTest, compilesAgainWhereProgramsAreNotKept) {
     EXPECT_NE(first.state().program, emptyKernel(device).state().program);
 }
 
-TEST_F(OneKernelTest, limitsAreChecked) {
+TEST_F(OneKernelTest, LimitsAreChecked) {
     DeviceLimits& limits = device_.state().physical.info.limits;
     const DeviceLimits real = limits;
     KernelOptions options;

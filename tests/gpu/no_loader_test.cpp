@@ -22,15 +22,15 @@ void expectNoLoader(Call call) {
     }
 }
 
-TEST(NoLoader, listDevicesNamesThePackages) {
+TEST(NoLoader, ListDevicesNamesThePackages) {
     expectNoLoader([] { listDevices(); });
 }
 
-TEST(NoLoader, openingADeviceNamesThePackages) {
+TEST(NoLoader, OpeningADeviceNamesThePackages) {
     expectNoLoader([] { Device device; });
 }
 
-TEST(NoLoader, isReportedEveryTime) {
+TEST(NoLoader, IsReportedEveryTime) {
     expectNoLoader([] { listDevices(); });
     expectNoLoader([] { listDevices(); });
 }

@@ -7,7 +7,7 @@ class SubmissionTest : public GpuTest {};
 
 // 0, 1, 2, ... through: add 1 to all, reverse the texels, triple all. Each step reads what another invocation
 // wrote.
-TEST_F(SubmissionTest, dispatchesOfABatchAreOrdered) {
+TEST_F(SubmissionTest, DispatchesOfABatchAreOrdered) {
     const uint32_t texels = 5000;
     const Buffer source(device_, "source", texels * 16, Access::TexelBuffer, MemoryKind::Device);
     const Buffer destination(device_, "destination", texels * 16, Access::StorageBuffer, MemoryKind::Device);
@@ -36,7 +36,7 @@ TEST_F(SubmissionTest, dispatchesOfABatchAreOrdered) {
     }
 }
 
-TEST_F(SubmissionTest, copiesTakeTheirTurn) {
+TEST_F(SubmissionTest, CopiesTakeTheirTurn) {
     const Buffer a(device_, "a", 256, Access::StorageBuffer, MemoryKind::Device);
     const Buffer b(device_, "b", 256, Access::TexelBuffer, MemoryKind::Host);
     write(device_, a, counting(64));
@@ -57,7 +57,7 @@ TEST_F(SubmissionTest, copiesTakeTheirTurn) {
     for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], 4 * i);
 }
 
-TEST_F(SubmissionTest, isReusable) {
+TEST_F(SubmissionTest, IsReusable) {
     const Buffer buffer(device_, "values", 64, Access::StorageBuffer, MemoryKind::Device);
     write(device_, buffer, counting(16, 1));
     Kernel twice = scaleKernel(device_, Access::StorageBuffer, {2, 0});
@@ -73,7 +73,7 @@ TEST_F(SubmissionTest, isReusable) {
     for (uint32_t i = 0; i < 16; ++i) ASSERT_EQ(values[i], 1024 * (i + 1));
 }
 
-TEST_F(SubmissionTest, nothingIsNoWork) {
+TEST_F(SubmissionTest, NothingIsNoWork) {
     const Buffer buffer(device_, "values", 64, Access::StorageBuffer, MemoryKind::Device);
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
@@ -84,7 +84,7 @@ TEST_F(SubmissionTest, nothingIsNoWork) {
     EXPECT_EQ(times.device, 0.0);
 }
 
-TEST_F(SubmissionTest, runsTheMostWorkgroupsAndRefusesOneMore) {
+TEST_F(SubmissionTest, RunsTheMostWorkgroupsAndRefusesOneMore) {
     const uint32_t most = device_.info().limits.maxWorkgroupCountX;
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);
@@ -95,7 +95,7 @@ TEST_F(SubmissionTest, runsTheMostWorkgroupsAndRefusesOneMore) {
     EXPECT_GT(submission.submit().wall, 0.0);
 }
 
-TEST_F(SubmissionTest, dispatchNeedsBuffersAndPushConstants) {
+TEST_F(SubmissionTest, DispatchNeedsBuffersAndPushConstants) {
     const Buffer buffer(device_, "values", 64, Access::StorageBuffer, MemoryKind::Device);
     Kernel kernel = scaleKernel(device_, Access::StorageBuffer, {2, 0});
     Submission submission(device_);
@@ -107,7 +107,7 @@ TEST_F(SubmissionTest, dispatchNeedsBuffersAndPushConstants) {
               "kernel \"scale\": has 8 bytes of push constants, but was given 4");
 }
 
-TEST_F(SubmissionTest, copiesPastTheEndAreErrors) {
+TEST_F(SubmissionTest, CopiesPastTheEndAreErrors) {
     const Buffer a(device_, "a", 64, Access::StorageBuffer, MemoryKind::Device);
     const Buffer b(device_, "b", 32, Access::StorageBuffer, MemoryKind::Device);
     Submission submission(device_);
@@ -118,7 +118,7 @@ TEST_F(SubmissionTest, copiesPastTheEndAreErrors) {
 }
 
 // The device's time lies between submit and fence; a millisecond allows for two clocks.
-TEST_F(SubmissionTest, timestampsLieWithinTheWallTime) {
+TEST_F(SubmissionTest, TimestampsLieWithinTheWallTime) {
     const uint32_t texels = 1 << 20;
     const Buffer buffer(device_, "values", texels * 16, Access::TexelBuffer, MemoryKind::Device);
     Kernel kernel = scaleKernel(device_, Access::TexelBuffer, {2, 0});
@@ -132,7 +132,7 @@ TEST_F(SubmissionTest, timestampsLieWithinTheWallTime) {
     EXPECT_LT(times.wall, 60.0);
 }
 
-TEST_F(SubmissionTest, deviceTimeIsZeroWithoutTimestamps) {
+TEST_F(SubmissionTest, DeviceTimeIsZeroWithoutTimestamps) {
     device_.state().physical.info.limits.timestampPeriod = 0;
     const Kernel kernel = emptyKernel(device_);
     Submission submission(device_);

@@ -22,7 +22,7 @@ Interface meet(double cosine, double ratio) {
 }
 
 // docs/numerics.md T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
-TEST(OpticsTest, reflectanceOfGlass) {
+TEST(OpticsTest, ReflectanceOfGlass) {
     EXPECT_NEAR(meet(1, 1 / 1.5).reflectance, 0.04, 1e-15);
     EXPECT_NEAR(meet(0.5, 1 / 1.5).reflectance, 0.0891867128022, 1e-13);
     EXPECT_NEAR(meet(1e-2, 1 / 1.5).reflectance, 0.943752543486, 1e-12);
@@ -30,7 +30,7 @@ TEST(OpticsTest, reflectanceOfGlass) {
     EXPECT_NEAR(meet(0.554700196225, 1 / 1.5).reflectance, 0.0739644970414, 1e-12);
 }
 
-TEST(OpticsTest, reflectanceIsTheSameBothWays) {
+TEST(OpticsTest, ReflectanceIsTheSameBothWays) {
     for (double cosine = 0.02; cosine < 1; cosine += 0.07) {
         const Interface in = meet(cosine, 1 / 1.5);
         const double behind = -in.refracted.z;
@@ -41,7 +41,7 @@ TEST(OpticsTest, reflectanceIsTheSameBothWays) {
 }
 
 // docs/numerics.md T86: the two floats on either side of the critical cosine sqrt(1 - 1/1.5^2).
-TEST(OpticsTest, totalReflectionBeginsAtTheCriticalAngle) {
+TEST(OpticsTest, TotalReflectionBeginsAtTheCriticalAngle) {
     EXPECT_TRUE(meet(double(0.74535596f), 1.5).total);
     EXPECT_FALSE(meet(double(std::nextafter(0.74535596f, 1.0f)), 1.5).total);
     EXPECT_EQ(meet(0.7, 1.5).reflectance, 1);
@@ -57,7 +57,7 @@ TEST(OpticsTest, totalReflectionBeginsAtTheCriticalAngle) {
 }
 
 // The shading normal leans so far that the refracted ray would come out in front.
-TEST(OpticsTest, geometricNormalWhereTheShadingNormalFails) {
+TEST(OpticsTest, GeometricNormalWhereTheShadingNormalFails) {
     const dvec3 n(0, 0, 1), d = glm::normalize(dvec3(1, 0, -0.05)), s = glm::normalize(dvec3(1, 0, 0.04));
     const Interface leaning = meetInterface(d, n, s, 1 / 1.5), flat = meetInterface(d, n, n, 1 / 1.5);
     EXPECT_EQ(leaning.refracted, flat.refracted);
@@ -78,7 +78,7 @@ uint32_t addGlass(PackedScene& scene, uint32_t material, float ior, int priority
 }
 
 // docs/numerics.md T89: thickness 1, 60 degrees, n = 1.5: shift sin(a) (1 - cos a / sqrt(n^2 - sin^2 a)).
-TEST(OpticsTest, slabShiftsARay) {
+TEST(OpticsTest, SlabShiftsARay) {
     SceneMaker maker;
     maker.plane({0, 0, 0}, {0, 0, 1});
     maker.plane({0, 0, -1}, {0, 0, -1});
@@ -99,7 +99,7 @@ TEST(OpticsTest, slabShiftsARay) {
     EXPECT_EQ(record.lost.depth.count, 2u);  // both branches where the last one meets the upper face
 }
 
-TEST(OpticsTest, greatestPriorityRules) {
+TEST(OpticsTest, GreatestPriorityRules) {
     PackedScene scene;
     const uint32_t water = addGlass(scene, 9, 1.33f, 0, glm::vec3(0));
     const uint32_t glass = addGlass(scene, 9, 1.5f, 1, glm::vec3(0));
@@ -129,7 +129,7 @@ TEST(OpticsTest, greatestPriorityRules) {
 
 // A ball of radius 1 in front of a white background, looked at through its middle: each way through it is 2
 // long and R = 0.04. The series of ever more inner reflections in closed form, up to the depth.
-TEST(OpticsTest, fadingThroughABall) {
+TEST(OpticsTest, FadingThroughABall) {
     SceneMaker maker;
     maker.sphere({0, 0, 0}, 1);
     maker.environment.maxDepth = 30;

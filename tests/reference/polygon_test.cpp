@@ -41,7 +41,7 @@ void expectAt(std::vector<vec3> vertices, double x, double y, bool inside) {
 }
 
 // docs/numerics.md T70 and T71: points level with vertices, on either axis.
-TEST(ReferencePolygon, levelWithVertices) {
+TEST(ReferencePolygon, LevelWithVertices) {
     expectAt(kL, 1.5, 0.5, true);
     expectAt(kL, 1.5, 1.5, false);
     expectAt(kL, 0.5, 1, true);
@@ -58,7 +58,7 @@ TEST(ReferencePolygon, levelWithVertices) {
 }
 
 // A pentagram winds twice around its middle; a window is entered and left by the same bridge.
-TEST(ReferencePolygon, evenOdd) {
+TEST(ReferencePolygon, EvenOdd) {
     std::vector<vec3> star;
     for (int i = 0; i < 5; ++i) {
         const double angle = std::numbers::pi / 2 + 4 * std::numbers::pi * i / 5;
@@ -78,7 +78,7 @@ TEST(ReferencePolygon, evenOdd) {
 }
 
 // T74: doubled and collinear vertices change nothing.
-TEST(ReferencePolygon, needlessVertices) {
+TEST(ReferencePolygon, NeedlessVertices) {
     const std::vector<vec3> more = {{0, 0, 0},    {2, 0, 0}, {2, 1, 0},    {2, 1, 0},
                                     {1.5f, 1, 0}, {1, 1, 0}, {1, 1.5f, 0}, {1, 2, 0},
                                     {0, 2, 0},    {0, 2, 0}, {0, 1, 0},    {0, 0.5f, 0}};
@@ -95,7 +95,7 @@ TEST(ReferencePolygon, needlessVertices) {
 }
 
 // Against the rule in the plane's own coordinates, in any attitude: target points whose side is known.
-TEST(ReferencePolygon, anyAttitude) {
+TEST(ReferencePolygon, AnyAttitude) {
     Random random(9);
     int hits = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -127,7 +127,7 @@ TEST(ReferencePolygon, anyAttitude) {
 
 // Of polygons that meet in an edge, any ray through the edge hits exactly one, also where their planes
 // differ.
-TEST(ReferencePolygon, sharedEdges) {
+TEST(ReferencePolygon, SharedEdges) {
     Random random(75);
     for (int i = 0; i < 300; ++i) {
         const vec3 p(random.box(1)), q(random.box(1));
@@ -149,7 +149,7 @@ TEST(ReferencePolygon, sharedEdges) {
     }
 }
 
-TEST(ReferencePolygon, planeAndSource) {
+TEST(ReferencePolygon, PlaneAndSource) {
     const Ray inPlane = makeRay({-1, 0.5, 0}, {1, 0, 0});
     EXPECT_FALSE(hitPolygon(kL, inPlane));
     EXPECT_FALSE(hitPolygon(kL, makeRay({0.5, 0.5, 0}, {0, 0, 1}))) << "t = 0";

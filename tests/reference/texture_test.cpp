@@ -41,7 +41,7 @@ uint32_t wraps(uint32_t wrap) {
 }
 
 // Texel centres are at 1/4 and 3/4; v is upwards, row 0 at the top.
-TEST(Texture, bilinearOfTwoByTwo) {
+TEST(Texture, BilinearOfTwoByTwo) {
     const PackedScene scene = quadScene(wraps(shared::kTextureWrapClamp));
     EXPECT_EQ(redAt(scene, 0.25, 0.75), 1);
     EXPECT_EQ(redAt(scene, 0.75, 0.75), 2);
@@ -53,7 +53,7 @@ TEST(Texture, bilinearOfTwoByTwo) {
     EXPECT_EQ(sampleTexture(scene, scene.textures[0], {0.5, 0.5}, dvec3(0), 0).w, 2.5 / 16);
 }
 
-TEST(Texture, wrapModes) {
+TEST(Texture, WrapModes) {
     const PackedScene clamp = quadScene(wraps(shared::kTextureWrapClamp));
     EXPECT_EQ(redAt(clamp, 0, 1), 1);
     EXPECT_EQ(redAt(clamp, -3, 0.75), 1);
@@ -71,7 +71,7 @@ TEST(Texture, wrapModes) {
     EXPECT_EQ(redAt(mirror, 2.25, -0.25), 3);
 }
 
-TEST(Texture, nearestTakesTheTexelThatHoldsThePoint) {
+TEST(Texture, NearestTakesTheTexelThatHoldsThePoint) {
     const PackedScene scene = quadScene(wraps(shared::kTextureWrapRepeat) | shared::kTextureNearest);
     EXPECT_EQ(redAt(scene, 0.49, 0.51), 1);
     EXPECT_EQ(redAt(scene, 0.51, 0.51), 2);
@@ -81,7 +81,7 @@ TEST(Texture, nearestTakesTheTexelThatHoldsThePoint) {
     EXPECT_EQ(redAt(scene, 1, 1), 3);  // which is (0, 0)
 }
 
-TEST(Texture, wildCoordinatesAreHarmless) {
+TEST(Texture, WildCoordinatesAreHarmless) {
     const PackedScene scene = quadScene(wraps(shared::kTextureWrapRepeat));
     EXPECT_EQ(redAt(scene, 1e6 + 0.25, -1e6 + 0.75), 1);
     const double corner = redAt(scene, 0, 0);
@@ -91,7 +91,7 @@ TEST(Texture, wildCoordinatesAreHarmless) {
         EXPECT_EQ(redAt(scene, wild, wild), corner) << wild;
 }
 
-TEST(Texture, checkersAlternate) {
+TEST(Texture, CheckersAlternate) {
     PackedScene scene = quadScene(shared::kTextureChecker);
     scene.textures[0].colorA = glm::vec3(1, 0, 0);
     scene.textures[0].colorB = glm::vec3(5, 0, 0);
@@ -107,7 +107,7 @@ TEST(Texture, checkersAlternate) {
 }
 
 // The frame moves local x = 10 to object x = 0.
-TEST(Texture, solidCheckerLivesInObjectSpace) {
+TEST(Texture, SolidCheckerLivesInObjectSpace) {
     PackedScene scene = quadScene(shared::kTextureChecker | shared::kTextureSolid);
     scene.textures[0].colorA = glm::vec3(1, 0, 0);
     scene.textures[0].colorB = glm::vec3(5, 0, 0);
@@ -126,7 +126,7 @@ TEST(Texture, solidCheckerLivesInObjectSpace) {
 }
 
 // A map of 4 x 2 texels numbered by rows from the top; centres of columns at u = 1/8, 3/8, 5/8, 7/8.
-TEST(Texture, environmentDirections) {
+TEST(Texture, EnvironmentDirections) {
     PackedScene scene;
     for (int i = 0; i < 8; ++i) {
         shared::Texel texel;
@@ -156,7 +156,7 @@ TEST(Texture, environmentDirections) {
 
 // Object frame the identity: the pole is +y, the middle of the image faces +z, and east, larger u, is to the
 // right seen from outside, where +x is to the right of who looks along -z.
-TEST(Texture, sphereCoordinatesInSixDirections) {
+TEST(Texture, SphereCoordinatesInSixDirections) {
     SceneMaker maker;
     maker.sphere({1, 2, 3}, 0.5f);
     PackedScene scene = maker.finish();
@@ -184,7 +184,7 @@ TEST(Texture, sphereCoordinatesInSixDirections) {
         near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
 }
 
-TEST(Texture, triangleInterpolatesCoordinatesAndColors) {
+TEST(Texture, TriangleInterpolatesCoordinatesAndColors) {
     SceneMaker maker;
     maker.triangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
     PackedScene scene = maker.finish();
@@ -208,7 +208,7 @@ TEST(Texture, triangleInterpolatesCoordinatesAndColors) {
     EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
 }
 
-TEST(Texture, materialIsMultipliedWithTexturesAndVertexColors) {
+TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
     PackedScene scene = quadScene(wraps(shared::kTextureWrapClamp));
     shared::Material material;
     material.ambient = material.diffuse = material.specular = material.mirror = glm::vec3(0.5f);

@@ -33,7 +33,7 @@ class AnalyticTest : public RenderTest {
 };
 
 // Shirley and Marschner, Fundamentals of Computer Graphics, example of sec. 4.4: t = 2/3, both weights 1/3.
-TEST_F(AnalyticTest, triangleAcrossTheAxes) {
+TEST_F(AnalyticTest, TriangleAcrossTheAxes) {
     Scene scene = emptyScene();
     addTriangle(scene, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
     const RayHit hit = hitOf(scene, rayOf({1, 1, 1}, {-1, -1, -1}));
@@ -46,7 +46,7 @@ TEST_F(AnalyticTest, triangleAcrossTheAxes) {
 }
 
 // embree, verify.cpp, TriangleHitTest: 256 points of the unit triangle, from (0, 0, -1).
-TEST_F(AnalyticTest, interiorOfTheUnitTriangle) {
+TEST_F(AnalyticTest, InteriorOfTheUnitTriangle) {
     Random random(10);
     std::vector<RayInput> rays;
     std::vector<glm::dvec2> expected;
@@ -73,7 +73,7 @@ TEST_F(AnalyticTest, interiorOfTheUnitTriangle) {
 }
 
 // Vulkan CTS, ray tracing direction length: t scales with 1 / |d|.
-TEST_F(AnalyticTest, directionLengthScalesT) {
+TEST_F(AnalyticTest, DirectionLengthScalesT) {
     Scene scene = emptyScene();
     addTriangle(scene, {0, .5, 5}, {-.5, -.5, 5}, {.5, -.5, 5});
     Random random(11);
@@ -90,7 +90,7 @@ TEST_F(AnalyticTest, directionLengthScalesT) {
 }
 
 // A ray at the corner where twelve triangles of a cube meet.
-TEST_F(AnalyticTest, cornerOfACube) {
+TEST_F(AnalyticTest, CornerOfACube) {
     SceneMaker maker;
     maker.cube(vec3(0), 1);
     const RayHit hit = hitOf(packedBy(maker), rayOf({10, 10, 10}, {-1, -1, -1}));
@@ -98,7 +98,7 @@ TEST_F(AnalyticTest, cornerOfACube) {
     EXPECT_NEAR(hit.t, 9, 4 * kUnit * 9);
 }
 
-TEST_F(AnalyticTest, rayInTheTrianglesPlaneMisses) {
+TEST_F(AnalyticTest, RayInTheTrianglesPlaneMisses) {
     EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, .5f, 0}, {1, 0, 0})).hit);     // embree issue 298
     EXPECT_FALSE(hitOf(unitTriangle(), rayOf({-1, 0, 0}, {1, 0, 0})).hit);       // along an edge
     EXPECT_FALSE(hitOf(unitTriangle(), rayOf({2, -1, 0}, {-1, 1, 0})).hit);      // along the long edge
@@ -106,14 +106,14 @@ TEST_F(AnalyticTest, rayInTheTrianglesPlaneMisses) {
 }
 
 // The ray sinks by 1.25e-7 on its way of 1.25: t = 1.25 to the precision of the direction's last component.
-TEST_F(AnalyticTest, grazingTheTriangle) {
+TEST_F(AnalyticTest, GrazingTheTriangle) {
     const RayHit hit = hitOf(unitTriangle(), rayOf({-1, .25f, 1.25e-7f}, {1, 0, -1e-7f}));
     ASSERT_TRUE(hit.hit);
     EXPECT_NEAR(hit.t, 1.25, 1.25e-5);
 }
 
 // Packed by hand, as packing would drop them. The first is pbrt-v4's Triangle.BadCases.
-TEST_F(AnalyticTest, trianglesWithoutAreaAreMissed) {
+TEST_F(AnalyticTest, TrianglesWithoutAreaAreMissed) {
     SceneMaker bad;
     bad.triangle({-1113.45459f, -79.049614f, -56.2431908f}, {-1113.45459f, -87.0922699f, -56.2431908f},
                  {-1113.45459f, -79.2090149f, -56.2431908f});
@@ -130,7 +130,7 @@ TEST_F(AnalyticTest, trianglesWithoutAreaAreMissed) {
 
 // Along the sides of the triangle's box, where the distance to the side is 0 and its inverse direction has no
 // size. The sign of the zero must not matter: the rays run in the triangle's edges, which belong to it.
-TEST_F(AnalyticTest, zerosOfEitherSignMeetTheSidesOfABox) {
+TEST_F(AnalyticTest, ZerosOfEitherSignMeetTheSidesOfABox) {
     for (const float zeroX : {0.0f, -0.0f}) {
         for (const float zeroY : {0.0f, -0.0f}) {
             for (const float z : {-1.0f, 1.0f}) {
@@ -158,7 +158,7 @@ class PlaneTest : public AnalyticTest {
     }
 };
 
-TEST_F(PlaneTest, distantHorizon) {
+TEST_F(PlaneTest, DistantHorizon) {
     const RayHit hit = hitOf(ground(), rayOf({0, 1, 0}, {1, -1e-7f, 0}));
     ASSERT_TRUE(hit.hit);
     const double t = 1 / static_cast<double>(1e-7f);  // 9999999.883
@@ -167,7 +167,7 @@ TEST_F(PlaneTest, distantHorizon) {
     EXPECT_NEAR(hit.data.position.y, 0, 1);  // x has an ulp of 1
 }
 
-TEST_F(PlaneTest, parallelRaysMiss) {
+TEST_F(PlaneTest, ParallelRaysMiss) {
     EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, 0, 0})).hit);
     EXPECT_FALSE(hitOf(ground(), rayOf({0, 1, 0}, {1, -0.0f, 0})).hit);
     EXPECT_FALSE(hitOf(ground(), rayOf({0, 0, 0}, {1, 0, 0})).hit);   // in the plane
@@ -198,7 +198,7 @@ std::vector<void (*)(Scene&)> surfacesAtFour() {
             }};
 }
 
-TEST_F(AnalyticTest, intervalIsOpenBelowAndClosedAbove) {
+TEST_F(AnalyticTest, IntervalIsOpenBelowAndClosedAbove) {
     for (const auto add : surfacesAtFour()) {
         Scene scene = emptyScene();
         add(scene);
@@ -223,7 +223,7 @@ TEST_F(AnalyticTest, intervalIsOpenBelowAndClosedAbove) {
     }
 }
 
-TEST_F(AnalyticTest, equalTGoesToTheFirstObject) {
+TEST_F(AnalyticTest, EqualTGoesToTheFirstObject) {
     const auto surfaces = surfacesAtFour();
     std::vector<size_t> order = {0, 1, 2, 3, 4};
     do {
@@ -240,7 +240,7 @@ TEST_F(AnalyticTest, equalTGoesToTheFirstObject) {
     }
 }
 
-TEST_F(AnalyticTest, raysThatAreNoneMiss) {
+TEST_F(AnalyticTest, RaysThatAreNoneMiss) {
     Scene scene = emptyScene();
     for (const auto add : surfacesAtFour()) add(scene);
     addSphere(scene, {0, 0, 0}, 100);  // around everything
@@ -263,7 +263,7 @@ TEST_F(AnalyticTest, raysThatAreNoneMiss) {
     ASSERT_TRUE(hitOf(packed, rayOf({0, 0, 4}, {0, 0, -1})).hit);
 }
 
-TEST_F(AnalyticTest, emptySceneAndNoRays) {
+TEST_F(AnalyticTest, EmptySceneAndNoRays) {
     const PackedScene packed = packScene(emptyScene());
     Renderer renderer(device(), packed);
     EXPECT_TRUE(renderer.trace({}, false).empty());
@@ -272,7 +272,7 @@ TEST_F(AnalyticTest, emptySceneAndNoRays) {
 }
 
 // More rays than one batch holds, each with a hit of its own.
-TEST_F(AnalyticTest, manyRaysComeBackInOrder) {
+TEST_F(AnalyticTest, ManyRaysComeBackInOrder) {
     Scene scene = emptyScene();
     addPlane(scene, {0, 0, 0}, {0, 0, 1});
     std::vector<RayInput> rays;
@@ -284,7 +284,7 @@ TEST_F(AnalyticTest, manyRaysComeBackInOrder) {
     for (uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].t, 1.0f + static_cast<float>(i));
 }
 
-TEST_F(AnalyticTest, nearAndFarBoundCameraRays) {
+TEST_F(AnalyticTest, NearAndFarBoundCameraRays) {
     Scene scene = emptyScene();
     addTriangle(scene, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0});
     addTriangle(scene, {-9, -9, -2}, {9, -9, -2}, {0, 9, -2});

@@ -43,7 +43,7 @@ Scene orthographicScene() {
 }
 
 // Shirley & Marschner, eq. 4.1: pixel centres half a pixel in from the edge, evenly spaced, at any depth.
-TEST_F(CameraTest, orthographicPixelsAreEvenlySpaced) {
+TEST_F(CameraTest, OrthographicPixelsAreEvenlySpaced) {
     Scene scene = orthographicScene();
     addPlane(scene, {0, 0, -4}, {0, 0, 1});
     const Picture picture = pictureOf(scene);
@@ -57,7 +57,7 @@ TEST_F(CameraTest, orthographicPixelsAreEvenlySpaced) {
 
 // Two spheres one behind the other's depth, the same number of pixels apart: the same pixels see them, and
 // those within the radius.
-TEST_F(CameraTest, orthographicSizeDoesNotDependOnDepth) {
+TEST_F(CameraTest, OrthographicSizeDoesNotDependOnDepth) {
     Scene scene = orthographicScene();
     addSphere(scene, {1.03, 1.02, 0}, 0.8);
     addSphere(scene, {3.03, 1.02, -40}, 0.8);
@@ -76,7 +76,7 @@ TEST_F(CameraTest, orthographicSizeDoesNotDependOnDepth) {
 
 // Rays start on the plane through the eye: t = 0 is excluded, and nothing behind it is seen. near and far
 // count from it.
-TEST_F(CameraTest, orthographicRaysStartOnTheImagePlane) {
+TEST_F(CameraTest, OrthographicRaysStartOnTheImagePlane) {
     const double endless = std::numeric_limits<double>::infinity();
     const auto seen = [](double nearT, double farT) {
         Scene scene = orthographicScene();
@@ -95,7 +95,7 @@ TEST_F(CameraTest, orthographicRaysStartOnTheImagePlane) {
 
 // Sec. 4.3.1: a plane parallel to the image plane is drawn undistorted and in true size; each unit of depth
 // moves it by view.xy / view.z.
-TEST_F(CameraTest, obliqueParallelKeepsPlanesUndistorted) {
+TEST_F(CameraTest, ObliqueParallelKeepsPlanesUndistorted) {
     for (const double depth : {1.0, 5.0}) {
         Scene scene = orthographicScene();
         scene.camera.target = scene.camera.eye + dvec3(0.5, -0.25, -1);
@@ -114,7 +114,7 @@ TEST_F(CameraTest, obliqueParallelKeepsPlanesUndistorted) {
 
 // Sec. 4.3.2: the same for perspective, scaled with depth. The camera looks up by 45 degrees, the image plane
 // is upright, at unit distance along the view and so at sqrt(1/2) in depth.
-TEST_F(CameraTest, obliquePerspectiveKeepsPlanesUndistorted) {
+TEST_F(CameraTest, ObliquePerspectiveKeepsPlanesUndistorted) {
     Scene scene = emptyScene();
     scene.camera.eye = {1, 2, 3};
     scene.camera.target = {1, 4, 1};
@@ -161,7 +161,7 @@ void addKnifeEdges(Scene& scene, int width, int height, double distance) {
 
 // Where the device's sums cancel, its rays are off by much: those that leave an oblique camera far from the
 // normal of its plane, and those that start near 0, far from the middle of the film. verify knows that.
-TEST_F(CameraTest, cancellationIsExplained) {
+TEST_F(CameraTest, CancellationIsExplained) {
     Scene oblique = emptyScene(), parallel = emptyScene();
     oblique.camera.eye = {0, 0, 0};  // view + u U is 0.004 long at u = -1, that far from the middle
     oblique.camera.target = {0, 0, -1};
@@ -188,7 +188,7 @@ TEST_F(CameraTest, cancellationIsExplained) {
 }
 
 // The pipeline of a perspective scene has no code for it, and says so.
-TEST_F(CameraTest, aParallelCameraNeedsAPipelineWithOne) {
+TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
     Scene scene = emptyScene();
     addPlane(scene, {0, 0, -3}, {0, 0, 1});
     Case c = makeCase(scene, kWidth, kHeight);

@@ -17,14 +17,14 @@ shared::Dispatch told(const LivePaths& live) {
     return dispatch;
 }
 
-TEST(LivePathsTest, allPathsOfTheSliceAtFirst) {
+TEST(LivePathsTest, AllPathsOfTheSliceAtFirst) {
     const LivePaths live(Compaction::On, 640);
     EXPECT_EQ(live.groups(), 10u);
     EXPECT_EQ(told(live).listed, 0u);
     EXPECT_NE(told(live).listRead, told(live).listWritten);
 }
 
-TEST(LivePathsTest, autoGoesByTheListOnceAPathHasEnded) {
+TEST(LivePathsTest, AutoGoesByTheListOnceAPathHasEnded) {
     LivePaths live(Compaction::Auto, 640);
     live.bounced(640);
     EXPECT_EQ(told(live).listed, 0u) << "no path has ended";
@@ -37,14 +37,14 @@ TEST(LivePathsTest, autoGoesByTheListOnceAPathHasEnded) {
     EXPECT_EQ(live.groups(), 3u);
 }
 
-TEST(LivePathsTest, onGoesByTheListThoughNoPathHasEnded) {
+TEST(LivePathsTest, OnGoesByTheListThoughNoPathHasEnded) {
     LivePaths live(Compaction::On, 64);
     live.bounced(64);
     EXPECT_EQ(told(live).listed, 64u);
     EXPECT_EQ(live.groups(), 1u);
 }
 
-TEST(LivePathsTest, offNever) {
+TEST(LivePathsTest, OffNever) {
     LivePaths live(Compaction::Off, 640);
     live.bounced(1);
     EXPECT_EQ(told(live).listed, 0u);
@@ -52,7 +52,7 @@ TEST(LivePathsTest, offNever) {
 }
 
 // The list that a bounce wrote is read until another one is taken up, and never written meanwhile.
-TEST(LivePathsTest, aListIsNotWrittenWhileItIsRead) {
+TEST(LivePathsTest, AListIsNotWrittenWhileItIsRead) {
     LivePaths live(Compaction::Auto, 640);
     const uint32_t first = told(live).listWritten;
     live.bounced(100);
@@ -67,7 +67,7 @@ TEST(LivePathsTest, aListIsNotWrittenWhileItIsRead) {
     EXPECT_EQ(told(live).listWritten, first);
 }
 
-TEST(PathRowsTest, scenesWithoutBouncesHaveNoLists) {
+TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
     SceneFeatures plain, mirrors, glass;
     mirrors.mirrors = true;
     glass.transmission = true;
@@ -133,13 +133,13 @@ class CompactionTest : public RenderTest {
 class CompactionSceneTest : public CompactionTest, public testing::WithParamInterface<std::string> {};
 
 // With every layer, the cost, and the account of what is not followed. 45 x 29 leaves tiles part empty.
-TEST_P(CompactionSceneTest, drawsTheSame) {
+TEST_P(CompactionSceneTest, DrawsTheSame) {
     const Case c = fileCase(GetParam(), 45, 29);
     expectSame(c, settingsOf(c), {}, {Compaction::On, Compaction::Auto});
 }
 
 // As a picture without data: fewer rows are read and written.
-TEST_P(CompactionSceneTest, drawsTheSameColoursWithoutData) {
+TEST_P(CompactionSceneTest, DrawsTheSameColoursWithoutData) {
     const Case c = fileCase(GetParam(), 45, 29);
     RenderSettings settings = settingsOf(c);
     const Picture withData = drawn(c, settings, Compaction::On).picture;
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(All, CompactionStorageTest,
                          testing::Values("corridor", "glass", "instances", "showcase", "spheres"),
                          [](const auto& p) { return p.param; });
 
-TEST_P(CompactionStorageTest, drawsTheSameThroughStorageBuffers) {
+TEST_P(CompactionStorageTest, DrawsTheSameThroughStorageBuffers) {
     const Case c = fileCase(GetParam(), 24, 16);
     Options storage;
     storage.access = gpu::Access::StorageBuffer;
@@ -166,7 +166,7 @@ TEST_P(CompactionStorageTest, drawsTheSameThroughStorageBuffers) {
 }
 
 // Rays that are finished by resume dispatches, over lists and over packets that were given up.
-TEST_F(CompactionTest, unfinishedRaysOfListedPathsAreResumed) {
+TEST_F(CompactionTest, UnfinishedRaysOfListedPathsAreResumed) {
     for (const char* name : {"triangles", "glass", "instances", "orthographic", "showcase", "quadrics"}) {
         const Case c = fileCase(name, 24, 16);
         const Picture expected = drawn(c, settingsOf(c), Compaction::Off).picture;
@@ -192,7 +192,7 @@ TEST_F(CompactionTest, unfinishedRaysOfListedPathsAreResumed) {
     }
 }
 
-TEST_F(CompactionTest, slicesAndRegionsDrawTheSame) {
+TEST_F(CompactionTest, SlicesAndRegionsDrawTheSame) {
     const Case c = fileCase("spheres", 65, 63);
     RenderSettings settings = settingsOf(c);
     settings.region = {3, 5, 61, 44};
@@ -204,7 +204,7 @@ TEST_F(CompactionTest, slicesAndRegionsDrawTheSame) {
                          drawn(c, settings, Compaction::On, sliced).picture));
 }
 
-TEST_F(CompactionTest, samplesOfAllKindsDrawTheSame) {
+TEST_F(CompactionTest, SamplesOfAllKindsDrawTheSame) {
     for (const char* name : {"corridor", "lens", "glass"}) {
         const Case c = fileCase(name, 24, 16);
         for (const bool adaptive : {false, true}) {
@@ -220,7 +220,7 @@ TEST_F(CompactionTest, samplesOfAllKindsDrawTheSame) {
 }
 
 // Branches that bring too little end, so fewer paths go on; the account of them must not change.
-TEST_F(CompactionTest, leastContributionsAreAccountedForTheSame) {
+TEST_F(CompactionTest, LeastContributionsAreAccountedForTheSame) {
     for (const char* name : {"corridor", "glass"}) {
         Case c = fileCase(name, 32, 24);
         c.packed.environment.minContribution = 0.5f;
@@ -231,7 +231,7 @@ TEST_F(CompactionTest, leastContributionsAreAccountedForTheSame) {
 }
 
 // Rays by class are traced in dispatches of their own, over one list.
-TEST_F(CompactionTest, raysAreCountedTheSame) {
+TEST_F(CompactionTest, RaysAreCountedTheSame) {
     for (const char* name : {"glass", "inside_glass"}) {
         const Case c = fileCase(name, 32, 24);
         RenderSettings settings = settingsOf(c);
@@ -263,7 +263,7 @@ Case mirrorsFor(int columns, uint32_t depth) {
 }
 
 // Eight columns of 64 pixels go on for `depth` rays: so many whole tiles, and nothing of the others.
-TEST_F(CompactionTest, kernelsRunOverThePathsThatGoOn) {
+TEST_F(CompactionTest, KernelsRunOverThePathsThatGoOn) {
     const uint32_t depth = 6, all = 64 * 64, mirrored = 8 * 64;
     const Case c = mirrorsFor(8, depth);
     RenderSettings settings = settingsOf(c);
@@ -275,7 +275,7 @@ TEST_F(CompactionTest, kernelsRunOverThePathsThatGoOn) {
 }
 
 // One column: 64 paths, one from each of 8 rows of 8 tiles, which fill one workgroup.
-TEST_F(CompactionTest, scatteredPathsShareAWorkgroup) {
+TEST_F(CompactionTest, ScatteredPathsShareAWorkgroup) {
     const uint32_t depth = 3, all = 64 * 64;
     const Case c = mirrorsFor(1, depth);
     const Drawn on = drawn(c, settingsOf(c), Compaction::Auto);

@@ -23,7 +23,7 @@ class DiscTest : public RenderTest {
     }
 };
 
-TEST_F(DiscTest, rimSidesAndEdge) {
+TEST_F(DiscTest, RimSidesAndEdge) {
     Scene scene = emptyScene();
     addDisc(scene, {0, 0, 0}, {0, 0, 3}, 5);
     const std::vector<RayInput> hit = {rayOf({0, 0, 2}, {0, 0, -1}), rayOf({3, 4, 2}, {0, 0, -1}),
@@ -45,7 +45,7 @@ TEST_F(DiscTest, rimSidesAndEdge) {
 
 // Rays at points of a known share of the radius. The point errs by the roundings of t and of the way there,
 // about 16 u of the way over the cosine; shares nearer to the rim than that are left out.
-TEST_F(DiscTest, randomDiscsAgreeWithTheReference) {
+TEST_F(DiscTest, RandomDiscsAgreeWithTheReference) {
     Random random(31);
     for (int i = 0; i < 40; ++i) {
         Scene scene = emptyScene();
@@ -87,7 +87,7 @@ TEST_F(DiscTest, randomDiscsAgreeWithTheReference) {
 }
 
 // A disc does not shade itself, wherever it lies and whatever its size, and what lies under it is shaded.
-TEST_F(DiscTest, noAcneAndNoLeak) {
+TEST_F(DiscTest, NoAcneAndNoLeak) {
     for (const double offset : {0.0, 1e3}) {
         for (const double size : {1e-3, 1.0, 1e3}) {
             Scene scene = emptyScene();

@@ -57,7 +57,7 @@ class ExplainTest : public testing::Test {
     const Case case_ = squareCase();
 };
 
-TEST_F(ExplainTest, otherSideOfAnEdgeIsExplained) {
+TEST_F(ExplainTest, OtherSideOfAnEdgeIsExplained) {
     // A tenth of an ulp inside and outside the edge, 5 away from the eye.
     const double tiny = 0.1 * 0x1p-24;
     const DifferingPixel pixel = explained({1 - tiny, 0.3, 0}, {1 + tiny, 0.3, 0});
@@ -68,7 +68,7 @@ TEST_F(ExplainTest, otherSideOfAnEdgeIsExplained) {
     EXPECT_LE(back.ulps, 8);
 }
 
-TEST_F(ExplainTest, fartherFromAnEdgeTakesMoreJitter) {
+TEST_F(ExplainTest, FartherFromAnEdgeTakesMoreJitter) {
     const double unit = 5 * 0x1p-24;  // one unit of direction, seen 5 away
     const DifferingPixel near = explained({1 - 0.1 * unit, 0.3, 0}, {1.01, 0.3, 0});
     const DifferingPixel far = explained({1 - 12 * unit, 0.3, 0}, {1.01, 0.3, 0});
@@ -77,14 +77,14 @@ TEST_F(ExplainTest, fartherFromAnEdgeTakesMoreJitter) {
     EXPECT_LT(near.ulps, far.ulps);
 }
 
-TEST_F(ExplainTest, middleOfASurfaceIsNotExplained) {
+TEST_F(ExplainTest, MiddleOfASurfaceIsNotExplained) {
     EXPECT_EQ(explained({0.5, 0.3, 0}, {1.5, 0.3, 0}).reason, Reason::Unexplained);
     EXPECT_EQ(explained({1.5, 0.3, 0}, {0.5, 0.3, 0}).reason, Reason::Unexplained);
     // A thousandth of a pixel is far more than rounding.
     EXPECT_EQ(explained({1 - 5e-4, 0.3, 0}, {1.01, 0.3, 0}).reason, Reason::Unexplained);
 }
 
-TEST_F(ExplainTest, rightPathWithAWrongColourIsNotExplained) {
+TEST_F(ExplainTest, RightPathWithAWrongColourIsNotExplained) {
     const reference::Tracer tracer(case_.packed);
     const reference::Ray ray = rayAt(case_, {0.5, 0.3, 0});
     DifferingPixel pixel = pixelOf(tracer.trace(ray), tracer.trace(ray, {}, true));
@@ -97,7 +97,7 @@ TEST_F(ExplainTest, rightPathWithAWrongColourIsNotExplained) {
     EXPECT_EQ(pixel.reason, Reason::Unexplained);
 }
 
-TEST_F(ExplainTest, coincidentSurfacesAreATie) {
+TEST_F(ExplainTest, CoincidentSurfacesAreATie) {
     Scene scene = render::test::emptyScene();
     scene.ambient = Color(1);
     const uint32_t dark = render::test::addMaterial(scene, Color(0.1));
@@ -128,7 +128,7 @@ double boundOf(const PackedScene& scene, double t, const dvec3& origin = dvec3(0
     return roundingBound(scene, record, PixelData());
 }
 
-TEST(RoundingBound, growsWithTheSceneAndWithNearness) {
+TEST(RoundingBound, GrowsWithTheSceneAndWithNearness) {
     PackedScene scene;
     double last = 0;
     for (const float extent : {1.0f, 2.0f, 10.0f, 1e3f, 1e6f}) {
@@ -148,7 +148,7 @@ TEST(RoundingBound, growsWithTheSceneAndWithNearness) {
     EXPECT_GT(boundOf(scene, 1, dvec3(0, 0, 1e8)), boundOf(scene, 1));
 }
 
-TEST(RoundingBound, shortestDistanceOfEitherPathCounts) {
+TEST(RoundingBound, ShortestDistanceOfEitherPathCounts) {
     PackedScene scene;
     scene.boundsHi = glm::vec3(10);
     PixelData near, far;
@@ -167,7 +167,7 @@ TEST(RoundingBound, shortestDistanceOfEitherPathCounts) {
 
 // ---- the verdict ----
 
-TEST(Report, passesUpToTheAllowedShare) {
+TEST(Report, PassesUpToTheAllowedShare) {
     Options options;
     Report report;
     report.pixels = 1000;
@@ -188,7 +188,7 @@ TEST(Report, passesUpToTheAllowedShare) {
     EXPECT_FALSE(report.passed(options));
 }
 
-TEST(Report, limitFollowsThePredictionAndExcusesNothingUnexplained) {
+TEST(Report, LimitFollowsThePredictionAndExcusesNothingUnexplained) {
     Options options;
     Report report;
     report.pixels = 1000;
@@ -204,7 +204,7 @@ TEST(Report, limitFollowsThePredictionAndExcusesNothingUnexplained) {
     EXPECT_FALSE(report.passed(options));
 }
 
-TEST(Report, reasonsHaveNames) {
+TEST(Report, ReasonsHaveNames) {
     EXPECT_STREQ(reasonName(Reason::Tie), "tie");
     EXPECT_STREQ(reasonName(Reason::Edge), "edge");
     EXPECT_STREQ(reasonName(Reason::Unexplained), "unexplained");
@@ -212,7 +212,7 @@ TEST(Report, reasonsHaveNames) {
 
 class VerifyTest : public render::test::RenderTest {};
 
-TEST_F(VerifyTest, everySampleIsAPictureOfItsOwn) {
+TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
     const Case c = render::test::fileCase("triangles", 40, 30);
     render::Renderer renderer(device(), c.packed);
     Options options;
@@ -237,7 +237,7 @@ TEST_F(VerifyTest, everySampleIsAPictureOfItsOwn) {
 
 // Balls with many small mirrors in each other: the device differs in many pixels, as the reference predicts,
 // and a device that puts one ball elsewhere by a thousandth of its radius still fails.
-TEST_F(VerifyTest, sensitiveScenesAreJudgedByTheirPrediction) {
+TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
     Scene scene = render::test::emptyScene();
     const uint32_t mirror = render::test::addMaterial(scene, Color(0.1), Color(0.8));
     for (int x = -2; x <= 2; ++x)
@@ -264,7 +264,7 @@ TEST_F(VerifyTest, sensitiveScenesAreJudgedByTheirPrediction) {
     EXPECT_EQ(bad.predictedShare, good.predictedShare);  // a defect cannot raise its own limit
 }
 
-TEST_F(VerifyTest, cancelledIsInterruptedAndNotPassed) {
+TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
     const Case c = render::test::fileCase("triangles", 40, 30);
     render::Renderer renderer(device(), c.packed);
     Options options;

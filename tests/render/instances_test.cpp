@@ -98,7 +98,7 @@ class InstanceTest : public RenderTest {
     }
 };
 
-TEST_F(InstanceTest, storedOnce) {
+TEST_F(InstanceTest, StoredOnce) {
     const PackedScene packed = packScene(crowd());
     // The two ellipsoids are quadrics, of their own.
     EXPECT_EQ(packed.instances.size(), 13u);
@@ -116,7 +116,7 @@ TEST_F(InstanceTest, storedOnce) {
 
 // T77. Each triangle's normal in the prototype, times the transposed fp32 matrix, in double, is what a normal
 // on an instance must be.
-TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
+TEST_F(InstanceTest, T77normalsUnderUnevenScale) {
     Scene scene = emptyScene();
     const auto ball = bumpyBall();
     const dvec3 scale(1e-4, 1, 1e4);
@@ -155,7 +155,7 @@ TEST_F(InstanceTest, t77normalsUnderUnevenScale) {
 // T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its
 // normal are within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within
 // 1e-5.
-TEST_F(InstanceTest, t79translatedFarAway) {
+TEST_F(InstanceTest, T79translatedFarAway) {
     const Affine shape = scaling({3, 2, 1});
     for (const bool both : {true, false}) {
         Scene scene = emptyScene();
@@ -192,7 +192,7 @@ TEST_F(InstanceTest, t79translatedFarAway) {
 // T80. Rigid motions: t is that of a copy whose vertices were moved in double, within 8 ulp of the ray's
 // length to it. Rays that meet the surface at less than 30 degrees are left out: there the rounding of the
 // vertices moves t by more.
-TEST_F(InstanceTest, t80rigidMotion) {
+TEST_F(InstanceTest, T80rigidMotion) {
     Scene scene = emptyScene();
     const auto ball = bumpyBall();
     Random random(8);
@@ -226,7 +226,7 @@ TEST_F(InstanceTest, t80rigidMotion) {
     EXPECT_LT(other, 40);  // edges: 2e-3 of the rays
 }
 
-TEST_F(InstanceTest, orderIsIrrelevant) {
+TEST_F(InstanceTest, OrderIsIrrelevant) {
     const Scene scene = crowd();
     const size_t count = scene.objects.size();
     Scene reversed = scene;
@@ -248,7 +248,7 @@ TEST_F(InstanceTest, orderIsIrrelevant) {
 }
 
 // Both pictures verify, and they agree but where an edge falls on a pixel's centre.
-TEST_F(InstanceTest, flattenedCopyLooksTheSame) {
+TEST_F(InstanceTest, FlattenedCopyLooksTheSame) {
     const Case once = makeCase(crowd(), 160, 120), copies = makeCase(flattened(crowd()), 160, 120);
     ASSERT_GT(once.packed.instances.size(), copies.packed.instances.size());
     Renderer first(device(), once.packed), second(device(), copies.packed);
@@ -275,7 +275,7 @@ TEST_F(InstanceTest, flattenedCopyLooksTheSame) {
     }
 }
 
-TEST_F(InstanceTest, anyBudgetDrawsTheSamePicture) {
+TEST_F(InstanceTest, AnyBudgetDrawsTheSamePicture) {
     const Case c = makeCase(crowd(), 40, 30);
     Options plenty;
     plenty.tripBudget = 5000;
@@ -297,7 +297,7 @@ TEST_F(InstanceTest, anyBudgetDrawsTheSamePicture) {
 }
 
 // The device agrees with the search of every primitive of every instance, which reads no box.
-TEST_F(InstanceTest, nothingIsMissed) {
+TEST_F(InstanceTest, NothingIsMissed) {
     const Scene scene = crowd();
     const PackedScene packed = packScene(scene);
     const reference::Tracer tracer(packed);
@@ -317,7 +317,7 @@ TEST_F(InstanceTest, nothingIsMissed) {
 }
 
 // 5000 of 400,000 triangles: 2 x 10^9 of them, ids beyond 2^30 and a hit on the last; 11,000 are too many.
-TEST_F(InstanceTest, twoBillionTriangles) {
+TEST_F(InstanceTest, TwoBillionTriangles) {
     Scene grid = emptyScene();
     addGrid(grid, 447);
     const auto mesh = std::get<MeshShape>(grid.objects[0].shape).mesh;
@@ -340,7 +340,7 @@ TEST_F(InstanceTest, twoBillionTriangles) {
 }
 
 // An ellipsoid against its equation: |diag(1/a) R^T (o + t d - c)| = 1, solved in long double.
-TEST_F(InstanceTest, ellipsoidByItsEquation) {
+TEST_F(InstanceTest, EllipsoidByItsEquation) {
     const dvec3 radii(2, 0.7, 1.1), center(0.3, -0.2, 0.5);
     const Affine turn = rotation({1, -1, 2}, 65);
     Scene scene = emptyScene();

@@ -58,7 +58,7 @@ void expectSameMembers(const std::string& name, const std::vector<SpirvMember>& 
     }
 }
 
-TEST(Layout, std430IsTheLayoutOfCpp) {
+TEST(Layout, Std430IsTheLayoutOfCpp) {
     const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
     for (const auto& [name, cpp] : cppLayouts()) {
         if (name == "Dispatch") continue;
@@ -70,7 +70,7 @@ TEST(Layout, std430IsTheLayoutOfCpp) {
     }
 }
 
-TEST(Layout, pushConstantsAreTheLayoutOfCpp) {
+TEST(Layout, PushConstantsAreTheLayoutOfCpp) {
     const std::map<std::string, SpirvStruct> structs = readStructs(layout_probe_spv);
     ASSERT_TRUE(structs.contains("DispatchBlock"));
     const Expected cpp = cppLayouts().at("Dispatch");
@@ -153,7 +153,7 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
     return words;
 }
 
-TEST_P(LoaderTest, loadersReadWhatCppWrote) {
+TEST_P(LoaderTest, LoadersReadWhatCppWrote) {
     std::map<std::string, std::vector<uint32_t>> byStruct;
 #define GLINT_ADD_ARRAY(binding, field, Struct) addArray<shared::Struct>(binding, byStruct, #Struct);
     GLINT_SCENE_ARRAYS(GLINT_ADD_ARRAY)

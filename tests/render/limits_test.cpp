@@ -18,7 +18,7 @@ gpu::DeviceInfo deviceWith(uint64_t storageRange, uint64_t texels, bool llvmpipe
     return device;
 }
 
-TEST(ChooseAccess, texelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
+TEST(ChooseAccess, TexelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
     constexpr uint64_t kStorage = 1 << 20, kTexels = 1 << 17;  // 1 MiB and 2 MiB
     const auto choose = [&](bool llvmpipe, uint64_t bytes, uint32_t images = 1000) {
         return chooseAccess(deviceWith(kStorage, kTexels, llvmpipe, images), bytes);
@@ -38,7 +38,7 @@ TEST(ChooseAccess, texelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
     EXPECT_EQ(choose(false, kStorage + 16, 4), StorageBuffer);
 }
 
-TEST(ChooseAccess, llvmpipeWithFewTexels) {
+TEST(ChooseAccess, LlvmpipeWithFewTexels) {
     // The least that Vulkan guarantees: 65536 texels, 128 MiB.
     const gpu::DeviceInfo device = deviceWith(uint64_t{1} << 27, 65536, true);
     EXPECT_EQ(chooseAccess(device, 65536 * 16), gpu::Access::TexelBuffer);
@@ -47,7 +47,7 @@ TEST(ChooseAccess, llvmpipeWithFewTexels) {
 
 // lavapipe's limit is 65,535 trips of a subgroup; a budget that is no use for 8 lanes must not be chosen
 // for 64.
-TEST(TripBudget, leavesRoomForEveryLane) {
+TEST(TripBudget, LeavesRoomForEveryLane) {
     for (const uint32_t lanes : {1u, 4u, 8u, 16u}) {
         gpu::DeviceInfo device = deviceWith(1 << 27, 1 << 27, true);
         device.limits.subgroupSize = lanes;
@@ -70,7 +70,7 @@ TEST(TripBudget, leavesRoomForEveryLane) {
 
 class LimitsTest : public RenderTest {};
 
-TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRefusedByName) {
+TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRefusedByName) {
     const uint64_t range = device().info().limits.maxStorageBufferRange;
     PackedScene scene;
     scene.triangles.resize(range / sizeof(shared::Triangle) + 1);
@@ -109,7 +109,7 @@ PackedScene behindManyTriangles(PackedScene scene, uint32_t others) {
     return scene;
 }
 
-TEST_F(LimitsTest, arrayBeyondTheStorageRangeIsRendered) {
+TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
     const Case c = fileCase("knot", 64, 48);
     const uint64_t range = device().info().limits.maxStorageBufferRange;
     const uint32_t others = static_cast<uint32_t>(range / sizeof(shared::Triangle)) + 1;

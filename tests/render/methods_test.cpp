@@ -21,7 +21,7 @@ constexpr SphereMethod kSphereMethods[] = {SphereMethod::Robust, SphereMethod::A
 class MethodsTest : public RenderTest {};
 
 // Far from edges all agree, with each other and with the reference: 64 roundings over the cosine.
-TEST_F(MethodsTest, sameHitsOnPlainTriangles) {
+TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
     Random random(4);
     Scene scene = emptyScene();
     for (int i = 0; i < 20; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
@@ -49,7 +49,7 @@ TEST_F(MethodsTest, sameHitsOnPlainTriangles) {
 
 // Options::doublePrecision: of triangles, spheres and planes, t is the reference's, rounded once: half a unit
 // in the last place, and what double itself may be off by; needles and spheres from 4100 radii included.
-TEST_F(MethodsTest, doublePrecisionRoundsOnce) {
+TEST_F(MethodsTest, DoublePrecisionRoundsOnce) {
     if (!device().info().limits.float64) GTEST_SKIP() << "the device has no double precision";
     Random random(11);
     Scene scene = emptyScene();
@@ -91,7 +91,7 @@ TEST_F(MethodsTest, doublePrecisionRoundsOnce) {
 }
 
 // pbrt's bumpy sphere (Triangle.Watertight): rays from inside a closed mesh at points of its edges.
-TEST_F(MethodsTest, onlyTheWatertightTestIsWatertight) {
+TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
     const auto mesh = reference::test::makeBumpyMesh(1);
     Scene scene = emptyScene();
     addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
@@ -115,7 +115,7 @@ TEST_F(MethodsTest, onlyTheWatertightTestIsWatertight) {
 }
 
 // A unit sphere seen from afar; hit or miss is known from the impact parameter.
-TEST_F(MethodsTest, onlyTheRobustSphereIsRoundFromAfar) {
+TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
     constexpr double kDistance = 4100;
     Scene scene = emptyScene();
     addSphere(scene, dvec3(0), 1);
@@ -157,7 +157,7 @@ TEST_F(MethodsTest, onlyTheRobustSphereIsRoundFromAfar) {
 
 // Seen from outside, whatever a test takes for a hit beyond the limb, its normal does not look away. Rays
 // within a few roundings of the limb; half a unit of 2^-24 for each product of n.d.
-TEST_F(MethodsTest, aSphereSeenFromOutsideShowsItsOutside) {
+TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
     constexpr double kDistance = 40, kFewRoundings = 4 * kDistance * kDistance * 0x1p-24;
     Scene scene = emptyScene();
     addSphere(scene, dvec3(0.3, -0.2, 0.1), 1);
@@ -190,7 +190,7 @@ TEST_F(MethodsTest, aSphereSeenFromOutsideShowsItsOutside) {
 }
 
 // Near a sphere of radius 1e6 only the anchored form knows the height.
-TEST_F(MethodsTest, onlyTheRobustSphereHoldsUnderTheEye) {
+TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
     Scene scene = emptyScene();
     addSphere(scene, {0, -1e6, 0}, 1e6);
     scene.camera.eye = {0, 1, 0};
@@ -225,7 +225,7 @@ size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) 
 
 // Between a floor and a lid 1e-5 above it, light from above: all is dark. A shadow ray that starts 1e-4 above
 // the floor has left the lid behind.
-TEST_F(MethodsTest, aFixedOffsetLeaksThroughAThinGap) {
+TEST_F(MethodsTest, AFixedOffsetLeaksThroughAThinGap) {
     const Case c = textCase(R"({"camera": {"eye": [0, 5e-6, 0], "target": [0, 0, -5e-6], "fovY": 60},
         "lights": [{"type": "directional", "direction": [0, -1, 0]}], "materials": {"m": {"diffuse": 0.5}},
         "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "m"},
@@ -236,7 +236,7 @@ TEST_F(MethodsTest, aFixedOffsetLeaksThroughAThinGap) {
 }
 
 // Two triangles in one place: a shadow ray is spared the one that it starts on, and must be above the other.
-TEST_F(MethodsTest, withoutAnOffsetASurfaceShadesItself) {
+TEST_F(MethodsTest, WithoutAnOffsetASurfaceShadesItself) {
     const Case c = textCase(R"({"camera": {"eye": [0.1, 0.2, 5], "fovY": 40},
         "lights": [{"type": "directional", "direction": [0.2, -0.3, -1]}], "materials": {"m": {"diffuse": 0.5}},
         "objects": [{"type": "triangle", "vertices": [[-7, -5, 0.7], [5, -6, 0.3], [0.3, 9, -0.9]], "material": "m"},
@@ -249,7 +249,7 @@ TEST_F(MethodsTest, withoutAnOffsetASurfaceShadesItself) {
 }
 
 // Pads widen boxes, which hold the same primitives.
-TEST_F(MethodsTest, padsDoNotChangeWhatIsHitAwayFromEdges) {
+TEST_F(MethodsTest, PadsDoNotChangeWhatIsHitAwayFromEdges) {
     Random random(5);
     Scene scene = emptyScene();
     for (int i = 0; i < 40; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));

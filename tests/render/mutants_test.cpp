@@ -67,7 +67,7 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
     verify::Options verifyOptions_;
 };
 
-TEST_P(MutantTest, isFound) {
+TEST_P(MutantTest, IsFound) {
     const verify::Report sound = run(embeddedKernels(gpu::Access::TexelBuffer));
     EXPECT_TRUE(sound.passed(verifyOptions_)) << sound.unexplained << " unexplained";
     const verify::Report broken = run(mutantKernels(GetParam().mutant));

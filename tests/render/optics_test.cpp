@@ -71,7 +71,7 @@ void addBox(Scene& scene, const dvec3& lo, const dvec3& hi, uint32_t material) {
 
 // docs/numerics.md T91. What is refracted ends on black, so a white sky shows the reflectance alone. Its
 // slope in the cosine is below 6, and a cosine good to 16 u.
-TEST_F(OpticsTest, reflectanceOfGlass) {
+TEST_F(OpticsTest, ReflectanceOfGlass) {
     struct Point {
         double cosine, reflectance;
     };
@@ -91,7 +91,7 @@ TEST_F(OpticsTest, reflectanceOfGlass) {
 
 // docs/numerics.md T86. From below the surface the sky is seen up to the critical angle and no farther; the
 // eye's own medium is found by packing.
-TEST_F(OpticsTest, totalReflectionFromTheCriticalAngleOn) {
+TEST_F(OpticsTest, TotalReflectionFromTheCriticalAngleOn) {
     for (double ior : {1.33, 1.5, 2.417}) {
         for (double side : {-1.0, 1.0}) {
             const double angle = std::asin(1 / ior) + side * 1e-4;
@@ -117,7 +117,7 @@ TEST_F(OpticsTest, totalReflectionFromTheCriticalAngleOn) {
 
 // docs/numerics.md T88: what is of the same index is not there at all, to the bit, where nothing behind it
 // depends on the point that is hit.
-TEST_F(OpticsTest, slabOfIndexOneChangesNothing) {
+TEST_F(OpticsTest, SlabOfIndexOneChangesNothing) {
     Scene scene = emptyScene();
     scene.background = {0.3, 0.6, 0.9};
     scene.ambient = Color(0.7);
@@ -133,7 +133,7 @@ TEST_F(OpticsTest, slabOfIndexOneChangesNothing) {
 
 // docs/numerics.md T89: seen through a slab of thickness 1 at 60 degrees, the edge of a screen appears
 // 0.512472013191 to the side.
-TEST_F(OpticsTest, slabShiftsWhatIsBehind) {
+TEST_F(OpticsTest, SlabShiftsWhatIsBehind) {
     const double a = std::numbers::pi / 3, shift = 0.512472013191;
     const dvec3 d(std::sin(a), -std::cos(a), 0), side(-std::cos(a), -std::sin(a), 0);
     for (double nudge : {-1e-4, 1e-4}) {
@@ -169,7 +169,7 @@ Scene shadowScene(const Light& light) {
 }
 
 // Below a slab 0.75 thick and a ball 1 thick the light has crossed four surfaces and 1.75 of glass.
-TEST_F(OpticsTest, shadowsAreColoured) {
+TEST_F(OpticsTest, ShadowsAreColoured) {
     PointLight lamp;
     lamp.position = {0, 10, 0};
     DirectionalLight sun;
@@ -195,7 +195,7 @@ TEST_F(OpticsTest, shadowsAreColoured) {
 // Light that comes down through a slab, on points of a grid that meet the slab's diagonals, edges and corners
 // exactly: it crosses two surfaces and 0.75 of glass, or passes the slab. Where both triangles of an edge
 // were counted it was dimmed four times over, and by as much glass more or less.
-TEST_F(OpticsTest, shadowsCrossAnEdgeOnce) {
+TEST_F(OpticsTest, ShadowsCrossAnEdgeOnce) {
     Scene scene = emptyScene();
     scene.materials[0].diffuse = Color(1);
     DirectionalLight sun;
@@ -237,7 +237,7 @@ TEST_F(OpticsTest, shadowsCrossAnEdgeOnce) {
 }
 
 // A lamp inside the glass, 0.25 above the underside: one surface and 0.25 of glass.
-TEST_F(OpticsTest, lampInsideGlass) {
+TEST_F(OpticsTest, LampInsideGlass) {
     PointLight lamp;
     lamp.position = {0, 1.25, 0};
     const Picture picture = draw(device(), makeCase(shadowScene(Light(lamp)), 1, 1));
@@ -248,7 +248,7 @@ TEST_F(OpticsTest, lampInsideGlass) {
 }
 
 // Device and reference keep the same account, branch by branch.
-TEST_F(OpticsTest, accountsAgreeWithTheReference) {
+TEST_F(OpticsTest, AccountsAgreeWithTheReference) {
     Case c = fileCase("glass", 48, 30);
     c.packed.environment.minContribution = 0.01f;
     const Picture picture = drawWithLosses(c);
@@ -284,7 +284,7 @@ TEST_F(OpticsTest, accountsAgreeWithTheReference) {
 
 // Between two facing panes each reflection leaves a branch waiting. The account of the 17th: the reflected
 // one, the lesser, is dropped, once.
-TEST_F(OpticsTest, fullWaitingRoomIsReported) {
+TEST_F(OpticsTest, FullWaitingRoomIsReported) {
     Scene scene = emptyScene();
     scene.background = Color(1);
     scene.maxDepth = 40;
@@ -305,7 +305,7 @@ TEST_F(OpticsTest, fullWaitingRoomIsReported) {
     EXPECT_EQ(record.bounces, 33u);
 }
 
-TEST_F(OpticsTest, mediaAtAPoint) {
+TEST_F(OpticsTest, MediaAtAPoint) {
     Scene scene = emptyScene();
     const uint32_t sea = addGlass(scene, 1.33), box = addGlass(scene, 1.5), ball = addGlass(scene, 1.4),
                    leaf = addGlass(scene, 1.3);
@@ -323,7 +323,7 @@ TEST_F(OpticsTest, mediaAtAPoint) {
 }
 
 // A scene without transmission has no rows for it and no lists: the full pipeline, which has, draws the same.
-TEST_F(OpticsTest, restCostsNothing) {
+TEST_F(OpticsTest, RestCostsNothing) {
     const Case c = fileCase("cabinet", 16, 12);
     EXPECT_FALSE(c.packed.features.transmission);
     EXPECT_TRUE(c.packed.optics.empty());

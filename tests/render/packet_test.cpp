@@ -27,7 +27,7 @@ PackedScene sceneOf(size_t triangles) {
     return scene;
 }
 
-TEST(TraversalRule, packetsOnLlvmpipeWithEightLanesThatShuffle) {
+TEST(TraversalRule, PacketsOnLlvmpipeWithEightLanesThatShuffle) {
     const PackedScene scene = sceneOf(1000);
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, deviceOf(true, 8, true), scene).packets);
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, deviceOf(true, 16, true), scene).packets);
@@ -39,7 +39,7 @@ TEST(TraversalRule, packetsOnLlvmpipeWithEightLanesThatShuffle) {
     EXPECT_TRUE(chooseTraversal(Traversal::Packet, deviceOf(false, 8, true), scene).packets);
 }
 
-TEST(TraversalRule, fewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
+TEST(TraversalRule, FewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
     const gpu::DeviceInfo device = deviceOf(true, 8, true);
     EXPECT_FALSE(chooseTraversal(Traversal::Auto, device, sceneOf(31)).packets);
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, sceneOf(32)).packets);
@@ -49,7 +49,7 @@ TEST(TraversalRule, fewPrimitivesAreTracedByLanesUnlessAskedOtherwise) {
     EXPECT_TRUE(chooseTraversal(Traversal::Auto, device, mixed).packets);
 }
 
-TEST(TraversalRule, moreNodesThanPacketsCanNumberAreWalkedByLanes) {
+TEST(TraversalRule, MoreNodesThanPacketsCanNumberAreWalkedByLanes) {
     const gpu::DeviceInfo device = deviceOf(true, 8, true);
     PackedScene scene = sceneOf(1000);
     scene.nodes.resize(size_t{1} << 23);
@@ -59,7 +59,7 @@ TEST(TraversalRule, moreNodesThanPacketsCanNumberAreWalkedByLanes) {
     EXPECT_FALSE(chooseTraversal(Traversal::Packet, device, scene).packets);
 }
 
-TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
+TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     try {
         chooseTraversal(Traversal::Packet, deviceOf(false, 32, true), sceneOf(1000));
         FAIL();
@@ -71,13 +71,13 @@ TEST(TraversalRule, packetsAreRefusedWhereTheDeviceCannot) {
 
 // packet_any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and
 // one to look for the next; before, each of a lane's rays meets all planes.
-TEST(TraversalRule, packetsInTurnStayBelowTheDriversTrips) {
+TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
     const uint32_t walk = deriveTripBudget(deviceOf(true, 8, true)) + 200 + 24 + 1;
     EXPECT_LT(kPacketTurns * (walk + kPacketRays * (shared::kMaxPlanes + 1)), 65535u);
 }
 
 // Features of geometry that the packets' kernel has no code for go to lanes.
-TEST(TraversalRule, scenesThatPacketsDoNotKnowAreTracedByLanes) {
+TEST(TraversalRule, ScenesThatPacketsDoNotKnowAreTracedByLanes) {
     const gpu::DeviceInfo device = deviceOf(true, 8, true);
     PackedScene discs = sceneOf(1000), polygons = sceneOf(1000), full = sceneOf(1000), spheres;
     discs.features.discs = true;
@@ -124,7 +124,7 @@ class PacketTest : public RenderTest {
 class PacketSceneTest : public PacketTest, public testing::WithParamInterface<std::string> {};
 
 // Sizes that leave packets and tiles part empty.
-TEST_P(PacketSceneTest, drawsWhatLanesDraw) {
+TEST_P(PacketSceneTest, DrawsWhatLanesDraw) {
     for (const glm::ivec2 size : {glm::ivec2(96, 72), glm::ivec2(65, 23), glm::ivec2(1, 1)}) {
         const Case c = fileCase(GetParam(), size.x, size.y);
         EXPECT_TRUE(
@@ -132,7 +132,7 @@ TEST_P(PacketSceneTest, drawsWhatLanesDraw) {
     }
 }
 
-TEST_P(PacketSceneTest, drawsTheSameThroughStorageBuffers) {
+TEST_P(PacketSceneTest, DrawsTheSameThroughStorageBuffers) {
     const Case c = fileCase(GetParam(), 64, 48);
     Options storage = with(Traversal::Packet);
     storage.access = gpu::Access::StorageBuffer;
@@ -143,18 +143,18 @@ INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
 // Nothing is coherent here: every packet has rays of all octants and axes, from everywhere.
-TEST_F(PacketTest, findsTheSameForAnyRays) {
+TEST_F(PacketTest, FindsTheSameForAnyRays) {
     const RayCase crowd = crowdedCase(3000, 5000, 11);
     expectSameTrace(crowd.c.packed, crowd.rays);
 }
 
-TEST_F(PacketTest, findsTheSameForSpecialRays) {
+TEST_F(PacketTest, FindsTheSameForSpecialRays) {
     const RayCase special = axisCase();
     expectSameTrace(special.c.packed, special.rays);
 }
 
 // The picture of one ray in a packet whose others have nothing to do.
-TEST_F(PacketTest, findsTheSameForAnyNumberOfRays) {
+TEST_F(PacketTest, FindsTheSameForAnyNumberOfRays) {
     RayCase crowd = crowdedCase(200, 257, 13);
     for (const size_t count : {257u, 65u, 64u, 33u, 32u, 31u, 9u, 8u, 7u, 1u}) {
         crowd.rays.resize(count);
@@ -163,13 +163,13 @@ TEST_F(PacketTest, findsTheSameForAnyNumberOfRays) {
 }
 
 // Packets that run out of trips are finished by lanes.
-TEST_F(PacketTest, packetsThatGiveUpLoseNothing) {
+TEST_F(PacketTest, PacketsThatGiveUpLoseNothing) {
     const RayCase crowd = crowdedCase(1000, 1000, 17);
     for (const uint32_t budget : {1u, 9u, 60u}) expectSameTrace(crowd.c.packed, crowd.rays, budget);
 }
 
 // More waits than the stack's 32 entries can hold; 60 primitives take too few trips to give up for those.
-TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
+TEST_F(PacketTest, PacketsThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
     Renderer packet(device(), nested.c.packed, with(Traversal::Packet));
     const std::vector<RayHit> hits = packet.trace(nested.rays, false);
@@ -179,7 +179,7 @@ TEST_F(PacketTest, packetsThatRunOutOfStackLoseNothing) {
 }
 
 // A subgroup takes several packets of any-hit rays in turn, and passes over those without any.
-TEST_F(PacketTest, packetsWithoutRaysArePassedOver) {
+TEST_F(PacketTest, PacketsWithoutRaysArePassedOver) {
     const Case c = crowdedCase(200, 0, 19).c;
     Random random(19);
     for (const unsigned kept : {1u, 5u, 10u, 77u, 128u, 255u}) {
@@ -196,7 +196,7 @@ TEST_F(PacketTest, packetsWithoutRaysArePassedOver) {
 
 // As many planes as there may be, rays of all octants, and a pile that takes all the trips there are: a
 // subgroup's eight packets together stay below what the driver allows.
-TEST_F(PacketTest, manyTripsOfAllKindsLoseNothing) {
+TEST_F(PacketTest, ManyTripsOfAllKindsLoseNothing) {
     Scene scene = emptyScene();
     Random random(31);
     for (int i = 0; i < 4000; ++i) {
@@ -227,7 +227,7 @@ Case clustersTowardsOrigin(int count) {
     return makeCase(scene, 8, 8);
 }
 
-TEST_F(PacketTest, anyHitPacketsThatRunOutOfLevelsLoseNothing) {
+TEST_F(PacketTest, AnyHitPacketsThatRunOutOfLevelsLoseNothing) {
     Random random(29);
     std::vector<RayInput> rays;
     for (int i = 0; i < 1024; ++i)
@@ -249,7 +249,7 @@ TEST_F(PacketTest, anyHitPacketsThatRunOutOfLevelsLoseNothing) {
 }
 
 // Equal t: the lowest id wins, in whatever order the tree is walked.
-TEST_F(PacketTest, tiesGoToTheLowestId) {
+TEST_F(PacketTest, TiesGoToTheLowestId) {
     const RayCase tied = tiedCase();
     const std::vector<RayHit> hits =
         Renderer(device(), tied.c.packed, with(Traversal::Packet)).trace(tied.rays, false);
@@ -260,7 +260,7 @@ TEST_F(PacketTest, tiesGoToTheLowestId) {
     expectSameTrace(tied.c.packed, tied.rays);
 }
 
-TEST_F(PacketTest, verifyPasses) {
+TEST_F(PacketTest, VerifyPasses) {
     for (const char* name : {"knot", "triangles", "spheres"}) {
         const Case c = fileCase(name, 64, 48);
         Renderer renderer(device(), c.packed, with(Traversal::Packet));

@@ -31,7 +31,7 @@ class PolygonTest : public RenderTest {
 
 // docs/numerics.md T70 and T71 from above and below; T74 is the last polygon, the L with doubled and
 // collinear vertices.
-TEST_F(PolygonTest, levelWithVertices) {
+TEST_F(PolygonTest, LevelWithVertices) {
     struct Point {
         float x, y;
         bool inside;
@@ -63,7 +63,7 @@ TEST_F(PolygonTest, levelWithVertices) {
 
 // T75, the sweep of T12 over the diagonal: of two polygons that share it, every ray hits exactly one. In one
 // plane, folded, and next to a triangle, whose edges belong to it.
-TEST_F(PolygonTest, sharedEdges) {
+TEST_F(PolygonTest, SharedEdges) {
     for (const double fold : {0.0, 3.0, -2.0}) {
         for (const bool triangle : {false, true}) {
             Scene scene = emptyScene();
@@ -95,7 +95,7 @@ TEST_F(PolygonTest, sharedEdges) {
 }
 
 // A closed prism of 14 polygons seen from inside: no ray gets out, at edges and at vertices either.
-TEST_F(PolygonTest, closedPrism) {
+TEST_F(PolygonTest, ClosedPrism) {
     constexpr int kSides = 12;
     std::vector<dvec3> bottom, top;
     const dvec3 axis(0.3, -0.2, 1.7);
@@ -126,7 +126,7 @@ TEST_F(PolygonTest, closedPrism) {
 }
 
 // Comb after comb: concave, in any attitude; every ray keeps away from the edges by far more than rounding.
-TEST_F(PolygonTest, combsInAnyAttitude) {
+TEST_F(PolygonTest, CombsInAnyAttitude) {
     Random random(21);
     size_t found = 0;
     for (int i = 0; i < 20; ++i) {
@@ -184,7 +184,7 @@ std::vector<dvec3> longRing(double radius, double z) {
 }
 
 // Rings of growing size behind each other: a ray half a unit from every outline goes by the smaller ones.
-TEST_F(PolygonTest, longOutlinesHitAndMissed) {
+TEST_F(PolygonTest, LongOutlinesHitAndMissed) {
     constexpr uint32_t kRings = 12;
     Scene scene = emptyScene();
     scene.camera.eye = {0, 0, 4};
@@ -217,7 +217,7 @@ TEST_F(PolygonTest, longOutlinesHitAndMissed) {
 
 // Rays through a corner of the boxes of 40 rings, outside all outlines: 40 x 2048 loop trips to follow them,
 // where lavapipe ends all loops after 65,535. The triangle behind them is met last.
-TEST_F(PolygonTest, moreEdgesThanLavapipeAllows) {
+TEST_F(PolygonTest, MoreEdgesThanLavapipeAllows) {
     constexpr uint32_t kRings = 40;
     Scene scene = emptyScene();
     scene.camera.eye = {0, 0, 4};
@@ -246,7 +246,7 @@ TEST_F(PolygonTest, moreEdgesThanLavapipeAllows) {
 }
 
 // Neither acne on a polygon nor light under it, near and far from the origin.
-TEST_F(PolygonTest, shadows) {
+TEST_F(PolygonTest, Shadows) {
     for (const double offset : {0.0, 1e3}) {
         Scene scene = emptyScene();
         const dvec3 at(offset, -offset, offset), a = glm::normalize(dvec3(1, -0.3, 0.1)),

@@ -43,7 +43,7 @@ class QuadricTest : public RenderTest {
 };
 
 // J. Buck, The Ray Tracer Challenge, chapter 13, within 8 roundings of the way.
-TEST_F(QuadricTest, conesOfTheRayTracerChallenge) {
+TEST_F(QuadricTest, ConesOfTheRayTracerChallenge) {
     const Shape cone = general({1, -1, 1, 0, 0, 0, 0, 0, 0, 0}, 64);
     EXPECT_EQ(hitOf(cone, {0, 0, -5}, {0, 0, 1}), 5) << "through the apex";
     const dvec3 slanted = glm::normalize(dvec3(-0.5, -1, 1));
@@ -55,7 +55,7 @@ TEST_F(QuadricTest, conesOfTheRayTracerChallenge) {
     EXPECT_NEAR(hitOf(cone, {0, 0, -5}, glm::normalize(dvec3(1, 1, 1))), 8.66025, 1e-2);
 }
 
-TEST_F(QuadricTest, hyperboloidAlongItsAsymptote) {
+TEST_F(QuadricTest, HyperboloidAlongItsAsymptote) {
     const Shape shape = general({1, 1, -1, 0, 0, 0, 0, 0, 0, -1}, 0x1p25);
     EXPECT_EQ(hitOf(shape, {-2, 0, 0}, {1, 0, 1}), 0.75);
     EXPECT_NEAR(hitOf(shape, {-2, 0, 0}, {1, 0, 1 + 0x1p-23}), 0.749999966, 2e-7);
@@ -63,7 +63,7 @@ TEST_F(QuadricTest, hyperboloidAlongItsAsymptote) {
     EXPECT_NEAR(hitOf(shape, {-2, 0, 0}, {1, 0, 1.001}), 0.749718807, 2e-7);
 }
 
-TEST_F(QuadricTest, degenerateSurfaces) {
+TEST_F(QuadricTest, DegenerateSurfaces) {
     const Shape parabola = general({1, 0, 0, 0, 0, 0, 0, 0, -1, 0}, 16);
     EXPECT_EQ(hitOf(parabola, {0.5, 3, 10}, {0, 0, -1}), 9.75);
     EXPECT_NEAR(hitOf(parabola, {0, 0, 4}, {1, 0, -1}), 1.5615528128088303, 4e-7);
@@ -75,7 +75,7 @@ TEST_F(QuadricTest, degenerateSurfaces) {
     EXPECT_EQ(hitOf(general({1, -1, 0, 0, 0, 0, 0, 0, 0, 0}, 8), {-5, 2, 0}, {1, 0, 0}), 3);
 }
 
-TEST_F(QuadricTest, cylinderAlongItsAxis) {
+TEST_F(QuadricTest, CylinderAlongItsAxis) {
     const CylinderShape open{{0, 0, -8}, {0, 0, 0x1p20}, 1, false};
     EXPECT_EQ(hitOf(open, {0.5, 0, -20}, {0, 0, 1}), -1);
     EXPECT_NEAR(hitOf(open, {0, 0, 0}, {1e-6, 0, 1}), 1e6, 1);
@@ -87,7 +87,7 @@ TEST_F(QuadricTest, cylinderAlongItsAxis) {
 
 // A closed body has no gap at its rims: rays from outside towards points of the rims pass no farther than the
 // body reaches, and rays from its middle never leave it.
-TEST_F(QuadricTest, noGapAtTheRims) {
+TEST_F(QuadricTest, NoGapAtTheRims) {
     Random random(8);
     for (int i = 0; i < 3; ++i) {
         const dvec3 base = random.box(3), axis = random.direction(), top = base + axis;
@@ -106,7 +106,7 @@ TEST_F(QuadricTest, noGapAtTheRims) {
     }
 }
 
-TEST_F(QuadricTest, randomQuadricsAgreeWithTheReference) {
+TEST_F(QuadricTest, RandomQuadricsAgreeWithTheReference) {
     Random random(21);
     size_t hits = 0, different = 0;
     for (int i = 0; i < 14; ++i) {
@@ -159,7 +159,7 @@ TEST_F(QuadricTest, randomQuadricsAgreeWithTheReference) {
 }
 
 // Lit along the view by parallel light, everything seen is lit: nothing shades itself, at any place and size.
-TEST_F(QuadricTest, noAcne) {
+TEST_F(QuadricTest, NoAcne) {
     for (const double offset : {0.0, 1e3}) {
         for (const double size : {1e-3, 1.0, 1e3}) {
             const dvec3 at(offset, -offset, offset), axis = size * glm::normalize(dvec3(0.3, 1, 0.2));
@@ -195,7 +195,7 @@ TEST_F(QuadricTest, noAcne) {
 }
 
 // Radius 1e6 and an eye 1 above: t within 1e-6 of 1, as for spheres.
-TEST_F(QuadricTest, hugeCylinderUnderTheEye) {
+TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     Scene scene = emptyScene();
     scene.objects.push_back({"pipe", CylinderShape{{-1e6, -1e6, 0}, {1e6, -1e6, 0}, 1e6}, 0});
     scene.camera.eye = {0, 1, 0};

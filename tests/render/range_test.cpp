@@ -35,7 +35,7 @@ class RangeTest : public RenderTest {
     }
 };
 
-TEST_F(RangeTest, directionsOfAnyLength) {
+TEST_F(RangeTest, DirectionsOfAnyLength) {
     for (const Scene& scene : surfaces(1)) {
         for (const double length : {1e-15, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 1e3, 1e6, 1e9, 1e15}) {
             const double exact = static_cast<float>(length);
@@ -48,7 +48,7 @@ TEST_F(RangeTest, directionsOfAnyLength) {
     }
 }
 
-TEST_F(RangeTest, scenesOfAnySize) {
+TEST_F(RangeTest, ScenesOfAnySize) {
     for (const double size : {1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15, 3e17}) {
         for (const Scene& scene : surfaces(size)) {
             const RayHit hit = hitOf(scene, rayOf(vec3(0, 0, 3 * size), {0, 0, -1}));
@@ -61,7 +61,7 @@ TEST_F(RangeTest, scenesOfAnySize) {
 }
 
 // Multiplying scene and origin by a power of two changes no digit of the answer but the exponent of t.
-TEST_F(RangeTest, powersOfTwoChangeNoDigit) {
+TEST_F(RangeTest, PowersOfTwoChangeNoDigit) {
     const PackedScene unit = packScene(surfaces(1)[0]);
     Random random(21);
     std::vector<RayInput> rays;
@@ -89,7 +89,7 @@ TEST_F(RangeTest, powersOfTwoChangeNoDigit) {
 }
 
 // Ten million from the origin, where an ulp is 1: right for the rounded corners.
-TEST_F(RangeTest, distantTriangle) {
+TEST_F(RangeTest, DistantTriangle) {
     Scene scene = emptyScene();
     scene.camera.eye = {0, 0, 0};
     scene.camera.target = {1, 0, 0};
@@ -102,7 +102,7 @@ TEST_F(RangeTest, distantTriangle) {
 }
 
 // A bead of a thousandth and a triangle of a million in one scene.
-TEST_F(RangeTest, greatAndSmallTogether) {
+TEST_F(RangeTest, GreatAndSmallTogether) {
     Scene scene = emptyScene();
     addTriangle(scene, {-1e6, -1e6, -1}, {1e6, -1e6, -1}, {0, 1e6, -1});
     addTriangle(scene, {-1e-3, -1e-3, 0}, {1e-3, -1e-3, 0}, {0, 1e-3, 0});

@@ -201,7 +201,7 @@ SceneTest::Counts SceneTest::compare(const Case& c, const Picture& device) {
     return counts;
 }
 
-TEST_P(SceneTest, agreesWithTheReference) {
+TEST_P(SceneTest, AgreesWithTheReference) {
     const Case c = fileCase(GetParam(), 160, 120);
     Renderer renderer(device(), c.packed);
     verify::Options options;

@@ -8,7 +8,7 @@ namespace {
 class ShadowTest : public RenderTest {};
 
 // A lamp close above a table in a large room: the cup between them casts its shadow however short the way is.
-TEST_F(ShadowTest, lightCloseToASurface) {
+TEST_F(ShadowTest, LightCloseToASurface) {
     for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
         Scene scene = emptyScene();
         addTriangle(scene, {-10, 0, -10}, {10, 0, -10}, {0, 0, 15});
@@ -31,7 +31,7 @@ TEST_F(ShadowTest, lightCloseToASurface) {
 }
 
 // The floor's own primitive is no obstacle, its neighbour in a mesh is one.
-TEST_F(ShadowTest, wedgeIsDarkInsideAndLitOutside) {
+TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
     Scene scene = emptyScene();
     addTriangle(scene, {0, 0, -50}, {4, 0, 0}, {0, 0, 50});
     addTriangle(scene, {0, 0, -50}, {0, 0, 50}, {4, 0.004, 0});  // a thousandth of a radian above it

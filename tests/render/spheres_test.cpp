@@ -36,14 +36,14 @@ class SphereTest : public RenderTest {
 
 // Shirley and Marschner, Fundamentals of Computer Graphics: (1, 1, 1) - t (1, 1, 1) and the unit sphere, t =
 // 1 -+ 1 / sqrt(3).
-TEST_F(SphereTest, diagonalThroughTheUnitSphere) {
+TEST_F(SphereTest, DiagonalThroughTheUnitSphere) {
     const RayInput ray = rayOf({1, 1, 1}, {-1, -1, -1});
     EXPECT_NEAR(hitOf({0, 0, 0}, 1, ray).value(), 1 - 1 / std::sqrt(3.0), 4 * kUnit);
     EXPECT_NEAR(hitOf({0, 0, 0}, 1, after(ray, 1)).value(), 1 + 1 / std::sqrt(3.0), 4 * kUnit * 1.6);
 }
 
 // Buck, The Ray Tracer Challenge, features/spheres.feature.
-TEST_F(SphereTest, rayTracerChallenge) {
+TEST_F(SphereTest, RayTracerChallenge) {
     const auto ray = [](float x, float y, float z) { return rayOf({x, y, z}, {0, 0, 1}); };
     EXPECT_EQ(hitOf({0, 0, 0}, 1, ray(0, 0, -5)), 4);
     EXPECT_EQ(hitOf({0, 0, 0}, 1, after(ray(0, 0, -5), 5)), 6);
@@ -58,14 +58,14 @@ TEST_F(SphereTest, rayTracerChallenge) {
 }
 
 // b is the ray's distance from the centre: t = 10 - sqrt(1 - b^2).
-TEST_F(SphereTest, tangents) {
+TEST_F(SphereTest, Tangents) {
     const auto hit = [](float b) { return hitOf({0, 0, 0}, 1, rayOf({b, 0, -10}, {0, 0, 1})); };
     EXPECT_NEAR(hit(0.99999994f).value(), 10 - std::sqrt(1 - 0.99999994 * 0.99999994), 4 * kUnit * 10);
     EXPECT_EQ(hit(1), 10);
     EXPECT_EQ(hit(1.0000001f), std::nullopt);
 }
 
-TEST_F(SphereTest, tinyAndFar) {
+TEST_F(SphereTest, TinyAndFar) {
     const struct { double radius, distance; } cases[] = {{1e-3, 1e3}, {1, 1e6}, {1e-6, 1}, {1e-14, 1e-10}};
     for (const auto& c : cases) {
         const float distance = static_cast<float>(c.distance);
@@ -79,7 +79,7 @@ TEST_F(SphereTest, tinyAndFar) {
 // ray passes within 1e-3 (in the square of its distance to the centre) of the limb; t is judged at the 99th
 // percentile. The table's figures have two digits and come from rays of other seeds: a tenth more is allowed.
 // The textbook's discriminant is 250 times worse.
-TEST_F(SphereTest, farAwaySweep) {
+TEST_F(SphereTest, FarAwaySweep) {
     const struct {
         double distance, t99;
     } rows[] = {{100, 1.8e-5}, {400, 7e-5}, {2000, 3e-4}, {4100, 1e-3}, {7500, 1.2e-3}, {8000, 1.2e-3}};
@@ -116,7 +116,7 @@ TEST_F(SphereTest, farAwaySweep) {
 }
 
 // A planet of radius 1e6 under the eye.
-TEST_F(SphereTest, planetUnderTheEye) {
+TEST_F(SphereTest, PlanetUnderTheEye) {
     for (const double height : {100.0, 1.0, 0.25, 0.0625}) {
         Scene scene = emptyScene();
         scene.camera.eye = {0, height, 0};
@@ -135,7 +135,7 @@ TEST_F(SphereTest, planetUnderTheEye) {
 
 // The same, aslant: against the reference on the packed numbers. docs/numerics.md 2.4: 2.9e-7 at most, for
 // downward rays.
-TEST_F(SphereTest, planetAslant) {
+TEST_F(SphereTest, PlanetAslant) {
     for (const double height : {100.0, 1.0, 0.01}) {
         Scene scene = emptyScene();
         scene.camera.eye = {0, height, 0};
@@ -167,7 +167,7 @@ TEST_F(SphereTest, planetAslant) {
 
 // A ray that starts on a sphere of radius 1 sees its far side only: r = |2 b / a| with the start taken as
 // exactly on it.
-TEST_F(SphereTest, insideAndOutside) {
+TEST_F(SphereTest, InsideAndOutside) {
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 0.5f}, {0, 0, 1})), 0.5f);
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 0.5f}, {0, 0, -1})), 1.5f);
     EXPECT_EQ(hitOf({0, 0, 0}, 1, rayOf({0, 0, 1}, {0, 0, 1})), std::nullopt);  // t = 0 is excluded

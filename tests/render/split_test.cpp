@@ -41,7 +41,7 @@ class SplitTest : public RenderTest {
 };
 
 // From inside each beam at points of its edges and of its diagonals, near and far.
-TEST_F(SplitTest, beamsAreClosed) {
+TEST_F(SplitTest, BeamsAreClosed) {
     const PackedScene packed = packScene(scene_, 0, BuildQuality::High);
     ASSERT_GT(packed.statistics.splitTriangles, 300u);
     std::vector<RayInput> rays;
@@ -61,7 +61,7 @@ TEST_F(SplitTest, beamsAreClosed) {
 }
 
 // A ray that starts on a triangle must not meet it in another of its places.
-TEST_F(SplitTest, samePictureAsWithout) {
+TEST_F(SplitTest, SamePictureAsWithout) {
     scene_.camera.eye = {0, 0, 14};
     scene_.maxDepth = 4;
     scene_.materials[0].mirror = Color(0.5);
@@ -74,7 +74,7 @@ TEST_F(SplitTest, samePictureAsWithout) {
     EXPECT_EQ(draw(device(), whole).color.pixels, draw(device(), split).color.pixels);
 }
 
-TEST_F(SplitTest, sameHitsAsWithout) {
+TEST_F(SplitTest, SameHitsAsWithout) {
     const PackedScene whole = packScene(scene_, 0, BuildQuality::Fast),
                       split = packScene(scene_, 0, BuildQuality::High);
     std::vector<RayInput> rays;

@@ -45,7 +45,7 @@ SpotLight lampAt(double height, double angle, double penumbra) {
 // between them the smoothstep of the cosine, docs/reference/shading.md. Radii are known to 1e-6 of h; the
 // factor's slope there is below 1.5 / (cos 30 - cos 40) = 15 for the widest penumbra and below 10^4 for the
 // narrow cone's.
-TEST_F(SpotTest, lightsADiscOfTheConesRadius) {
+TEST_F(SpotTest, LightsADiscOfTheConesRadius) {
     struct Lamp {
         double height, angle, penumbra, tolerance;
     };
@@ -87,7 +87,7 @@ TEST_F(SpotTest, lightsADiscOfTheConesRadius) {
 }
 
 // A cone of 180 degrees is a point light, also straight behind, where its light comes at a cosine of -1.
-TEST_F(SpotTest, fullSphereIsAPointLight) {
+TEST_F(SpotTest, FullSphereIsAPointLight) {
     for (const bool inverseSquare : {false, true}) {
         Scene scene = floorFromAbove(3);
         scene.camera.eye.y = 0.5;
@@ -102,7 +102,7 @@ TEST_F(SpotTest, fullSphereIsAPointLight) {
 }
 
 // Outside the cone a pixel costs what it costs without the light.
-TEST_F(SpotTest, castsNoShadowRayOutsideTheCone) {
+TEST_F(SpotTest, CastsNoShadowRayOutsideTheCone) {
     Scene scene = floorFromAbove(8);
     scene.camera.eye.y = 5;
     addSphere(scene, {0, 2, 0}, 0.5);
@@ -139,7 +139,7 @@ TEST_F(SpotTest, castsNoShadowRayOutsideTheCone) {
 
 // Sharp cones on a slanted floor, one from far away: their rims hang on rounding, and verify finds that they
 // do.
-TEST_F(SpotTest, sharpRimsAreExplained) {
+TEST_F(SpotTest, SharpRimsAreExplained) {
     Scene scene = emptyScene();
     scene.ambient = Color(0.1);
     scene.camera.eye = {0, 2, 6};

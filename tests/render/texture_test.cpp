@@ -78,7 +78,7 @@ void expectNear(const std::vector<float>& values, const std::vector<double>& exp
     for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], expected[i], tolerance) << i;
 }
 
-TEST_F(TextureTest, bilinearAndWrapOnBothAccesses) {
+TEST_F(TextureTest, BilinearAndWrapOnBothAccesses) {
     for (const gpu::Access access : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
         Options options;
         options.access = access;
@@ -92,7 +92,7 @@ TEST_F(TextureTest, bilinearAndWrapOnBothAccesses) {
     }
 }
 
-TEST_F(TextureTest, nearestAndCheckers) {
+TEST_F(TextureTest, NearestAndCheckers) {
     const Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
     expectNear(wall(nearest, {{0.49, 0.51}, {0.51, 0.49}}), {1, 4}, 0);
     const Texture checker{CheckerTexture{Color(1), Color(5)}};
@@ -105,7 +105,7 @@ TEST_F(TextureTest, nearestAndCheckers) {
 }
 
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
-TEST_F(TextureTest, greatCoordinatesStayInTheImage) {
+TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
     Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}, dvec2(1), dvec2(1e6, -1e6)};
     expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
     far.offset = {1e17, -1e17};
@@ -113,7 +113,7 @@ TEST_F(TextureTest, greatCoordinatesStayInTheImage) {
 }
 
 // One pixel each way; see the same in tests/reference/texture_test.cpp.
-TEST_F(TextureTest, environmentDirections) {
+TEST_F(TextureTest, EnvironmentDirections) {
     auto map = std::make_shared<Image>(4, 2, 3);
     for (int i = 0; i < 8; ++i)
         for (int c = 0; c < 3; ++c) map->at(i % 4, i / 4, c) = static_cast<float>(i);
@@ -135,7 +135,7 @@ TEST_F(TextureTest, environmentDirections) {
 // The device's u and v against atan2 and asin in double of the normal that it reports. turnsOf is good to
 // 2^-23; u is rounded once more (2^-25), v takes the angle twice and the ring, which errs by 4 units of at
 // most 1/(2 pi) turns' worth: below 2^-21 in all.
-TEST_F(TextureTest, anglesAreGoodToTheirBound) {
+TEST_F(TextureTest, AnglesAreGoodToTheirBound) {
     Scene scene = emptyScene();
     addSphere(scene, {0, 0, 0}, 1, addTextured(scene, {CheckerTexture{}}));
     Random random(7);
@@ -162,7 +162,7 @@ TEST_F(TextureTest, anglesAreGoodToTheirBound) {
 
 // Discs and polygons report where on the image they are hit; triangles their barycentrics, whatever the
 // texture.
-TEST_F(TextureTest, coordinatesOfFlatObjects) {
+TEST_F(TextureTest, CoordinatesOfFlatObjects) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{}});
     addDisc(scene, {0, 0, 0}, {0, 0, 1}, 2, material);
@@ -220,7 +220,7 @@ std::vector<QuadricUv> quadricUvs() {
             {ball, {1, 9, 1}, {0, -1, 0}, {0.5, 1}}};
 }
 
-TEST_F(TextureTest, coordinatesOfQuadrics) {
+TEST_F(TextureTest, CoordinatesOfQuadrics) {
     for (const QuadricUv& c : quadricUvs()) {
         Scene scene = emptyScene();
         const uint32_t material = addTextured(scene, {CheckerTexture{}});
@@ -246,7 +246,7 @@ TEST_F(TextureTest, coordinatesOfQuadrics) {
 }
 
 // A cap shows one end of a repeated image, whatever rounding makes of its height.
-TEST_F(TextureTest, capsShowOneEndOfTheImage) {
+TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
     Scene scene = emptyScene();
     const Texture rows{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
     const dvec3 base(0.3, 0.1, -0.7), axis = glm::normalize(dvec3(0.37, 1, 0.21)), top = base + 1.7 * axis;
@@ -284,7 +284,7 @@ class MaskTest : public TextureTest {
     static inline uint32_t mask_ = 0;
 };
 
-TEST_F(MaskTest, cameraRaysPassHoles) {
+TEST_F(MaskTest, CameraRaysPassHoles) {
     Scene scene = maskScene();
     addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
     Viewer viewer(device(), scene);
@@ -294,7 +294,7 @@ TEST_F(MaskTest, cameraRaysPassHoles) {
     EXPECT_EQ(Viewer(device(), scene)({0.25, 0.75, 2}, {0.25, 0.75, 0}).x, 1);
 }
 
-TEST_F(MaskTest, mirrorsShowWhatIsBehindHoles) {
+TEST_F(MaskTest, MirrorsShowWhatIsBehindHoles) {
     Scene scene = maskScene();
     addPolygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, mask_);
     addPlane(scene, {0, 0, -3}, {0, 0, 1}, addMaterial(scene, Color(0), Color(1)));
@@ -307,7 +307,7 @@ TEST_F(MaskTest, mirrorsShowWhatIsBehindHoles) {
     EXPECT_TRUE(through == 3 || through == 4) << through;  // the far wall
 }
 
-TEST_F(MaskTest, shadowsHaveHoles) {
+TEST_F(MaskTest, ShadowsHaveHoles) {
     Scene scene = maskScene();
     addPolygon(scene, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, mask_);
     addPlane(scene, {0, 0, 0}, {0, 0, 1}, addMaterial(scene, Color(1)));
@@ -319,7 +319,7 @@ TEST_F(MaskTest, shadowsHaveHoles) {
 }
 
 // v = 1/2 is the equator: from above the inside of the lower half is seen through the open upper one.
-TEST_F(MaskTest, openBallsShowTheirInside) {
+TEST_F(MaskTest, OpenBallsShowTheirInside) {
     Scene scene = maskScene();
     addSphere(scene, {0, 0, 0}, 1, mask_);
     Viewer viewer(device(), scene);
@@ -328,7 +328,7 @@ TEST_F(MaskTest, openBallsShowTheirInside) {
 }
 
 // Rays that run out of loop trips in the middle, with a mask, end up the same.
-TEST_F(MaskTest, anyTripBudgetDrawsTheSame) {
+TEST_F(MaskTest, AnyTripBudgetDrawsTheSame) {
     const Case c = fileCase("textures", 96, 72);
     Options tight;
     tight.tripBudget = 12;
@@ -337,7 +337,7 @@ TEST_F(MaskTest, anyTripBudgetDrawsTheSame) {
 
 // Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than
 // that.
-TEST_F(TextureTest, checkerEdgesAreExplained) {
+TEST_F(TextureTest, CheckerEdgesAreExplained) {
     Scene scene = emptyScene();
     const uint32_t material = addTextured(scene, {CheckerTexture{Color(1), Color(0)}, dvec2(400)});
     addPlane(scene, {0.1, 0, 0.3}, {0, 1, 0}, material);
@@ -354,7 +354,7 @@ TEST_F(TextureTest, checkerEdgesAreExplained) {
     EXPECT_LT(report.edges, 0.005 * 200 * 150);
 }
 
-TEST_F(TextureTest, scenesWithoutTexturesLeaveThemOut) {
+TEST_F(TextureTest, ScenesWithoutTexturesLeaveThemOut) {
     const PackedScene plain = packScene(emptyScene());
     EXPECT_FALSE(plain.features.textures || plain.features.checkers || plain.features.uvs ||
                  plain.features.alphaMask || plain.features.environmentMap || plain.features.vertexColors);

@@ -25,7 +25,7 @@ std::string renderWith(int threads, const std::string& scene, const std::filesys
     return bytesOf(out);
 }
 
-TEST(Threads, picturesDoNotDependOnTheirNumber) {
+TEST(Threads, PicturesDoNotDependOnTheirNumber) {
     const auto folder = std::filesystem::path(testing::TempDir());
     for (const std::string scene : {"spheres", "triangles", "knot"}) {
         const std::filesystem::path one = folder / (scene + "_threads1.exr"),

@@ -164,7 +164,7 @@ class TraversalTest : public RenderTest, public testing::WithParamInterface<Subj
     Random random_{70};
 };
 
-TEST_P(TraversalTest, treeAndBruteForceHitTheSame) {
+TEST_P(TraversalTest, TreeAndBruteForceHitTheSame) {
     const std::vector<RayInput> rays = makeRays(4000);
     const PackedScene open = withOpenBoxes(packed_);
     Options testsAll;

@@ -133,7 +133,7 @@ const Hull kHulls[] = {Hull(dvec3(1000)), Hull(dvec3(1)), Hull({1, 1, 10}), Hull
 const BuildQuality kQualities[] = {BuildQuality::Fast, BuildQuality::Default, BuildQuality::High};
 
 // Not only no leak: each ray hits what it hits when every triangle is tested.
-TEST_F(TreeLeaksTest, noRayLeavesAHull) {
+TEST_F(TreeLeaksTest, NoRayLeavesAHull) {
     size_t rayCount = 0;
     for (const Hull& hull : kHulls) {
         const std::vector<RayInput> rays = raysIn(hull, 100000);
@@ -159,7 +159,7 @@ TEST_F(TreeLeaksTest, noRayLeavesAHull) {
 }
 
 // The defect that this guards against: boxes that are right for exact rays.
-TEST_F(TreeLeaksTest, tightBoxesLeak) {
+TEST_F(TreeLeaksTest, TightBoxesLeak) {
     const Hull& hull = std::end(kHulls)[-1];
     const std::vector<RayInput> rays = raysIn(hull, 100000);
     const PackedScene packed = withTightBoxes(packScene(sceneOf(hull)));

@@ -55,7 +55,7 @@ const char* const kMirrorScene = R"({
     {"type": "sphere", "center": [1.3, 0.1, 0.3], "radius": 0.5, "material": "m"}]
 })";
 
-TEST_F(TripTest, anyBudgetDrawsTheSamePicture) {
+TEST_F(TripTest, AnyBudgetDrawsTheSamePicture) {
     const Case c = textCase(kMirrorScene, 32, 24);
     Options plenty;
     plenty.tripBudget = 5000;
@@ -77,7 +77,7 @@ TEST_F(TripTest, anyBudgetDrawsTheSamePicture) {
     }
 }
 
-TEST_F(TripTest, anyBudgetTracesTheSameRays) {
+TEST_F(TripTest, AnyBudgetTracesTheSameRays) {
     Scene scene = emptyScene();
     Random random(51);
     for (int i = 0; i < 400; ++i) {
@@ -143,7 +143,7 @@ std::vector<uint32_t> somePages() {
     return pages;
 }
 
-TEST_F(TripTest, everyPageOfALongBookIsFound) {
+TEST_F(TripTest, EveryPageOfALongBookIsFound) {
     const Book book;
     const Case c = makeCase(book.scene(), 8, 8, BuildQuality::Fast);
     ASSERT_EQ(c.packed.triangles.size(), kPages);
@@ -175,7 +175,7 @@ TEST_F(TripTest, everyPageOfALongBookIsFound) {
 // Identical primitives: the lowest id wins, which is in the leaf that is visited last.
 class PileTest : public TripTest, public testing::WithParamInterface<bool> {};
 
-TEST_P(PileTest, lowestIdOfAPileWins) {
+TEST_P(PileTest, LowestIdOfAPileWins) {
     const bool spheres = GetParam();
     Scene scene = emptyScene();
     if (spheres) {
@@ -221,7 +221,7 @@ Scene roof() {
     return scene;
 }
 
-TEST_F(TripTest, shadowBehindManyBoxesIsFound) {
+TEST_F(TripTest, ShadowBehindManyBoxesIsFound) {
     const Case c = makeCase(roof(), 24, 24, BuildQuality::Fast);
     // By lanes: packets take a level's children in fewer trips, and do not run out.
     Options lanes;
@@ -247,7 +247,7 @@ TEST_F(TripTest, shadowBehindManyBoxesIsFound) {
     EXPECT_GT(lit(cut), 24 * 24 / 4) << lifted();
 }
 
-TEST_F(TripTest, twoHundredReflectionsAgreeWithTheReference) {
+TEST_F(TripTest, TwoHundredReflectionsAgreeWithTheReference) {
     const Case c = textCase(R"({
       "camera": {"eye": [0.2, 0.5, 1.2], "target": [-1, 0.55, 1], "fovY": 50},
       "background": 0.3, "ambient": 0.2, "maxDepth": 200,

@@ -7,7 +7,7 @@ namespace {
 
 class ValidationTest : public testing::TestWithParam<gpu::Access> {};
 
-TEST_P(ValidationTest, layerIsSilent) {
+TEST_P(ValidationTest, LayerIsSilent) {
     gpu::DeviceOptions withLayer;
     withLayer.validation = true;
     const gpu::Device device(withLayer);

@@ -14,20 +14,20 @@ class VariantTest : public RenderTest, public testing::WithParamInterface<std::s
     Case case_ = fileCase(GetParam(), 96, 72);
 };
 
-TEST_P(VariantTest, prunedAndFullPipelineDrawTheSame) {
+TEST_P(VariantTest, PrunedAndFullPipelineDrawTheSame) {
     Options full;
     full.leaveOut = false;
     EXPECT_TRUE(sameBits(draw(device(), case_), draw(device(), case_, full)));
 }
 
-TEST_P(VariantTest, bothAccessesDrawTheSame) {
+TEST_P(VariantTest, BothAccessesDrawTheSame) {
     Options storage, texel;
     storage.access = gpu::Access::StorageBuffer;
     texel.access = gpu::Access::TexelBuffer;
     EXPECT_TRUE(sameBits(draw(device(), case_, storage), draw(device(), case_, texel)));
 }
 
-TEST_P(VariantTest, slicesAndRepetitionDrawTheSame) {
+TEST_P(VariantTest, SlicesAndRepetitionDrawTheSame) {
     Renderer renderer(device(), case_.packed);
     const Picture picture = draw(renderer, case_);
     EXPECT_TRUE(sameBits(picture, draw(renderer, case_))) << "second picture of the same renderer";
@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(All, VariantTest, testing::ValuesIn(sceneNames()),
 
 class PictureTest : public RenderTest {};
 
-TEST_F(PictureTest, oddSizesAgreeWithTheReference) {
+TEST_F(PictureTest, OddSizesAgreeWithTheReference) {
     for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 5), glm::ivec2(65, 63)}) {
         const Case c = fileCase("spheres", size.x, size.y);
         const Picture picture = draw(device(), c);
@@ -62,7 +62,7 @@ TEST_F(PictureTest, oddSizesAgreeWithTheReference) {
     }
 }
 
-TEST_F(PictureTest, regionsAreCutFromTheWholePicture) {
+TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
     const Case c = fileCase("lights", 65, 63);
     Renderer renderer(device(), c.packed);
     const Picture whole = draw(renderer, c);
@@ -89,7 +89,7 @@ TEST_F(PictureTest, regionsAreCutFromTheWholePicture) {
     }
 }
 
-TEST_F(PictureTest, samplesAreAveraged) {
+TEST_F(PictureTest, SamplesAreAveraged) {
     const Case c = fileCase("spheres", 64, 48);
     RenderSettings settings;
     settings.width = c.width;
@@ -115,7 +115,7 @@ TEST_F(PictureTest, samplesAreAveraged) {
     EXPECT_LE(differing, 4 * 64 * 48 / 200);  // half a percent of the samples
 }
 
-TEST_F(PictureTest, costIsCountedAndChangesNothing) {
+TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
     const Case c = fileCase("knot", 64, 48);
     RenderSettings settings;
     settings.width = c.width;
@@ -133,7 +133,7 @@ TEST_F(PictureTest, costIsCountedAndChangesNothing) {
     EXPECT_TRUE(sameBits(counted, draw(renderer, c)));
 }
 
-TEST_F(PictureTest, cancelledRenderKeepsFinishedSlices) {
+TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     const Case c = fileCase("triangles", 160, 120);
     Options options;
     options.maxSlicePixels = 1024;

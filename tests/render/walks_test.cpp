@@ -47,7 +47,7 @@ PackedScene discsInInstances() {
     return scene;
 }
 
-TEST(LaneRule, isThisTable) {
+TEST(LaneRule, IsThisTable) {
     using enum Traversal;
     const struct {
         const char* type;
@@ -85,7 +85,7 @@ TEST(LaneRule, isThisTable) {
     }
 }
 
-TEST(LaneRule, saysWhyNotWhatWasAskedFor) {
+TEST(LaneRule, SaysWhyNotWhatWasAskedFor) {
     const gpu::DeviceInfo device = deviceOf("discrete GPU");
     EXPECT_NE(chooseTraversal(Traversal::Cwbvh, device, sceneOf(0)).reason.find("no tree"),
               std::string::npos);
@@ -99,7 +99,7 @@ TEST(LaneRule, saysWhyNotWhatWasAskedFor) {
     }
 }
 
-TEST_F(RenderTest, aTreeThatNothingWalksIsNotThere) {
+TEST_F(RenderTest, ATreeThatNothingWalksIsNotThere) {
     const Case c = fileCase("knot", 8, 8);
     const auto bytes = [&](Traversal traversal) {
         Options options;
@@ -156,24 +156,24 @@ class WalkTest : public RenderTest, public testing::WithParamInterface<Walk> {
 INSTANTIATE_TEST_SUITE_P(All, WalkTest, testing::ValuesIn(kWalks),
                          [](const auto& p) { return p.param.name; });
 
-TEST_P(WalkTest, findsTheSameForAnyRays) {
+TEST_P(WalkTest, FindsTheSameForAnyRays) {
     const RayCase crowd = crowdedCase(3000, 5000, 11);
     expectSameTrace(crowd.c, crowd.rays);
 }
 
-TEST_P(WalkTest, findsTheSameForSpecialRays) {
+TEST_P(WalkTest, FindsTheSameForSpecialRays) {
     const RayCase special = axisCase();
     expectSameTrace(special.c, special.rays);
 }
 
-TEST_P(WalkTest, raysThatRunOutOfTripsLoseNothing) {
+TEST_P(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
     const RayCase crowd = crowdedCase(1000, 1000, 17);
     for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSameTrace(crowd.c, crowd.rays, budget);
 }
 
 // Of four children, up to three wait in each level. A compressed node lets one entry wait for a level, so
 // there is room in any case, as there is in the lane's own stack; smallStack below is for those.
-TEST_P(WalkTest, raysThatRunOutOfStackLoseNothing) {
+TEST_P(WalkTest, RaysThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
     Renderer renderer = rendererOf(nested.c);
     for (const RayHit& hit : renderer.trace(nested.rays, false)) EXPECT_EQ(hit.data.object, kNestedCount - 1);
@@ -183,7 +183,7 @@ TEST_P(WalkTest, raysThatRunOutOfStackLoseNothing) {
     expectSameTrace(nested.c, nested.rays);
 }
 
-TEST_P(WalkTest, tiesGoToTheLowestId) {
+TEST_P(WalkTest, TiesGoToTheLowestId) {
     const RayCase tied = tiedCase();
     const std::vector<RayHit> hits = rendererOf(tied.c).trace(tied.rays, false);
     for (size_t i = 0; i < hits.size(); ++i) {
@@ -194,7 +194,7 @@ TEST_P(WalkTest, tiesGoToTheLowestId) {
 }
 
 // Leaves that are the root, and none.
-TEST_P(WalkTest, smallestTrees) {
+TEST_P(WalkTest, SmallestTrees) {
     for (const uint32_t triangles : {0u, 1u, 2u, 9u}) {
         const RayCase small = crowdedCase(triangles, 300, 19);
         expectSameTrace(small.c, small.rays);
@@ -202,7 +202,7 @@ TEST_P(WalkTest, smallestTrees) {
 }
 
 // Also with budgets that end within them.
-TEST_P(WalkTest, findsTheSameInInstances) {
+TEST_P(WalkTest, FindsTheSameInInstances) {
     const Case c = fileCase("instances", 8, 8);
     ASSERT_GT(c.packed.instances.size(), 1u);
     Random random(23);
@@ -214,7 +214,7 @@ TEST_P(WalkTest, findsTheSameInInstances) {
     for (const uint32_t budget : {5u, 30u}) expectSameTrace(c, rays, budget);
 }
 
-TEST_P(WalkTest, verifyPasses) {
+TEST_P(WalkTest, VerifyPasses) {
     for (const char* name : {"knot", "showcase", "instances"}) {
         const Case c = fileCase(name, 64, 48);
         Renderer renderer = rendererOf(c);
@@ -254,7 +254,7 @@ class WalkSceneTest : public RenderTest, public testing::WithParamInterface<std:
 INSTANTIATE_TEST_SUITE_P(All, WalkSceneTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
-TEST_P(WalkSceneTest, drawsWhatTheBinaryTreeDraws) {
+TEST_P(WalkSceneTest, DrawsWhatTheBinaryTreeDraws) {
     expectSamePicture(fileCase(GetParam(), 80, 60), {with(kWalks[0]), with(kWalks[1])});
 }
 
@@ -268,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(All, WalkStackTest,
                                          "polygons", "quadrics", "showcase", "spheres"),
                          [](const auto& p) { return p.param; });
 
-TEST_P(WalkStackTest, drawsTheSameThroughStorageBuffersAndSharedStacks) {
+TEST_P(WalkStackTest, DrawsTheSameThroughStorageBuffersAndSharedStacks) {
     std::vector<Options> walks = {with(kWalks[2]), with(kWalks[3]), with(kWalks[4])};
     for (Options& options : walks) options.access = gpu::Access::StorageBuffer;
     expectSamePicture(fileCase(GetParam(), 33, 23), walks);
@@ -292,7 +292,7 @@ class WalkMutantTest : public RenderTest {
 };
 
 // A stack of six words: whoever needs more is started again, and loses nothing.
-TEST_F(WalkMutantTest, smallStack) {
+TEST_F(WalkMutantTest, SmallStack) {
     const KernelCode small = mutantKernels("small_stack");
     const RayCase crowd = crowdedCase(3000, 2000, 29);
     const std::vector<RayHit> expected =
@@ -306,7 +306,7 @@ TEST_F(WalkMutantTest, smallStack) {
 }
 
 // Defects of each format are seen: what is compared above walks the nodes that it says.
-TEST_F(WalkMutantTest, defectsShow) {
+TEST_F(WalkMutantTest, DefectsShow) {
     const RayCase crowd = crowdedCase(3000, 2000, 31);
     const KernelCode sound = embeddedKernels(gpu::Access::TexelBuffer);
     const std::vector<RayHit> expected = hitsOf(crowd, Traversal::Lane, sound);

@@ -20,7 +20,7 @@ class WatertightTest : public RenderTest {
 };
 
 // github.com/Oblikovati issue 2146: leaks along the diagonal of a quad.
-TEST_F(WatertightTest, diagonalSweep) {
+TEST_F(WatertightTest, DiagonalSweep) {
     Scene scene = emptyScene();
     addTriangle(scene, {-5, -5, 0}, {5, -5, 0}, {5, 5, 0});
     addTriangle(scene, {-5, -5, 0}, {5, 5, 0}, {-5, 5, 0});
@@ -30,7 +30,7 @@ TEST_F(WatertightTest, diagonalSweep) {
 }
 
 // Vulkan CTS, ray tracing watertightness, closed fans of n triangles around the axis.
-TEST_F(WatertightTest, closedFans) {
+TEST_F(WatertightTest, ClosedFans) {
     for (const uint32_t n : {4u, 16u, 64u, 256u, 1024u}) {
         std::vector<dvec3> positions = {{0, 0, 1}};
         std::vector<glm::uvec3> corners;
@@ -72,16 +72,16 @@ class BumpySphereTest : public WatertightTest {
     Random random_{16};
 };
 
-TEST_F(BumpySphereTest, randomRaysHit) {
+TEST_F(BumpySphereTest, RandomRaysHit) {
     EXPECT_EQ(missesAt([&] { return 10.0 * random_.direction(); }), 0u);
 }
 
-TEST_F(BumpySphereTest, raysAtVerticesHit) {
+TEST_F(BumpySphereTest, RaysAtVerticesHit) {
     const auto count = static_cast<uint32_t>(mesh_.vertices.size());
     EXPECT_EQ(missesAt([&] { return dvec3(mesh_.vertices[random_.below(count)]); }), 0u);
 }
 
-TEST_F(BumpySphereTest, raysAtEdgesHit) {
+TEST_F(BumpySphereTest, RaysAtEdgesHit) {
     const auto count = static_cast<uint32_t>(mesh_.triangles.size());
     EXPECT_EQ(missesAt([&] {
                   const glm::uvec3& t = mesh_.triangles[random_.below(count)];
@@ -93,7 +93,7 @@ TEST_F(BumpySphereTest, raysAtEdgesHit) {
 
 // Unit squares far from the origin of the coordinates: a second grid opposite keeps the packing from moving
 // it there.
-TEST_F(WatertightTest, distantGrids) {
+TEST_F(WatertightTest, DistantGrids) {
     constexpr uint32_t kSquares = 16;
     Random random(18);
     for (const double offset : {0.0, 1e3, 1e6}) {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "../import/support.h"
 #include "scene/frame_model.h"
 #include "scene/validate.h"
-#include "support.h"
 
 namespace glint::test {
 
@@ -56,7 +56,7 @@ void expectFits(const Scene& scene, const std::vector<dvec3>& points) {
 
 }  // namespace
 
-TEST(FrameModel, boxesOfAnyShapeSizeAndPlaceFill) {
+TEST(FrameModel, BoxesOfAnyShapeSizeAndPlaceFill) {
     for (const dvec3& size : {dvec3(1), dvec3(10, 1, 1), dvec3(1, 10, 1), dvec3(1, 1, 10), dvec3(1, 1, 0)}) {
         for (const double scale : {1e-6, 1.0, 1e6}) {
             for (const dvec3& place : {dvec3(0), dvec3(1000, -2000, 3000)}) {
@@ -75,7 +75,7 @@ TEST(FrameModel, boxesOfAnyShapeSizeAndPlaceFill) {
     }
 }
 
-TEST(FrameModel, viewsFromTheFrontAboveAndToTheRight) {
+TEST(FrameModel, ViewsFromTheFrontAboveAndToTheRight) {
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));
     frameModel(scene);
     const dvec3 towardsEye = scene.camera.eye - scene.camera.target;
@@ -88,7 +88,7 @@ TEST(FrameModel, viewsFromTheFrontAboveAndToTheRight) {
     EXPECT_EQ(scene.maxDepth, 5);
 }
 
-TEST(FrameModel, theThreeVisibleSidesOfABoxDiffer) {
+TEST(FrameModel, TheThreeVisibleSidesOfABoxDiffer) {
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));
     frameModel(scene);
     ASSERT_EQ(scene.lights.size(), 1u);
@@ -108,7 +108,7 @@ TEST(FrameModel, theThreeVisibleSidesOfABoxDiffer) {
         EXPECT_GT(glm::length(Color(side) - scene.background), 0.05);
 }
 
-TEST(FrameModel, spheresAndTrianglesCountPlanesDoNot) {
+TEST(FrameModel, SpheresAndTrianglesCountPlanesDoNot) {
     Scene scene;
     scene.materials.emplace_back();
     scene.objects = {{"a", SphereShape{{5, 0, 0}, 2}, 0},
@@ -126,7 +126,7 @@ TEST(FrameModel, spheresAndTrianglesCountPlanesDoNot) {
     expectFits(scene, points);
 }
 
-TEST(FrameModel, discsCount) {
+TEST(FrameModel, DiscsCount) {
     Scene scene;
     scene.materials.emplace_back();
     const dvec3 normal(0.42, 0.40, 1);  // towards the eye
@@ -142,7 +142,7 @@ TEST(FrameModel, discsCount) {
 }
 
 // Every shape under a transform that turns, stretches and moves it: points of its surface fit.
-TEST(FrameModel, allShapesUnderATransformCount) {
+TEST(FrameModel, AllShapesUnderATransformCount) {
     const Affine transform{{{2, 0.3, 0}, {-0.5, 1, 0.2}, {0, 0.1, 0.5}}, {100, -20, 7}};
     // About the y axis, from y = 0 to 2, `radius(y)` wide.
     const auto revolved = [&](const auto& radius) {
@@ -179,7 +179,7 @@ TEST(FrameModel, allShapesUnderATransformCount) {
     expectShapeFits(DiscShape{{0, 0, 0}, {0, 1, 0}, 2}, rim);
 }
 
-TEST(FrameModel, meshesInSeveralPlacesCount) {
+TEST(FrameModel, MeshesInSeveralPlacesCount) {
     const auto corners = boxCorners({0, 0, 0}, {1, 1, 1});
     Scene scene = withTriangles(corners);
     scene.objects.push_back(scene.objects[0]);
@@ -190,7 +190,7 @@ TEST(FrameModel, meshesInSeveralPlacesCount) {
     expectFits(scene, points);
 }
 
-TEST(FrameModel, whatIsNotFiniteOrNotUsedIsLeftOut) {
+TEST(FrameModel, WhatIsNotFiniteOrNotUsedIsLeftOut) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));
@@ -204,7 +204,7 @@ TEST(FrameModel, whatIsNotFiniteOrNotUsedIsLeftOut) {
     expectFits(scene, boxCorners({0, 0, 0}, {1, 1, 1}));
 }
 
-TEST(FrameModel, noSizeOrNothingAtAll) {
+TEST(FrameModel, NoSizeOrNothingAtAll) {
     Scene empty;
     frameModel(empty);
     EXPECT_EQ(empty.camera.eye, Camera{}.eye);
@@ -216,7 +216,7 @@ TEST(FrameModel, noSizeOrNothingAtAll) {
     }
 }
 
-TEST(FrameModel, lightsThatAreThereStay) {
+TEST(FrameModel, LightsThatAreThereStay) {
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));
     scene.lights.push_back(PointLight{{1, 2, 3}, Color(4), true});
     frameModel(scene);

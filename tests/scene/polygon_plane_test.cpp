@@ -17,7 +17,7 @@ const std::vector<dvec3> kL = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2
 
 }  // namespace
 
-TEST(PolygonPlane, concaveReversedAndFarAway) {
+TEST(PolygonPlane, ConcaveReversedAndFarAway) {
     const auto plane = polygonPlane(kL);
     ASSERT_TRUE(plane);
     EXPECT_EQ(plane->normal, dvec3(0, 0, 1));
@@ -30,14 +30,14 @@ TEST(PolygonPlane, concaveReversedAndFarAway) {
 }
 
 // Collinear and repeated vertices add nothing to the sum.
-TEST(PolygonPlane, needlessVerticesChangeNothing) {
+TEST(PolygonPlane, NeedlessVerticesChangeNothing) {
     const std::vector<dvec3> more = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0},
                                      {1, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}};
     EXPECT_EQ(polygonPlane(more)->normal, dvec3(0, 0, 1));
 }
 
 // Points of a line as decimals: none of them lies on it in binary.
-TEST(PolygonPlane, noneWithoutArea) {
+TEST(PolygonPlane, NoneWithoutArea) {
     for (const double scale : {1e-9, 1.0, 1e9}) {
         for (const dvec3& offset : {dvec3(0), dvec3(100.1, -0.3, 1e7)}) {
             std::vector<dvec3> line;
@@ -54,7 +54,7 @@ TEST(PolygonPlane, noneWithoutArea) {
 
 // A regular ring with one vertex raised by h: its plane is off by no more than h there, and the raised vertex
 // is the farthest one from it.
-TEST(PolygonPlane, deviationNamesTheVertex) {
+TEST(PolygonPlane, DeviationNamesTheVertex) {
     std::vector<dvec3> ring;
     for (int i = 0; i < 12; ++i)
         ring.emplace_back(std::cos(i * std::numbers::pi / 6), std::sin(i * std::numbers::pi / 6), 0);
@@ -66,7 +66,7 @@ TEST(PolygonPlane, deviationNamesTheVertex) {
 }
 
 // A tilted polygon in fp32 or with six decimals passes, one that is bent by 1e-4 does not.
-TEST(PolygonPlane, toleranceCoversRoundedCoordinates) {
+TEST(PolygonPlane, ToleranceCoversRoundedCoordinates) {
     for (const double size : {1e-3, 1.0, 1e3}) {
         std::vector<dvec3> exact, single, decimal;
         for (int i = 0; i < 40; ++i) {

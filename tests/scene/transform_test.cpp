@@ -40,7 +40,7 @@ const Affine kMirror = scaling({-1, 1, 1});
 
 }  // namespace
 
-TEST(Transform, quarterTurnsAreExactAndCounterClockwise) {
+TEST(Transform, QuarterTurnsAreExactAndCounterClockwise) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
     EXPECT_EQ(apply(rotation(z, 90), x), y);
     EXPECT_EQ(apply(rotation(x, 90), y), z);
@@ -52,19 +52,19 @@ TEST(Transform, quarterTurnsAreExactAndCounterClockwise) {
     EXPECT_EQ(apply(rotation(z * 1e200, 90), x), y);  // the axis' length does not count
 }
 
-TEST(Transform, generalRotation) {
+TEST(Transform, GeneralRotation) {
     // 120 degrees about (1,1,1) permutes the axes; 30 degrees: cosine sqrt(3)/2, sine 1/2.
     expectNear(apply(rotation({1, 1, 1}, 120), {1, 2, 3}), {3, 1, 2}, 1e-15);
     expectNear(apply(rotation({0, 1, 0}, 30), {0, 0, 1}), {0.5, 0, std::sqrt(3.0) / 2}, 1e-15);
 }
 
-TEST(Transform, firstThenSecond) {
+TEST(Transform, FirstThenSecond) {
     const Affine both = then(scaling(dvec3(2)), translation({1, 0, 0}));
     EXPECT_EQ(apply(both, {1, 1, 1}), dvec3(3, 2, 2));
     EXPECT_EQ(apply(then(translation({1, 0, 0}), scaling(dvec3(2))), {1, 1, 1}), dvec3(4, 2, 2));
 }
 
-TEST(Transform, conditionNumberOfDiagonals) {
+TEST(Transform, ConditionNumberOfDiagonals) {
     // Frobenius: sqrt(a^2+b^2+c^2) sqrt(1/a^2+1/b^2+1/c^2)
     EXPECT_DOUBLE_EQ(conditionNumber(glm::dmat3(1)), 3);
     EXPECT_DOUBLE_EQ(conditionNumber(scaling(dvec3(1e-200)).linear), 3);
@@ -76,7 +76,7 @@ TEST(Transform, conditionNumberOfDiagonals) {
     EXPECT_TRUE(std::isnan(conditionNumber(scaling({1, std::nan(""), 1}).linear)));
 }
 
-TEST(Transform, similarities) {
+TEST(Transform, Similarities) {
     EXPECT_DOUBLE_EQ(similarityFactor(glm::dmat3(1)).value(), 1);
     const Affine turned =
         then(then(rotation({1, 2, 3}, 77), scaling(dvec3(-1e-100))), rotation({3, 1, 0}, 11));
@@ -89,7 +89,7 @@ TEST(Transform, similarities) {
     EXPECT_FALSE(similarityFactor(kShear.linear));
 }
 
-TEST(Transform, normalsStayPerpendicularAndOutward) {
+TEST(Transform, NormalsStayPerpendicularAndOutward) {
     for (const Affine& t :
          {kShear, kMirror, then(kMirror, kShear), rotation({1, 2, 3}, 50), scaling(dvec3(-2))}) {
         Mesh mesh;
@@ -116,7 +116,7 @@ TEST(Transform, normalsStayPerpendicularAndOutward) {
     }
 }
 
-TEST(Transform, mirroringExchangesCornersOfNormalsToo) {
+TEST(Transform, MirroringExchangesCornersOfNormalsToo) {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
     mesh.normals = {{0, 0, 1}, {0, 0, 2}, {0, 0, 3}};
@@ -134,7 +134,7 @@ TEST(Transform, mirroringExchangesCornersOfNormalsToo) {
     EXPECT_EQ(out.positions[1], dvec3(-1, 0, 0));
 }
 
-TEST(Transform, extremeScalesKeepNormals) {
+TEST(Transform, ExtremeScalesKeepNormals) {
     for (const double scale : {1e-150, 1e150}) {
         const PlaneShape plane =
             transformed(PlaneShape{{0, 0, 0}, {0, 3e-10, 0}}, scaling({scale, scale, -scale}));
@@ -142,7 +142,7 @@ TEST(Transform, extremeScalesKeepNormals) {
     }
 }
 
-TEST(Transform, spheresTurnMoveAndGrow) {
+TEST(Transform, SpheresTurnMoveAndGrow) {
     const SphereShape sphere =
         transformed(SphereShape{{1, 0, 0}, 2}, then(rotation({0, 0, 1}, 90), scaling(dvec3(-3))));
     EXPECT_EQ(sphere.center, dvec3(0, -3, 0));
@@ -150,7 +150,7 @@ TEST(Transform, spheresTurnMoveAndGrow) {
 }
 
 // Round is what is scaled alike in the disc's plane, whatever happens across it.
-TEST(Transform, discsStayRoundOrAreRefused) {
+TEST(Transform, DiscsStayRoundOrAreRefused) {
     const Affine t = then(scaling({-2, 5, 2}), then(rotation({0, 0, 1}, 90), translation({1, 0, 0})));
     const DiscShape disc = transformed(DiscShape{{1, 1, 0}, {0, 3, 0}, 2}, t);
     EXPECT_EQ(disc.center, dvec3(-4, -2, 0));  // (1, 1) -> (-2, 5) -> (-5, -2) -> (-4, -2)
@@ -167,7 +167,7 @@ TEST(Transform, discsStayRoundOrAreRefused) {
         EXPECT_NEAR(discFactor(normal, scaling(dvec3(3)).linear).value(), 3, 1e-14);
 }
 
-TEST(Transform, mirroringReversesOutlines) {
+TEST(Transform, MirroringReversesOutlines) {
     const PolygonShape square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
     const PolygonShape moved = transformed(square, then(scaling({2, 3, 1}), translation({1, 1, 1})));
     EXPECT_EQ(moved.vertices[2], dvec3(3, 4, 1));
@@ -179,7 +179,7 @@ TEST(Transform, mirroringReversesOutlines) {
     EXPECT_EQ(polygonPlane(mirrored.vertices)->normal, dvec3(0, 0, 1));
 }
 
-TEST(Transform, vertexThatIsNotFiniteStaysSo) {
+TEST(Transform, VertexThatIsNotFiniteStaysSo) {
     Mesh mesh;
     mesh.positions = {{std::nan(""), 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.normals = {{0, 0, 0}};

@@ -2,8 +2,8 @@
 // seen.
 #include <cmath>
 
+#include "../import/support.h"
 #include "scene/validate.h"
-#include "support.h"
 
 namespace glint::test {
 
@@ -40,11 +40,11 @@ std::string errorAfter(const Change& change) {
 
 }  // namespace
 
-TEST(Validate, acceptsAValidScene) {
+TEST(Validate, AcceptsAValidScene) {
     EXPECT_EQ(errorAfter([](Scene&) {}), "no error");
 }
 
-TEST(Validate, acceptsTheEndsOfTheRanges) {
+TEST(Validate, AcceptsTheEndsOfTheRanges) {
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.image.width = s.image.samplesPerPixel = 65536;
                   s.image.height = 1;
@@ -71,7 +71,7 @@ TEST(Validate, acceptsTheEndsOfTheRanges) {
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects.clear(); }), "no error");
 }
 
-TEST(Validate, numbersThatAreNotFinite) {
+TEST(Validate, NumbersThatAreNotFinite) {
     EXPECT_EQ(errorAfter([](Scene& s) { s.camera.eye.x = kNan; }),
               "s: /camera/eye: must be finite (got [nan, 0, 5])");
     EXPECT_EQ(errorAfter([](Scene& s) { s.camera.up.y = kInf; }),
@@ -126,7 +126,7 @@ TEST(Validate, numbersThatAreNotFinite) {
               "s: /objects/4/normal: must be finite (got [0, 1, inf])");
 }
 
-TEST(Validate, polygons) {
+TEST(Validate, Polygons) {
     const auto withPolygon = [](std::vector<glm::dvec3> vertices) {
         return errorAfter([&](Scene& s) { s.objects[0].shape = PolygonShape{std::move(vertices)}; });
     };
@@ -143,7 +143,7 @@ TEST(Validate, polygons) {
         "triangles and may have more");
 }
 
-TEST(Validate, cameraGeometry) {
+TEST(Validate, CameraGeometry) {
     EXPECT_EQ(errorAfter([](Scene& s) {
                   s.camera.up = {0, 0, 0};
               }),
@@ -179,19 +179,19 @@ TEST(Validate, cameraGeometry) {
               "no error");
 }
 
-TEST(Validate, colorsTooBright) {
+TEST(Validate, ColorsTooBright) {
     EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].specular = Color(1e19); }),
               "s: /materials/grey/specular: must be at most 1e+18 (got 1e+19)");
     EXPECT_EQ(errorAfter([](Scene& s) { s.materials[0].mirror = Color(0, 0, 1.01); }),
               "s: /materials/grey/mirror: must be from 0 to 1 (got [0, 0, 1.01])");
 }
 
-TEST(Validate, materialWithoutANameIsGivenByItsNumber) {
+TEST(Validate, MaterialWithoutANameIsGivenByItsNumber) {
     EXPECT_EQ(errorAfter([](Scene& s) { s.materials.emplace_back().diffuse = Color(-1); }),
               "s: /materials/1/diffuse: must be >= 0 (got -1)");
 }
 
-TEST(Validate, indices) {
+TEST(Validate, Indices) {
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects[1].material = 1; }),
               "s: /objects/1/material: there is no material number 1 (there are 1)");
     EXPECT_EQ(errorAfter([](Scene& s) { s.objects[3].shape = MeshShape{}; }),
@@ -222,7 +222,7 @@ TEST(Validate, indices) {
     EXPECT_EQ(withMesh([](Mesh& m) { m.normalCorners = {glm::uvec3(Mesh::kNoIndex)}; }), "no error");
 }
 
-TEST(Validate, meshVertices) {
+TEST(Validate, MeshVertices) {
     const auto withVertex = [](const glm::dvec3& v) {
         return errorAfter([&](Scene& s) {
             auto mesh = triangleMesh();

@@ -35,7 +35,7 @@ const std::string kFour = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 }  // namespace
 
-TEST(Obj, cube) {
+TEST(Obj, Cube) {
     const Mesh mesh = import(kCubeObj).mesh;
     EXPECT_EQ(mesh.positions.size(), 8u);
     ASSERT_EQ(mesh.corners.size(), 12u);
@@ -52,22 +52,22 @@ TEST(Obj, cube) {
     EXPECT_DOUBLE_EQ(volume, 1);
 }
 
-TEST(Obj, trianglesAloneNeedNoFaceList) {
+TEST(Obj, TrianglesAloneNeedNoFaceList) {
     const Mesh mesh = import(kFour + "f 1 2 3\nf 1 3 4\n").mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
     EXPECT_TRUE(mesh.faces.empty());
 }
 
-TEST(Obj, negativeIndicesCountBackFromHere) {
+TEST(Obj, NegativeIndicesCountBackFromHere) {
     const Mesh mesh = import("v 9 9 9\n" + kFour + "f -4 -3 -2 -1\nv 5 5 5\nf -1 -2 1\n").mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{1, 2, 3}, {1, 3, 4}, {5, 4, 0}}));
 }
 
-TEST(Obj, facesMayComeBeforeTheirVertices) {
+TEST(Obj, FacesMayComeBeforeTheirVertices) {
     EXPECT_EQ(import("f 1 2 3\n" + kFour).mesh.corners[0], uvec3(0, 1, 2));
 }
 
-TEST(Obj, concavePentagon) {
+TEST(Obj, ConcavePentagon) {
     // Corner 2 is the notch: no triangle may leave the polygon, whose area is 12.
     const Mesh mesh = import("v 0 0 0\nv 4 0 0\nv 2 1 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 5\n").mesh;
     ASSERT_EQ(mesh.corners.size(), 3u);
@@ -83,7 +83,7 @@ TEST(Obj, concavePentagon) {
     EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 0}));
 }
 
-TEST(Obj, lineEndsOfAllSystems) {
+TEST(Obj, LineEndsOfAllSystems) {
     std::string text = "# dos\r\nv 0 0 0\r\nv 1 0 0 \r\nv 0 1 0\r\nf 1 2 3\r\n";
     EXPECT_EQ(import(text).mesh.positions[2], dvec3(0, 1, 0));
     std::string mac;
@@ -96,14 +96,14 @@ TEST(Obj, lineEndsOfAllSystems) {
     EXPECT_EQ(import(kFour + "f 1 2 3").mesh.corners.size(), 1u);  // no line end at the end
 }
 
-TEST(Obj, continuedLinesAndComments) {
+TEST(Obj, ContinuedLinesAndComments) {
     const Mesh mesh =
         import("# a path C:\\\nv 0 0 \\\n0 # end\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\nf 3 2 1").mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 0}}));
     EXPECT_EQ(importErrorOf("v 0 0 \\\n0\nv x 0 0\n"), "m.obj:3: \"x\" is not a number (a vertex needs one)");
 }
 
-TEST(Obj, numbersInAllSpellingsAndFullPrecision) {
+TEST(Obj, NumbersInAllSpellingsAndFullPrecision) {
     const Mesh mesh = import(
                           "v +1 -2. .5\nv 1e3 1E-2 +.25e+1\nv 123456.123456789 0.1 -0.35444599999999998\n"
                           "v 1 2 3 1.0\nv 1 2 3 0.5 0.5 0.5\nv 1e-400 -1e-400 4.9e-324\nf 1 2 3\n")
@@ -115,7 +115,7 @@ TEST(Obj, numbersInAllSpellingsAndFullPrecision) {
     EXPECT_EQ(mesh.positions[5], dvec3(0, 0, 4.9e-324));
 }
 
-TEST(Obj, verticesThatAreNotFiniteAreKept) {
+TEST(Obj, VerticesThatAreNotFiniteAreKept) {
     const Mesh mesh = import("v nan 0 0\nv 1 -inf 0\nv 0 1e999 0\nf 1 2 3\n").mesh;
     EXPECT_TRUE(std::isnan(mesh.positions[0].x));
     EXPECT_EQ(mesh.positions[1].y, -std::numeric_limits<double>::infinity());
@@ -123,7 +123,7 @@ TEST(Obj, verticesThatAreNotFiniteAreKept) {
     EXPECT_EQ(mesh.corners.size(), 1u);
 }
 
-TEST(Obj, normalsWhereAllCornersHaveThem) {
+TEST(Obj, NormalsWhereAllCornersHaveThem) {
     const Mesh mesh =
         import(
             kFour +
@@ -134,19 +134,19 @@ TEST(Obj, normalsWhereAllCornersHaveThem) {
     EXPECT_EQ(mesh.normalCorners, (std::vector<uvec3>{{0, 1, 0}, {0, 1, 0}, uvec3(kNone), uvec3(kNone)}));
 }
 
-TEST(Obj, slashesWithNothingBehindThem) {
+TEST(Obj, SlashesWithNothingBehindThem) {
     const Mesh mesh = import(kFour + "vn 0 0 1\nf 1// 2// 3//\nf 1/ 2/ 3/\nf 1//1 2//1 3//1\n").mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>(3, {0, 1, 2})));
     EXPECT_EQ(mesh.normalCorners, (std::vector<uvec3>{uvec3(kNone), uvec3(kNone), uvec3(0)}));
 }
 
-TEST(Obj, normalsThatNoFaceUsesAreDropped) {
+TEST(Obj, NormalsThatNoFaceUsesAreDropped) {
     const Mesh mesh = import(kFour + "vn 0 0 1\nf 1 2 3\n").mesh;
     EXPECT_TRUE(mesh.normals.empty());
     EXPECT_TRUE(mesh.normalCorners.empty());
 }
 
-TEST(Obj, normalsThatAreNotFiniteLeaveTheTriangleFlat) {
+TEST(Obj, NormalsThatAreNotFiniteLeaveTheTriangleFlat) {
     const ImportedMesh imported =
         import(kFour + "vn 0 0 1\nvn nan 0 0\nf 1//1 2//1 3//1\nf 1//1 3//2 4//1\n");
     EXPECT_EQ(imported.mesh.normalCorners, (std::vector<uvec3>{{0, 0, 0}, uvec3(kNone)}));
@@ -155,7 +155,7 @@ TEST(Obj, normalsThatAreNotFiniteLeaveTheTriangleFlat) {
               std::string::npos);
 }
 
-TEST(Obj, degenerateFacesAreCountedAndFacesKeepTheirNumbers) {
+TEST(Obj, DegenerateFacesAreCountedAndFacesKeepTheirNumbers) {
     const ImportedMesh imported =
         import(kFour + "f 1 1 2\nf 1 2 3\nf 1 2\nf 1 2 1 2\nf 1 2 2 3\nf 4 3 2 1\n");
     EXPECT_EQ(imported.mesh.corners.size(), 4u);
@@ -166,7 +166,7 @@ TEST(Obj, degenerateFacesAreCountedAndFacesKeepTheirNumbers) {
         imported.warnings[0].ends_with("m.obj: 3 faces with fewer than three different vertices left out"));
 }
 
-TEST(Obj, errorsSayLineAndReason) {
+TEST(Obj, ErrorsSayLineAndReason) {
     EXPECT_EQ(importErrorOf(kFour + "f 1 2 9\n"), "m.obj:5: face uses vertex 9, the file has 4");
     EXPECT_EQ(importErrorOf(kFour + "f 1 2 0\n"), "m.obj:5: face uses vertex 0, indices start at 1");
     EXPECT_EQ(importErrorOf(kFour + "f 1 2 -5\n"), "m.obj:5: face uses vertex -5, there are 4 so far");
@@ -192,7 +192,7 @@ TEST(Obj, errorsSayLineAndReason) {
     EXPECT_EQ(importErrorOf(kFour + giant), "m.obj:5: face has 10001 vertices, the limit is 10000");
 }
 
-TEST(Obj, materials) {
+TEST(Obj, Materials) {
     const TemporaryFolder folder;
     folder.write("a b.mtl",
                  "newmtl red paint\nKa 0.1 0.2 0.3\nKd 0.8 0 0\nKs 0.5 0.5 0.5\nNs 60\nillum 2\n"
@@ -223,7 +223,7 @@ TEST(Obj, materials) {
 }
 
 // Wavefront's d (and Tr = 1 - d), Tf, Ni and illumination models.
-TEST(Obj, materialsLetLightThrough) {
+TEST(Obj, MaterialsLetLightThrough) {
     const TemporaryFolder folder;
     folder.write("m.mtl",
                  "newmtl veil\nKd 0.8 0.4 0\nKs 0.5 0.5 0.5\nNs 10\nd 0.25\nNi 1.5\nillum 2\n"
@@ -257,14 +257,14 @@ TEST(Obj, materialsLetLightThrough) {
     expectNear(painted.diffuse, Color(0.5));
 }
 
-TEST(Obj, materialsThatBendLightNeedAnIndex) {
+TEST(Obj, MaterialsThatBendLightNeedAnIndex) {
     const TemporaryFolder folder;
     const auto mtl = folder.write("m.mtl", "newmtl a\nTf 1 1 1\nNi 0\nillum 7\n");
     const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "usemtl a\nf 1 2 3\n");
     EXPECT_NE(errorOf([&] { importMesh(file); }).find("material \"a\"/ior: must be from"), std::string::npos);
 }
 
-TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
+TEST(Obj, MaterialsWarnOfWhatIsNotDrawn) {
     const TemporaryFolder folder;
     const auto mtl = folder.write("m.mtl",
                                   "newmtl a\nKd 1 1 1\nKa 0 0 0\nKs 1 1 1\nNs 0\nKe 2 0 0\nmap_Kd a.png\n"
@@ -289,7 +289,7 @@ TEST(Obj, materialsWarnOfWhatIsNotDrawn) {
     EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{2, 0, 2, 2}));
 }
 
-TEST(Obj, materialValuesOutOfRange) {
+TEST(Obj, MaterialValuesOutOfRange) {
     const TemporaryFolder folder;
     const auto mtl = folder.write("m.mtl", "newmtl a\nKd -1 0 0\n");
     const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "f 1 2 3\n");
@@ -297,7 +297,7 @@ TEST(Obj, materialValuesOutOfRange) {
               mtl.string() + ": material \"a\"/diffuse: must be >= 0 (got [-1, 0, 0])");
 }
 
-TEST(Obj, otherExtensionsAreRefused) {
+TEST(Obj, OtherExtensionsAreRefused) {
     const TemporaryFolder folder;
     const auto file = folder.write("m.off", "solid");
     EXPECT_EQ(errorOf([&] { importMesh(file); }),

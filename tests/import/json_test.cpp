@@ -12,7 +12,7 @@ std::string syntaxErrorOf(const std::string& text) {
 
 }  // namespace
 
-TEST(Json, keepsOrderTypesAndComments) {
+TEST(Json, KeepsOrderTypesAndComments) {
     const JsonValue root = parseJson(
         "\xef\xbb\xbf{ // a comment\n \"z\": [1, -2.5, 1e3], /* another\n one */ \"a\": {\"t\": true, \"n\": "
         "null, \"s\": \"\\u00e4\"}}",
@@ -30,7 +30,7 @@ TEST(Json, keepsOrderTypesAndComments) {
     EXPECT_EQ(*inner.values[2].string(), "\xc3\xa4");
 }
 
-TEST(Json, numbersAreCorrectlyRounded) {
+TEST(Json, NumbersAreCorrectlyRounded) {
     // 2^53 + 1 and the decimal expansion of the double nearest 0.1
     const JsonValue root =
         parseJson("[0.1000000000000000055511151231257827, 9007199254740993, 123456.123456789]", "a.json");
@@ -39,7 +39,7 @@ TEST(Json, numbersAreCorrectlyRounded) {
     EXPECT_EQ(*(*root.array())[2].number(), 123456.123456789);
 }
 
-TEST(Json, syntaxErrorsSayLineAndColumn) {
+TEST(Json, SyntaxErrorsSayLineAndColumn) {
     EXPECT_EQ(syntaxErrorOf("{\"a\": 1\n  \"b\": 2}"), "a.json:2:3: expected ',' or '}' (got a string)");
     EXPECT_EQ(syntaxErrorOf("[1 22]"), "a.json:1:4: expected ',' or ']' (got a number)");
     EXPECT_EQ(syntaxErrorOf("{\"a\" 1}"), "a.json:1:6: expected ':' (got a number)");
@@ -53,39 +53,39 @@ TEST(Json, syntaxErrorsSayLineAndColumn) {
     EXPECT_EQ(syntaxErrorOf("[1e999]"), "a.json:1:2: number out of range: 1e999");
 }
 
-TEST(Json, columnsCountCharactersNotBytes) {
+TEST(Json, ColumnsCountCharactersNotBytes) {
     // The string holds two characters of two bytes each; the stray number is the tenth character.
     EXPECT_EQ(syntaxErrorOf("[\"\xc3\xa4\xc3\xb6\" \t  7]"),
               "a.json:1:10: expected ',' or ']' (got a number)");
 }
 
-TEST(Json, lexicalErrorsSayWhatIsWrong) {
+TEST(Json, LexicalErrorsSayWhatIsWrong) {
     EXPECT_EQ(syntaxErrorOf("[\"abc"), "a.json:1:6: invalid string: missing closing quote");
     EXPECT_EQ(syntaxErrorOf("[nan]"), "a.json:1:3: not a JSON value (text needs double quotes)");
     EXPECT_EQ(syntaxErrorOf("{ /* open"), "a.json:1:10: invalid comment; missing closing '*/'");
     EXPECT_NE(syntaxErrorOf("[\"\xff\"]").find("invalid string: ill-formed UTF-8 byte"), std::string::npos);
 }
 
-TEST(Json, duplicateKeys) {
+TEST(Json, DuplicateKeys) {
     EXPECT_EQ(syntaxErrorOf("{\"a\": 1,\n \"b\": {\"a\": 2},\n \"a\": 3}"),
               "a.json:3:5: the key \"a\" stands here twice");
 }
 
-TEST(Json, emptyFiles) {
+TEST(Json, EmptyFiles) {
     EXPECT_EQ(syntaxErrorOf(""), "a.json: the file is empty");
     EXPECT_EQ(syntaxErrorOf(" \n\t\r\n"), "a.json: the file is empty");
     EXPECT_EQ(syntaxErrorOf("// nothing but a comment"),
               "a.json:1:25: expected a value (got the end of the file)");
 }
 
-TEST(Json, deepNestingIsRefusedAndDoesNotCrash) {
+TEST(Json, DeepNestingIsRefusedAndDoesNotCrash) {
     EXPECT_EQ(syntaxErrorOf(std::string(64, '[') + std::string(64, ']')), "no error");
     EXPECT_EQ(syntaxErrorOf(std::string(65, '[') + std::string(65, ']')),
               "a.json:1:65: nested deeper than 64 levels");
     EXPECT_EQ(syntaxErrorOf(std::string(10'000'000, '[')), "a.json:1:65: nested deeper than 64 levels");
 }
 
-TEST(Json, describesValuesShortly) {
+TEST(Json, DescribesValuesShortly) {
     const auto described = [](const std::string& text) { return describe(parseJson(text, "a.json")); };
     EXPECT_EQ(described("-1"), "-1");
     EXPECT_EQ(described("0.1"), "0.1");

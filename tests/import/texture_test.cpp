@@ -24,7 +24,7 @@ class TextureFilesTest : public testing::Test {
     const TemporaryFolder folder_;
 };
 
-TEST_F(TextureFilesTest, imagesAreReadOnceAndDecoded) {
+TEST_F(TextureFilesTest, ImagesAreReadOnceAndDecoded) {
     const Scene scene = parseIn(R"({"materials": {
         "a": {"diffuse": {"texture": "tiny.png", "wrap": ["clamp", "mirror"], "filter": "nearest",
                           "scale": [2, 3], "offset": [0.5, -1], "color": [1, 0.5, 0]}},
@@ -51,7 +51,7 @@ TEST_F(TextureFilesTest, imagesAreReadOnceAndDecoded) {
         EXPECT_EQ(std::get<ImageTexture>(texture.source).image, image.image);
 }
 
-TEST_F(TextureFilesTest, checkersAndEnvironments) {
+TEST_F(TextureFilesTest, CheckersAndEnvironments) {
     const Scene scene =
         parseIn(R"({"background": {"environment": "tiny.png", "rotation": 90, "intensity": [1, 2, 3]},
         "materials": {"a": {"diffuse": {"checker": [1, [0.5, 0, 0]], "solid": true, "scale": 4, "corner": [1, 2, 3]}}}})");
@@ -67,7 +67,7 @@ TEST_F(TextureFilesTest, checkersAndEnvironments) {
     EXPECT_EQ(scene.environment->image->width, 2);
 }
 
-TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
+TEST_F(TextureFilesTest, ErrorsSayWhereAndHowToMend) {
     EXPECT_EQ(
         errorIn(R"({"diffuse": {"texture": "none.png"}})"),
         "s.json: /materials/m/diffuse/texture: " + (folder_.path() / "none.png").string() + ": no such file");
@@ -105,7 +105,7 @@ TEST_F(TextureFilesTest, errorsSayWhereAndHowToMend) {
               "s.json: /background: missing key \"environment\"");
 }
 
-TEST_F(TextureFilesTest, objBringsCoordinatesColorsAndMaps) {
+TEST_F(TextureFilesTest, ObjBringsCoordinatesColorsAndMaps) {
     folder_.write("m.mtl",
                   "newmtl skin\nKd 0 0 0\nmap_Kd -s 2 3 1 -o 0.5 0 0 tiny.png\nnewmtl leaf\nKd 1 1 1\n"
                   "map_Kd tiny.png\nmap_d tiny.png\nnewmtl lost\nKd 0.5 0.5 0.5\nmap_Kd gone.png\n");
@@ -136,13 +136,13 @@ TEST_F(TextureFilesTest, objBringsCoordinatesColorsAndMaps) {
     EXPECT_NE(scene.warnings[0].find("gone.png: no such file; drawn without it"), std::string::npos);
 }
 
-TEST_F(TextureFilesTest, objCoordinatesOutOfRangeAreErrors) {
+TEST_F(TextureFilesTest, ObjCoordinatesOutOfRangeAreErrors) {
     const auto path = folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/2\n");
     EXPECT_EQ(errorOf([&] { loadScene(path); }),
               path.string() + ":5: face uses texture vertex 2, the file has 1");
 }
 
-TEST_F(TextureFilesTest, plyBringsCoordinatesAndColors) {
+TEST_F(TextureFilesTest, PlyBringsCoordinatesAndColors) {
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
         "property float z\nproperty float s\nproperty float t\n";
@@ -165,7 +165,7 @@ TEST_F(TextureFilesTest, plyBringsCoordinatesAndColors) {
 }
 
 // A mirroring transform exchanges the second and third corner of everything.
-TEST_F(TextureFilesTest, mirroredMeshesKeepTheirCoordinates) {
+TEST_F(TextureFilesTest, MirroredMeshesKeepTheirCoordinates) {
     folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
     const Scene scene = parseIn(R"({"meshes": {"m": {"file": "m.obj"}},
         "objects": [{"type": "mesh", "mesh": "m", "transform": [{"scale": [-1, 1, 1]}]}]})");

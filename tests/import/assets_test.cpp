@@ -48,7 +48,7 @@ std::filesystem::path asset(const std::string& name) {
 
 class Asset : public testing::TestWithParam<Model> {};
 
-TEST_P(Asset, hasTheStatedTrianglesAndBox) {
+TEST_P(Asset, HasTheStatedTrianglesAndBox) {
     const auto path = asset(GetParam().file);
     if (path.empty())
         GTEST_SKIP() << "the folder ../shared/assets with " << GetParam().file << " is not there";
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Models, Asset, testing::ValuesIn(kModels), modelName);
 
 }  // namespace
 
-TEST(Assets, bunnyIsTheSameInObjAndPly) {
+TEST(Assets, BunnyIsTheSameInObjAndPly) {
     const auto obj = asset("meshes/stanford-bunny.obj"), ply = asset("meshes/bun_zipper.ply");
     if (obj.empty() || ply.empty())
         GTEST_SKIP() << "the folder ../shared/assets with the bunnies is not there";
@@ -92,7 +92,7 @@ TEST(Assets, bunnyIsTheSameInObjAndPly) {
         for (int k = 0; k < 3; k++) ASSERT_NEAR(a.positions[i][k], b.positions[i][k], 0.5000001e-6) << i;
 }
 
-TEST(Assets, suzanneHasNormalsAndQuads) {
+TEST(Assets, SuzanneHasNormalsAndQuads) {
     const auto path = asset("meshes/suzanne.ply");
     if (path.empty()) GTEST_SKIP() << "the folder ../shared/assets with suzanne.ply is not there";
     const Mesh mesh = importMesh(path).mesh;
@@ -103,7 +103,7 @@ TEST(Assets, suzanneHasNormalsAndQuads) {
     EXPECT_EQ(mesh.faces.back(), 499u);  // 500 faces, 468 of them quads
 }
 
-TEST(Assets, loadingIsFast) {
+TEST(Assets, LoadingIsFast) {
     const auto obj = asset("meshes/armadillo.obj"), ply = asset("meshes/spd_mount_sf9.ply");
     if (obj.empty() || ply.empty())
         GTEST_SKIP() << "the folder ../shared/assets with the large models is not there";

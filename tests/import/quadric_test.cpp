@@ -18,7 +18,7 @@ std::string errorIn(const std::string& object) {
 
 }  // namespace
 
-TEST(ParseQuadric, everyForm) {
+TEST(ParseQuadric, EveryForm) {
     const Scene scene = parseObjects(R"(
         {"type": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], "bounds": [[-1, -2, -3], [1, 2, 3]]},
         {"type": "ellipsoid", "center": [1, 2, 3], "radii": [4, 5, 6]},
@@ -42,7 +42,7 @@ TEST(ParseQuadric, everyForm) {
     EXPECT_TRUE(std::get<ParaboloidShape>(scene.objects[5].shape).capped);
 }
 
-TEST(ParseQuadric, transforms) {
+TEST(ParseQuadric, Transforms) {
     const Scene scene = parseObjects(R"(
         {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": [1, 2, 1]}]},
         {"type": "sphere", "center": [1, 0, 0], "radius": 2, "transform": [{"scale": 3}]},
@@ -56,7 +56,7 @@ TEST(ParseQuadric, transforms) {
     EXPECT_EQ(scene.objects[2].transform->offset, dvec3(5, 0, 0));
 }
 
-TEST(ParseQuadric, refusesWhatIsNone) {
+TEST(ParseQuadric, RefusesWhatIsNone) {
     const std::string at = "s.json: /objects/0";
     EXPECT_EQ(errorIn(R"({"type": "quadric", "coefficients": [1, 2], "bounds": [[0,0,0],[1,1,1]]})"),
               at + "/coefficients: must be ten numbers [A, B, C, D, E, F, G, H, I, J] (got [1, 2])");

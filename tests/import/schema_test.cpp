@@ -71,7 +71,7 @@ std::string parseError(const std::string& text) {
 
 }  // namespace
 
-TEST(Schema, hasTheParsersKeysAndNoOthers) {
+TEST(Schema, HasTheParsersKeysAndNoOthers) {
     const json schema = loadSceneSchema();
     EXPECT_EQ(std::size(keys::kAllTables), kSchemaPlaces.size());
     for (const KeyTable& table : keys::kAllTables) {
@@ -86,7 +86,7 @@ TEST(Schema, hasTheParsersKeysAndNoOthers) {
     EXPECT_EQ(typesIn(schema, "/$defs/camera/oneOf"), asSet(keys::kCameraTypes.types));
 }
 
-TEST(Schema, everyObjectIsCoveredByAKeyTable) {
+TEST(Schema, EveryObjectIsCoveredByAKeyTable) {
     const json schema = loadSceneSchema();
     size_t closed = 1;  // the root
     for (const auto& [name, definition] : schema["$defs"].items())
@@ -94,7 +94,7 @@ TEST(Schema, everyObjectIsCoveredByAKeyTable) {
     EXPECT_EQ(closed, std::size(keys::kAllTables));
 }
 
-TEST(Schema, defaultsAreTheParsersDefaults) {
+TEST(Schema, DefaultsAreTheParsersDefaults) {
     const json schema = loadSceneSchema();
     const auto defaultOf = [&](const std::string& object, const std::string& key) {
         return schema.at(json::json_pointer(object + "/properties/" + key + "/default"));
@@ -119,7 +119,7 @@ TEST(Schema, defaultsAreTheParsersDefaults) {
 }
 
 // Each text is accepted by both or refused by both.
-TEST(Schema, agreesWithTheParserOnExamples) {
+TEST(Schema, AgreesWithTheParserOnExamples) {
     const json schema = loadSceneSchema();
     const char* const kGood[] = {
         R"({})",
@@ -209,7 +209,7 @@ TEST(Schema, agreesWithTheParserOnExamples) {
 
 // Of a scene that both accept, each number is replaced by wrong values in turn, and each key by an unknown
 // one.
-TEST(Schema, agreesWithTheParserOnEveryKey) {
+TEST(Schema, AgreesWithTheParserOnEveryKey) {
     const json schema = loadSceneSchema();
     const json scene = json::parse(R"({
         "image": {"width": 8, "height": 6, "samplesPerPixel": 2},
@@ -257,7 +257,7 @@ TEST(Schema, agreesWithTheParserOnEveryKey) {
     EXPECT_GT(mutants, 300);
 }
 
-TEST(Schema, sceneFilesOfTheProjectFollowIt) {
+TEST(Schema, SceneFilesOfTheProjectFollowIt) {
     const json schema = loadSceneSchema();
     for (const auto& entry : std::filesystem::recursive_directory_iterator(GLINT_SOURCE_DIR "/scenes")) {
         if (entry.path().extension() != ".json" || entry.path().filename() == "scene.schema.json") continue;

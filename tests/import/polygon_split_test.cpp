@@ -75,14 +75,14 @@ Points spiral(int steps) {
 
 }  // namespace
 
-TEST(PolygonSplit, convexPolygonsBecomeFans) {
+TEST(PolygonSplit, ConvexPolygonsBecomeFans) {
     const Points quad = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     EXPECT_EQ(split(quad), (Triangles{{0, 1, 2}, {0, 2, 3}}));
     const Points pentagon = {{0, 0, 0}, {2, 0, 0}, {3, 1, 0}, {1, 3, 0}, {-1, 1, 0}};
     EXPECT_EQ(split(pentagon), (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
 }
 
-TEST(PolygonSplit, concaveQuadIsCutAtItsReflexCorner) {
+TEST(PolygonSplit, ConcaveQuadIsCutAtItsReflexCorner) {
     // An arrowhead with its notch at corner 3 (and, turned round, at corner 0): the only inner diagonal joins
     // 1 and 3.
     const Points arrow = {{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
@@ -94,19 +94,19 @@ TEST(PolygonSplit, concaveQuadIsCutAtItsReflexCorner) {
     expectTiling({{0.5, 1, 0}, {0, 0, 0}, {2, 1, 0}, {0, 2, 0}});
 }
 
-TEST(PolygonSplit, concavePolygonsTile) {
+TEST(PolygonSplit, ConcavePolygonsTile) {
     expectTiling({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});  // L
     expectTiling({{0, 0, 0}, {4, 0, 0}, {2, 1, 0}, {4, 4, 0}, {0, 4, 0}});             // concave 5-gon
     expectTiling(comb(20));
     expectTiling(spiral(200));
 }
 
-TEST(PolygonSplit, cornersOnStraightEdges) {
+TEST(PolygonSplit, CornersOnStraightEdges) {
     expectTiling({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
     expectTiling({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}});
 }
 
-TEST(PolygonSplit, holeWithABridge) {
+TEST(PolygonSplit, HoleWithABridge) {
     // A square ring cut open: corners 0 and 4 are walked twice.
     expectTiling({{0, 0, 0},
                   {4, 0, 0},
@@ -120,7 +120,7 @@ TEST(PolygonSplit, holeWithABridge) {
                   {1, 1, 0}});
 }
 
-TEST(PolygonSplit, windingAndPlaneDoNotMatter) {
+TEST(PolygonSplit, WindingAndPlaneDoNotMatter) {
     const Points flat = {{0, 0, 0}, {4, 0, 0}, {2, 1, 0}, {4, 4, 0}, {0, 4, 0}};
     for (int axis = 0; axis < 3; axis++) {
         for (const bool reversed : {false, true}) {
@@ -145,7 +145,7 @@ TEST(PolygonSplit, windingAndPlaneDoNotMatter) {
     }
 }
 
-TEST(PolygonSplit, scaleDoesNotMatter) {
+TEST(PolygonSplit, ScaleDoesNotMatter) {
     for (const double scale : {1e-160, 1e-20, 1e17, 1e150}) {
         Points points = {{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
         const Triangles expected = split(points);
@@ -154,7 +154,7 @@ TEST(PolygonSplit, scaleDoesNotMatter) {
     }
 }
 
-TEST(PolygonSplit, badPolygonsEndAndCoverSomething) {
+TEST(PolygonSplit, BadPolygonsEndAndCoverSomething) {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();
     const Points pentagram = {
@@ -171,7 +171,7 @@ TEST(PolygonSplit, badPolygonsEndAndCoverSomething) {
     }
 }
 
-TEST(PolygonSplit, largePolygonsTakeQuadraticTime) {
+TEST(PolygonSplit, LargePolygonsTakeQuadraticTime) {
     const auto start = std::chrono::steady_clock::now();
     expectTiling(spiral(2500));
     Points star;  // crosses itself everywhere

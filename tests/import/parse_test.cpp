@@ -17,7 +17,7 @@ const T& shape(const Scene& scene, size_t index) {
 
 }  // namespace
 
-TEST(Parse, emptySceneHasTheDocumentedDefaults) {
+TEST(Parse, EmptySceneHasTheDocumentedDefaults) {
     const Scene scene = parse("{}");
     EXPECT_EQ(scene.image.width, 800);
     EXPECT_EQ(scene.image.height, 600);
@@ -41,7 +41,7 @@ TEST(Parse, emptySceneHasTheDocumentedDefaults) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(Parse, imageCameraAndSurroundings) {
+TEST(Parse, ImageCameraAndSurroundings) {
     const Scene scene = parse(R"({
         "$schema": "scene.schema.json",
         "image": {"width": 65536, "height": 1, "samplesPerPixel": 16},
@@ -68,7 +68,7 @@ TEST(Parse, imageCameraAndSurroundings) {
 }
 
 // docs/guide/sampling.md: the grid below 16 samples, the sequence from there on and for adaptive sampling.
-TEST(Parse, samplerUnlessOneIsNamed) {
+TEST(Parse, SamplerUnlessOneIsNamed) {
     const auto samplerOfImage = [](const std::string& keys) {
         return samplerOf(parse("{\"image\": {" + keys + "}}").image);
     };
@@ -82,7 +82,7 @@ TEST(Parse, samplerUnlessOneIsNamed) {
     EXPECT_EQ(samplerOfImage(R"("samplesPerPixel": 4, "adaptive": {})"), Sampler::LowDiscrepancy);
 }
 
-TEST(Parse, orthographicAndObliqueCameras) {
+TEST(Parse, OrthographicAndObliqueCameras) {
     const auto cameraOf = [](const std::string& keys) {
         return parse("{\"camera\": {" + keys + "}}").camera;
     };
@@ -107,11 +107,11 @@ TEST(Parse, orthographicAndObliqueCameras) {
     EXPECT_EQ(shifted.planeNormal, dvec3(0, 0, -1));
 }
 
-TEST(Parse, wholeNumbersMayBeWrittenAsFloats) {
+TEST(Parse, WholeNumbersMayBeWrittenAsFloats) {
     EXPECT_EQ(parse(R"({"image": {"width": 8e2, "height": 600.0}})").image.width, 800);
 }
 
-TEST(Parse, lights) {
+TEST(Parse, Lights) {
     const Scene scene = parse(R"({"lights": [
         {"type": "point", "position": [2, 5, 3]},
         {"type": "point", "position": [0, 0, 0], "intensity": [1, 2, 3], "falloff": "inverseSquare"},
@@ -130,7 +130,7 @@ TEST(Parse, lights) {
     EXPECT_EQ(sun.intensity, Color(0.5));
 }
 
-TEST(Parse, spotLights) {
+TEST(Parse, SpotLights) {
     const Scene scene = parse(R"({"lights": [
         {"type": "spot", "position": [1, 2, 3], "direction": [0, -2, 1], "angle": 30},
         {"type": "spot", "position": [0, 0, 0], "direction": [1, 0, 0], "angle": 0, "penumbra": 12.5,
@@ -150,7 +150,7 @@ TEST(Parse, spotLights) {
     EXPECT_TRUE(soft.inverseSquare);
 }
 
-TEST(Parse, materialsKeepFileOrderAndAmbientFollowsDiffuse) {
+TEST(Parse, MaterialsKeepFileOrderAndAmbientFollowsDiffuse) {
     const Scene scene = parse(R"({"materials": {
         "z": {"diffuse": [0.8, 0, 0]},
         "a": {"ambient": [1, 0, 0], "diffuse": 0.5, "specular": 0.25, "shininess": 60, "mirror": [0.9, 0.8, 0.7]},
@@ -173,7 +173,7 @@ TEST(Parse, materialsKeepFileOrderAndAmbientFollowsDiffuse) {
     EXPECT_EQ(m.mirror, Color(0));
 }
 
-TEST(Parse, objects) {
+TEST(Parse, Objects) {
     const Scene scene = parse(R"({"materials": {"red": {}, "blue": {}}, "objects": [
         {"type": "sphere", "center": [1, 2, 3], "radius": 4, "material": "blue"},
         {"type": "plane", "point": [0, -1, 0], "normal": [0, 3, 0], "material": "red"},
@@ -205,7 +205,7 @@ TEST(Parse, objects) {
     EXPECT_EQ(scene.objects[3].material, 2u);
 }
 
-TEST(Parse, transformsReachTheShapes) {
+TEST(Parse, TransformsReachTheShapes) {
     const Scene scene = parse(R"({"objects": [
         {"type": "sphere", "center": [1, 0, 0], "radius": 1,
          "transform": [{"scale": 2}, {"rotate": [0, 0, 1, 90]}, {"translate": [0, 0, -3]}]},
@@ -224,7 +224,7 @@ TEST(Parse, transformsReachTheShapes) {
     EXPECT_EQ(shape<SphereShape>(scene, 3).center, dvec3(1, 0, 0));
 }
 
-TEST(Parse, aMeshIsSharedUntilItIsTransformed) {
+TEST(Parse, AMeshIsSharedUntilItIsTransformed) {
     const TemporaryFolder folder;
     folder.write("cube.obj", kCubeObj);
     const Scene scene =
@@ -247,7 +247,7 @@ TEST(Parse, aMeshIsSharedUntilItIsTransformed) {
     EXPECT_EQ(scene.materials[scene.objects[1].material].name, "red");
 }
 
-TEST(Parse, meshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
+TEST(Parse, MeshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
     const TemporaryFolder folder;
     folder.write("two.mtl", "newmtl one\nKd 1 0 0\nnewmtl two\nKd 0 1 0\n");
     folder.write("two.obj",
@@ -265,7 +265,7 @@ TEST(Parse, meshMaterialsJoinTheScenesUnlessTheObjectNamesOne) {
     EXPECT_EQ(shape<MeshShape>(scene, 2).mesh, shape<MeshShape>(scene, 0).mesh);
 }
 
-TEST(Parse, unusedMeshesAreNotLoadedButSaid) {
+TEST(Parse, UnusedMeshesAreNotLoadedButSaid) {
     const Scene scene = parse(R"({"meshes": {"a/b": {"file": "there-is-no-such-file.obj"}}})");
     EXPECT_EQ(scene.warnings, std::vector<std::string>{"s.json: /meshes/a~1b: no object uses this mesh"});
 }

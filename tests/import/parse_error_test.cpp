@@ -18,7 +18,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class ParseError : public testing::TestWithParam<Case> {};
 
-TEST_P(ParseError, isOneExactLine) {
+TEST_P(ParseError, IsOneExactLine) {
     EXPECT_EQ(parseErrorOf(GetParam().text), GetParam().message);
 }
 
@@ -289,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms),
 
 }  // namespace
 
-TEST(ParseErrorText, controlCharactersStayOutOfMessages) {
+TEST(ParseErrorText, ControlCharactersStayOutOfMessages) {
     EXPECT_EQ(parseErrorOf(R"({"a\nb\u001b[31m": 1})").substr(0, 26), "s.json: /a?b?[31m: unknown");
     EXPECT_EQ(parseErrorOf(R"({"materials": {"m": {"diffuse": "\n"}}})"),
               "s.json: /materials/m/diffuse: must be a number or [r, g, b] (got \"?\")");
@@ -297,7 +297,7 @@ TEST(ParseErrorText, controlCharactersStayOutOfMessages) {
               "s.json: /materials/m?/diffuse: must be >= 0 (got -1)");
 }
 
-TEST(ParseErrorInFiles, aBadMeshNamesTheMeshFile) {
+TEST(ParseErrorInFiles, ABadMeshNamesTheMeshFile) {
     const TemporaryFolder folder;
     const auto mesh = folder.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
     const std::string message = errorOf([&] {

@@ -38,7 +38,7 @@ std::vector<std::string> examples() {
 
 }  // namespace
 
-TEST(SceneFormatPage, examplesAreAcceptedByParserAndSchema) {
+TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
     const TemporaryFolder folder;
     folder.write("bunny.obj", kCubeObj);
     for (const char* image : {"earth.jpg", "bricks.png", "leaf.png", "sky.hdr"})
@@ -57,7 +57,7 @@ TEST(SceneFormatPage, examplesAreAcceptedByParserAndSchema) {
     }
 }
 
-TEST(SceneFormatPage, namesEveryKeyAndType) {
+TEST(SceneFormatPage, NamesEveryKeyAndType) {
     const std::string text = page();
     for (const KeyTable& table : keys::kAllTables)
         for (const std::string_view key : table.keys)
@@ -67,7 +67,7 @@ TEST(SceneFormatPage, namesEveryKeyAndType) {
 }
 
 // The comments in the examples and the errors at the end of the page are what glint does.
-TEST(SceneFormatPage, statedResultsAreRight) {
+TEST(SceneFormatPage, StatedResultsAreRight) {
     const Scene scene = parse(R"({"objects": [{"type": "sphere", "center": [1, 0, 0], "radius": 1,
         "transform": [{"scale": 2}, {"rotate": [0, 0, 1, 90]}, {"translate": [0, 0, -3]}]}]})");
     EXPECT_EQ(std::get<SphereShape>(scene.objects[0].shape).center, glm::dvec3(0, 2, -3));

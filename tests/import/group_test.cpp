@@ -16,7 +16,7 @@ Scene parse(const std::string& text) {
     return parseScene(text, "s.json", GLINT_SOURCE_DIR "/scenes");
 }
 
-TEST(Group, composesTransformsFromTheInsideOut) {
+TEST(Group, ComposesTransformsFromTheInsideOut) {
     // (1,0,0): own translation (2,0,0); a quarter turn about z (0,2,0); scaled by 3 (0,6,0); moved (5,6,0).
     const Scene scene = parse(R"({"objects": [
         {"type": "group", "transform": [{"scale": 3}, {"translate": [5, 0, 0]}], "objects": [
@@ -35,7 +35,7 @@ TEST(Group, composesTransformsFromTheInsideOut) {
     for (const Object& object : scene.objects) EXPECT_FALSE(object.transform);
 }
 
-TEST(Group, materialsAreHandedDown) {
+TEST(Group, MaterialsAreHandedDown) {
     const Scene scene = parse(R"({"materials": {"red": {}, "blue": {}, "green": {}}, "objects": [
         {"type": "group", "material": "red", "objects": [
             {"type": "sphere", "center": [0, 0, 0], "radius": 1},
@@ -56,14 +56,14 @@ std::string nested(size_t depth) {
     return R"({"objects": [)" + text + "]}";
 }
 
-TEST(Group, mayBeNested24Deep) {
+TEST(Group, MayBeNested24Deep) {
     const Scene scene = parse(nested(24));
     EXPECT_EQ(std::get<SphereShape>(scene.objects[0].shape).center, dvec3(24, 0, 0));
     const std::string error = parseErrorOf(nested(25).c_str());
     EXPECT_NE(error.find("groups must not be nested deeper than 24"), std::string::npos) << error;
 }
 
-TEST(Group, wrongOnes) {
+TEST(Group, WrongOnes) {
     EXPECT_EQ(parseErrorOf(R"({"objects": [{"type": "group"}]})"),
               R"(s.json: /objects/0: missing key "objects")");
     EXPECT_EQ(parseErrorOf(R"({"objects": [{"type": "group", "objects": 3}]})"),
@@ -81,7 +81,7 @@ TEST(Group, wrongOnes) {
         "groups around it (condition number 1.41421e+14, the limit is 1e+12)");
 }
 
-TEST(Placement, whatDoesNotStayRound) {
+TEST(Placement, WhatDoesNotStayRound) {
     const Scene scene = parse(R"({"objects": [
         {"type": "sphere", "center": [1, 2, 3], "radius": 2, "transform": [{"scale": [1, 2, 1]}]},
         {"type": "disc", "center": [1, 0, 0], "normal": [0, 3, 0], "radius": 2, "transform": [{"scale": [1, 5, 3]}]},
@@ -109,7 +109,7 @@ TEST(Placement, whatDoesNotStayRound) {
 }
 
 // 100 x 100 x 2 triangles: two objects save 2 MB and share, one does not; nor do two of two triangles.
-TEST(Placement, meshesAreSharedWhereThatSavesMemory) {
+TEST(Placement, MeshesAreSharedWhereThatSavesMemory) {
     const auto grid = [](uint32_t n) {
         auto mesh = std::make_shared<Mesh>();
         mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -140,7 +140,7 @@ TEST(Placement, meshesAreSharedWhereThatSavesMemory) {
     for (size_t i = 0; i < 7; ++i) EXPECT_EQ(again.objects[i].transform, scene.objects[i].transform) << i;
 }
 
-TEST(Placement, inverseAndLoss) {
+TEST(Placement, InverseAndLoss) {
     const Affine a =
         then(then(rotation({1, 2, 3}, 40), scaling({1e-9, 2e-9, -1e-9})), translation({3, 4, 5}));
     const Affine both = then(a, inverse(a));

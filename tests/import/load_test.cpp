@@ -7,7 +7,7 @@
 
 namespace glint::test {
 
-TEST(Load, filesThatCannotBeRead) {
+TEST(Load, FilesThatCannotBeRead) {
     const TemporaryFolder folder;
     for (const std::string name : {"gone.json", "gone.obj", "gone.ply", "gone.xyz"}) {
         const auto path = folder.path() / name;
@@ -27,7 +27,7 @@ TEST(Load, filesThatCannotBeRead) {
     EXPECT_EQ(errorOf([&] { loadScene(link); }), link.string() + ": is not a regular file");
 }
 
-TEST(Load, filesWithoutPermission) {
+TEST(Load, FilesWithoutPermission) {
     if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
     const TemporaryFolder folder;
     const auto path = folder.write("secret.json", "{}");
@@ -35,7 +35,7 @@ TEST(Load, filesWithoutPermission) {
     EXPECT_EQ(errorOf([&] { loadScene(path); }), path.string() + ": cannot be read: Permission denied");
 }
 
-TEST(Load, unknownKinds) {
+TEST(Load, UnknownKinds) {
     const TemporaryFolder folder;
     for (const std::string name : {"a.fbx", "a.txt", "a"}) {
         const auto path = folder.write(name, "x");
@@ -46,7 +46,7 @@ TEST(Load, unknownKinds) {
     }
 }
 
-TEST(Load, sceneFilesAreRelativeToThemselves) {
+TEST(Load, SceneFilesAreRelativeToThemselves) {
     const TemporaryFolder folder;
     std::filesystem::create_directory(folder.path() / "models");
     folder.write("models/cube.obj", kCubeObj);
@@ -59,7 +59,7 @@ TEST(Load, sceneFilesAreRelativeToThemselves) {
     EXPECT_TRUE(scene.lights.empty());  // a scene file says itself what lights it
 }
 
-TEST(Load, aModelAloneGetsCameraLightAndMaterial) {
+TEST(Load, AModelAloneGetsCameraLightAndMaterial) {
     const TemporaryFolder folder;
     const Scene scene = loadScene(folder.write("cube.obj", kCubeObj));
     ASSERT_EQ(scene.objects.size(), 1u);
@@ -71,7 +71,7 @@ TEST(Load, aModelAloneGetsCameraLightAndMaterial) {
     EXPECT_EQ(scene.maxDepth, 5);
 }
 
-TEST(Load, aModelWithMaterialsKeepsThem) {
+TEST(Load, AModelWithMaterialsKeepsThem) {
     const TemporaryFolder folder;
     folder.write("c.mtl", "newmtl red\nKd 1 0 0\n");
     const Scene scene =
@@ -81,7 +81,7 @@ TEST(Load, aModelWithMaterialsKeepsThem) {
     EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->materials, std::vector<uint32_t>(12, 0));
 }
 
-TEST(Load, warningsOfModelsReachTheScene) {
+TEST(Load, WarningsOfModelsReachTheScene) {
     const TemporaryFolder folder;
     const auto path = folder.write("c.obj", std::string(kCubeObj) + "f 1 1 1\n");
     EXPECT_EQ(loadScene(path).warnings,

@@ -53,7 +53,7 @@ const std::string kEverything =
 
 }  // namespace
 
-TEST(GltfErrors, containers) {
+TEST(GltfErrors, Containers) {
     const std::string glb = everything().binary(kEverything);
     EXPECT_EQ(error(glb, "a.glb"), "no error");
     EXPECT_EQ(error(glb.substr(0, 15), "a.glb"), ": byte 15: the file ends within its header");
@@ -76,7 +76,7 @@ TEST(GltfErrors, containers) {
               ": /extensionsRequired/0: the extension KHR_draco_mesh_compression is not supported");
 }
 
-TEST(GltfErrors, buffers) {
+TEST(GltfErrors, Buffers) {
     EXPECT_EQ(triangleError("\"byteLength\": 36,", "\"byteLength\": 40,"),
               ": /buffers/0: byteLength is 40, but there are only 36 bytes");
     EXPECT_EQ(triangleError("base64,", "base64,*"),
@@ -105,7 +105,7 @@ TEST(GltfErrors, buffers) {
               ": /buffers/0: has no uri, and the file has no binary chunk for it");
 }
 
-TEST(GltfErrors, accessors) {
+TEST(GltfErrors, Accessors) {
     EXPECT_EQ(triangleError("\"count\": 3", "\"count\": 4"),
               ": /accessors/0: 4 elements of 12 bytes from byte 0 do not fit buffer view 0, which has 36 "
               "bytes");
@@ -133,7 +133,7 @@ TEST(GltfErrors, accessors) {
               ": /accessors/1/componentType: vertex indices must be of an unsigned type (got 5122)");
 }
 
-TEST(GltfErrors, geometry) {
+TEST(GltfErrors, Geometry) {
     EXPECT_EQ(triangleError("\"POSITION\": 0", "\"POSITION\": 7"),
               ": /meshes/0/primitives/0/attributes/POSITION: there is no item 7 in \"accessors\" (it has 1)");
     EXPECT_EQ(triangleError("\"POSITION\": 0", "\"POSITION\": \"x\""),
@@ -158,7 +158,7 @@ TEST(GltfErrors, geometry) {
               ": /meshes/0/primitives/0/indices: element 2 is vertex 3, there are 3 (numbered from 0)");
 }
 
-TEST(GltfErrors, nodes) {
+TEST(GltfErrors, Nodes) {
     EXPECT_EQ(error(triangleGltf("", ", \"children\": [0]")).find(": the scene shows no triangles"), 0u);
     EXPECT_EQ(error(triangleGltf(R"("scenes": [{"nodes": [0]}])", ", \"children\": [0]")),
               ": /nodes/0: is reached twice: nodes must form trees");
@@ -184,7 +184,7 @@ TEST(GltfErrors, nodes) {
     EXPECT_EQ(error(triangleGltf("", chain)), "no error");
 }
 
-TEST(GltfErrors, camerasAndLights) {
+TEST(GltfErrors, CamerasAndLights) {
     const std::string all = everything().text(kEverything);
     EXPECT_EQ(error(replaced(all, "\"yfov\": 0.7", "\"yfov\": 4")),
               ": /cameras/0/perspective/yfov: must be between 0 and pi (got 4)");
@@ -200,7 +200,7 @@ TEST(GltfErrors, camerasAndLights) {
 }
 
 // Damaged files are read or refused with a line; the sanitizers see the rest.
-TEST(GltfErrors, truncationsAndBitFlips) {
+TEST(GltfErrors, TruncationsAndBitFlips) {
     const std::string glb = everything().binary(kEverything), text = everything().text(kEverything);
     for (size_t n = 1; n < glb.size(); n++) EXPECT_NE(error(glb.substr(0, n), "a.glb"), "no error") << n;
     std::mt19937 random(1);

@@ -6,7 +6,7 @@
 
 namespace glint {
 
-TEST(NearNames, distanceCountsEdits) {
+TEST(NearNames, DistanceCountsEdits) {
     EXPECT_EQ(editDistance("radius", "radius"), 0u);
     EXPECT_EQ(editDistance("radius", "Radius"), 0u);   // case does not count
     EXPECT_EQ(editDistance("raduis", "radius"), 1u);   // a swap
@@ -17,7 +17,7 @@ TEST(NearNames, distanceCountsEdits) {
     EXPECT_EQ(editDistance("kitten", "sitting"), 3u);  // Levenshtein's classic
 }
 
-TEST(NearNames, suggestsTheNearestOrLists) {
+TEST(NearNames, SuggestsTheNearestOrLists) {
     const std::vector<std::string_view> names = {"center", "radius", "material"};
     EXPECT_EQ(suggestion("raduis", names, "known"), "did you mean \"radius\"?");
     EXPECT_EQ(suggestion("centre", names, "known"), "did you mean \"center\"?");
@@ -29,7 +29,7 @@ TEST(NearNames, suggestsTheNearestOrLists) {
     EXPECT_EQ(suggestion("b", shortNames, "defined"), "defined: a");
 }
 
-TEST(NearNames, longListsAreCut) {
+TEST(NearNames, LongListsAreCut) {
     const std::vector<std::string_view> names = {"aaaaaa", "bbbbbb", "cccccc", "dddddd", "eeeeee",
                                                  "ffffff", "gggggg", "hhhhhh", "iiiiii"};
     EXPECT_EQ(suggestion("zzzzzz", names, "defined"),

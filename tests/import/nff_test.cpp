@@ -45,7 +45,7 @@ size_t countOf(const Scene& scene) {
 
 }  // namespace
 
-TEST(Nff, view) {
+TEST(Nff, View) {
     const Scene scene = load(kView + "b 0.1 0.2 0.3\ns 0 0 0 1\n");
     EXPECT_EQ(scene.camera.eye, dvec3(0, -4, 1));
     EXPECT_EQ(scene.camera.target, dvec3(0, 0, 0.5));
@@ -61,7 +61,7 @@ TEST(Nff, view) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(Nff, whatIsMissingIsMade) {
+TEST(Nff, WhatIsMissingIsMade) {
     const Scene scene = load("s 3 4 5 1\n");
     EXPECT_EQ(scene.camera.target, dvec3(3, 4, 5));
     EXPECT_EQ(scene.lights.size(), 1u);
@@ -72,7 +72,7 @@ TEST(Nff, whatIsMissingIsMade) {
 }
 
 // sqrt(n) / (2n) for each light and the ambient component.
-TEST(Nff, lightsWithoutAColorShareIntensity) {
+TEST(Nff, LightsWithoutAColorShareIntensity) {
     const Scene one = load("l 1 2 3\ns 0 0 0 1\n");
     EXPECT_EQ(std::get<PointLight>(one.lights.at(0)).position, dvec3(1, 2, 3));
     EXPECT_EQ(std::get<PointLight>(one.lights[0]).intensity, Color(0.5));
@@ -85,7 +85,7 @@ TEST(Nff, lightsWithoutAColorShareIntensity) {
     EXPECT_EQ(four.ambient, Color(0.25));
 }
 
-TEST(Nff, fills) {
+TEST(Nff, Fills) {
     const Scene scene = load(
         "f 1 0.5 0.25 0.8 0.3 10 0 0\ns 0 0 0 1\nf 1 1 1 0.1 0.1 100 0.9 1.5\ns 3 0 0 1\n"
         "f 1 0.5 0.25 0.8 0.3 10 0 0\ns 6 0 0 1\nf 1 1 1 1 0.5 0 0 1\ns 9 0 0 1\n");
@@ -111,7 +111,7 @@ TEST(Nff, fills) {
     EXPECT_EQ(scene.objects[3].material, 2u);
 }
 
-TEST(Nff, spheresAndPolygons) {
+TEST(Nff, SpheresAndPolygons) {
     const Scene scene = load(
         "s 1 2 3 4\np 3\n0 0 0\n1 0 0\n0 1 0\np 4 0 0 0 2 0 0 2 1 0 0 1 0 # one line\n"
         "p 5 0 0 0 2 0 0 2 2 0 1 1 0 0 2 0\n");
@@ -124,7 +124,7 @@ TEST(Nff, spheresAndPolygons) {
     EXPECT_EQ(scene.objects[2].name, "line 6");
 }
 
-TEST(Nff, conesAndCylinders) {
+TEST(Nff, ConesAndCylinders) {
     const Scene scene = load(
         "c 0 0 0 2\n0 0 3 1\nc 0 0 0 2 0 0 3 2\nc 0 0 0 1 0 0 3 2\nc 0 0 0 -2 0 0 3 -2\n"
         "c\n0 0 0 2 # tapers to a point\n0 0 3 0\n");
@@ -149,7 +149,7 @@ TEST(Nff, conesAndCylinders) {
     EXPECT_NE(scene.warnings[0].find("1 surfaces with a negative radius"), std::string::npos);
 }
 
-TEST(Nff, patchesThatFollowEachOtherAreOneMesh) {
+TEST(Nff, PatchesThatFollowEachOtherAreOneMesh) {
     const std::string patch = "pp 3\n0 0 0 0 0 1\n1 0 0 1 0 1\n0 1 0 0 1 1\n";
     const Scene scene =
         load(patch + "pp 4 1 0 0 0 0 1 2 0 0 0 0 1 2 1 0 0 0 1 1 1 0 0 0 1\n" + "s 9 9 9 1\n" + patch);
@@ -162,7 +162,7 @@ TEST(Nff, patchesThatFollowEachOtherAreOneMesh) {
     EXPECT_EQ(std::get<MeshShape>(scene.objects[2].shape).mesh->corners.size(), 1u);
 }
 
-TEST(Nff, whatIsWarnedAbout) {
+TEST(Nff, WhatIsWarnedAbout) {
     EXPECT_EQ(warnings("s 0 0 0 -2\n"),
               std::vector<std::string>{": 1 surfaces with a negative radius are seen from outside too"});
     EXPECT_EQ(std::get<SphereShape>(load("s 0 0 0 -2\n").objects[0].shape).radius, 2);
@@ -175,7 +175,7 @@ TEST(Nff, whatIsWarnedAbout) {
     EXPECT_EQ(warnings("v from 0 -4 1 at 0 0 0 up 0 0 1 angle 45 resolution 400 300 s 0 0 0 1").size(), 1u);
 }
 
-TEST(Nff, errors) {
+TEST(Nff, Errors) {
     EXPECT_EQ(error("# nothing\n"), ":1: the file holds no objects");
     EXPECT_EQ(error("s 0 0 0 1\nq 1 2\n"), ":2: \"q\" is no entity of NFF (v, b, l, f, c, s, p, pp)");
     EXPECT_EQ(error("from 0 0 0\n"), ":1: \"from\" must follow \"v\"");
@@ -206,7 +206,7 @@ TEST(Nff, errors) {
 // sphereflake of size 4: sum of 9^k to k = 4 spheres; mountain of size 6: 2 * 4^6 triangles and 4 spheres;
 // tetrahedra of size 6: 4 * 4^5 triangles; rings of size 7: 140 objects of 6 rings of 5 cylinders and
 // spheres.
-TEST(NffAssets, balls) {
+TEST(NffAssets, Balls) {
     const auto path = assetsFolder() / "spd/balls.nff";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene scene = loadScene(path);
@@ -219,7 +219,7 @@ TEST(NffAssets, balls) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(NffAssets, mount) {
+TEST(NffAssets, Mount) {
     const auto path = assetsFolder() / "spd/mount.nff";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene scene = loadScene(path);
@@ -230,7 +230,7 @@ TEST(NffAssets, mount) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(NffAssets, tetra) {
+TEST(NffAssets, Tetra) {
     const auto path = assetsFolder() / "spd/tetra.nff";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene scene = loadScene(path);
@@ -240,7 +240,7 @@ TEST(NffAssets, tetra) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(NffAssets, rings) {
+TEST(NffAssets, Rings) {
     const auto path = assetsFolder() / "spd/rings.nff";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene scene = loadScene(path);

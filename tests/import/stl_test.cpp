@@ -78,7 +78,7 @@ double signedVolume(const Mesh& mesh) {
 
 }  // namespace
 
-TEST(Stl, binaryVerticesAreWelded) {
+TEST(Stl, BinaryVerticesAreWelded) {
     Folder f;
     const ImportedMesh imported = f.read(binary(kTetrahedron));
     EXPECT_EQ(imported.mesh.corners.size(), 4u);
@@ -89,13 +89,13 @@ TEST(Stl, binaryVerticesAreWelded) {
     EXPECT_DOUBLE_EQ(signedVolume(imported.mesh), 1.0 / 6);
 }
 
-TEST(Stl, binaryThatStartsWithSolid) {
+TEST(Stl, BinaryThatStartsWithSolid) {
     Folder f;
     EXPECT_EQ(
         f.read(binary(kTetrahedron, "solid things come from ascii files as a rule")).mesh.corners.size(), 4u);
 }
 
-TEST(Stl, asciiNumbersAreRead) {
+TEST(Stl, AsciiNumbersAreRead) {
     Folder f;
     const ImportedMesh imported =
         f.read("solid a name with facet and vertex in it\n" +
@@ -107,7 +107,7 @@ TEST(Stl, asciiNumbersAreRead) {
     EXPECT_TRUE(imported.warnings.empty());  // a normal of zero disagrees with nothing
 }
 
-TEST(Stl, asciiLayoutIsFree) {
+TEST(Stl, AsciiLayoutIsFree) {
     Folder f;
     EXPECT_EQ(f.read("solid\r\nFACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP "
                      "ENDFACET\r\nENDSOLID\r\n")
@@ -115,7 +115,7 @@ TEST(Stl, asciiLayoutIsFree) {
               1u);
 }
 
-TEST(Stl, severalSolidsAreOneMesh) {
+TEST(Stl, SeveralSolidsAreOneMesh) {
     Folder f;
     const Mesh mesh = f.read("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
                              asciiFacet("0 0 1", "1 0 0", "1 1 0", "0 1 0") + "endsolid\n")
@@ -124,14 +124,14 @@ TEST(Stl, severalSolidsAreOneMesh) {
     EXPECT_EQ(mesh.positions.size(), 4u);  // the edge between them is shared
 }
 
-TEST(Stl, zerosOfBothSignsAreEqual) {
+TEST(Stl, ZerosOfBothSignsAreEqual) {
     Folder f;
     EXPECT_EQ(f.read("solid\n" + kFacet + asciiFacet("0 0 1", "-0 0 0", "0 1 -0.0", "-1 0 0") + "endsolid\n")
                   .mesh.positions.size(),
               4u);
 }
 
-TEST(Stl, normalsAgainstTheWindingAreWarnedAbout) {
+TEST(Stl, NormalsAgainstTheWindingAreWarnedAbout) {
     Folder f;
     std::vector<Facet> facets = kTetrahedron;
     facets[1].normal = -facets[1].normal;
@@ -143,7 +143,7 @@ TEST(Stl, normalsAgainstTheWindingAreWarnedAbout) {
     EXPECT_DOUBLE_EQ(signedVolume(f.read(binary(facets)).mesh), 1.0 / 6);
 }
 
-TEST(Stl, whatElseIsWarnedAbout) {
+TEST(Stl, WhatElseIsWarnedAbout) {
     Folder f;
     std::vector<Facet> facets = kTetrahedron;
     facets[0].attribute = 0x8123;
@@ -159,7 +159,7 @@ TEST(Stl, whatElseIsWarnedAbout) {
               std::vector<std::string>{"1 face with fewer than three different vertices left out"});
 }
 
-TEST(Stl, errors) {
+TEST(Stl, Errors) {
     Folder f;
     const std::string whole = binary(kTetrahedron);
     EXPECT_EQ(f.errorOfBytes(whole.substr(0, 84 + 3 * 50 + 49)),
@@ -184,7 +184,7 @@ TEST(Stl, errors) {
 }
 
 // Any prefix of a good file is read or refused, never worse.
-TEST(Stl, truncationsAreRefused) {
+TEST(Stl, TruncationsAreRefused) {
     Folder f;
     const std::string whole = binary(kTetrahedron), text = "solid a\n" + kFacet + "endsolid\n";
     for (size_t n = 1; n < whole.size(); n++) EXPECT_NE(f.errorOfBytes(whole.substr(0, n)), "no error") << n;
@@ -192,7 +192,7 @@ TEST(Stl, truncationsAreRefused) {
         EXPECT_NE(f.errorOfBytes(text.substr(0, n)), "no error") << n;
 }
 
-TEST(Stl, aModelAloneAndAMeshOfASceneFile) {
+TEST(Stl, AModelAloneAndAMeshOfASceneFile) {
     const TemporaryFolder folder;
     const Scene alone = loadScene(folder.write("t.STL", binary(kTetrahedron)));
     ASSERT_EQ(alone.objects.size(), 1u);

@@ -49,7 +49,7 @@ Scene drawn(int mode, const std::vector<uint16_t>& indices = {}) {
 
 }  // namespace
 
-TEST(Gltf, aTriangle) {
+TEST(Gltf, ATriangle) {
     const Scene scene = load(triangleGltf());
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "/nodes/0");
@@ -64,7 +64,7 @@ TEST(Gltf, aTriangle) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(Gltf, modes) {
+TEST(Gltf, Modes) {
     EXPECT_EQ(meshOf(drawn(4)).corners, (std::vector<uvec3>{{0, 1, 2}, {3, 4, 5}}));
     EXPECT_EQ(meshOf(drawn(4, {5, 4, 3, 0, 1})).corners, std::vector<uvec3>{uvec3(5, 4, 3)});
     // A strip's second triangle runs the other way round, so that all face the same side.
@@ -74,7 +74,7 @@ TEST(Gltf, modes) {
     EXPECT_EQ(meshOf(drawn(6)).corners, (std::vector<uvec3>{{1, 2, 0}, {2, 3, 0}, {3, 4, 0}, {4, 5, 0}}));
 }
 
-TEST(Gltf, indexTypes) {
+TEST(Gltf, IndexTypes) {
     for (const int bytes : {1, 2, 4}) {
         GltfMaker maker;
         maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
@@ -91,7 +91,7 @@ TEST(Gltf, indexTypes) {
     }
 }
 
-TEST(Gltf, attributes) {
+TEST(Gltf, Attributes) {
     GltfMaker maker;
     maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
     // The normals lie four bytes apart.
@@ -110,7 +110,7 @@ TEST(Gltf, attributes) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{"the alpha of vertex colours (COLOR_0) is ignored"});
 }
 
-TEST(Gltf, sparseAccessors) {
+TEST(Gltf, SparseAccessors) {
     GltfMaker maker;
     const size_t base = maker.view(bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
     const size_t indices = maker.view(bytesOf<uint8_t>({1}));
@@ -129,7 +129,7 @@ TEST(Gltf, sparseAccessors) {
     EXPECT_EQ(meshOf(scene).normals, (std::vector<dvec3>{{0, 0, 0}, {5, 6, 7}, {0, 0, 0}}));
 }
 
-TEST(Gltf, nodesAreComposedInDouble) {
+TEST(Gltf, NodesAreComposedInDouble) {
     const Scene scene = load(triangleGltf(
         "", R"(, "children": [1, 2], "translation": [10, 0, 0], "rotation": [0, 0, 0.7071068, 0.7071068],
           "scale": [2, 2, 2]}, {"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,0,0,1]}, {"mesh": 0,
@@ -148,7 +148,7 @@ TEST(Gltf, nodesAreComposedInDouble) {
     EXPECT_EQ(far.objects[1].transform->offset.x, 1e7 + 1e-6);
 }
 
-TEST(Gltf, onlyTheDefaultSceneIsShown) {
+TEST(Gltf, OnlyTheDefaultSceneIsShown) {
     const std::string node = R"(}, {"mesh": 0, "translation": [5, 0, 0])";
     EXPECT_EQ(load(triangleGltf(R"("scenes": [{"nodes": [0, 1]}, {"nodes": [1]}])", node)).objects.size(),
               2u);
@@ -160,13 +160,13 @@ TEST(Gltf, onlyTheDefaultSceneIsShown) {
     EXPECT_EQ(load(triangleGltf("", node)).objects.size(), 2u);  // no scenes: all roots
 }
 
-TEST(Gltf, aFlattenedNodeIsNotDrawn) {
+TEST(Gltf, AFlattenedNodeIsNotDrawn) {
     const Scene scene = load(triangleGltf("", R"(}, {"mesh": 0, "scale": [0, 0, 0])"));
     EXPECT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{"/nodes/1: flattened by its transform; not drawn"});
 }
 
-TEST(Gltf, perspectiveCamera) {
+TEST(Gltf, PerspectiveCamera) {
     const Scene scene = load(triangleGltf(
         R"("cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1,
           "zfar": 50}}, {"type": "perspective", "name": "other", "perspective": {"yfov": 1, "znear": 1}}])",
@@ -187,7 +187,7 @@ TEST(Gltf, perspectiveCamera) {
               std::vector<std::string>{"the camera \"other\" is not the first one and is not used"});
 }
 
-TEST(Gltf, orthographicCamera) {
+TEST(Gltf, OrthographicCamera) {
     const Scene scene = load(triangleGltf(
         R"("cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 4, "znear": 0.5,
           "zfar": 9}}])",
@@ -200,7 +200,7 @@ TEST(Gltf, orthographicCamera) {
     EXPECT_EQ(scene.image.width, 300);
 }
 
-TEST(Gltf, lights) {
+TEST(Gltf, Lights) {
     const std::string lights = R"("extensionsUsed": ["KHR_lights_punctual"], "extensions":
         {"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1, 0.5, 0], "intensity": 10, "range": 3},
@@ -232,7 +232,7 @@ TEST(Gltf, lights) {
               std::vector<std::string>{"the range of lights is ignored: they fall off by the square"});
 }
 
-TEST(Gltf, whatIsIgnoredIsNamedOnce) {
+TEST(Gltf, WhatIsIgnoredIsNamedOnce) {
     GltfMaker maker;
     maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
     const std::string morph = R"({"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}]})";
@@ -251,7 +251,7 @@ TEST(Gltf, whatIsIgnoredIsNamedOnce) {
                                         "animations are ignored"}));
 }
 
-TEST(Gltf, aMeshFileIsFlattenedIntoTheWorld) {
+TEST(Gltf, AMeshFileIsFlattenedIntoTheWorld) {
     const TemporaryFolder folder;
     const auto path = folder.write(
         "a.gltf", triangleGltf(R"("materials": [{"pbrMetallicRoughness": {"metallicFactor": 0,
@@ -292,7 +292,7 @@ const Sample kSamples[] = {
 
 class GltfAsset : public testing::TestWithParam<Sample> {};
 
-TEST_P(GltfAsset, hasTheStatedTrianglesAndBox) {
+TEST_P(GltfAsset, HasTheStatedTrianglesAndBox) {
     const auto path = assetsFolder() / "gltf" / GetParam().file;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene scene = loadScene(path);
@@ -330,7 +330,7 @@ INSTANTIATE_TEST_SUITE_P(Files, GltfAsset, testing::ValuesIn(kSamples), sampleNa
 
 }  // namespace
 
-TEST(GltfAssets, theBoxIsTheSameInBothContainers) {
+TEST(GltfAssets, TheBoxIsTheSameInBothContainers) {
     const auto folder = assetsFolder() / "gltf";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the folder ../shared/assets is not there";
     const Scene text = loadScene(folder / "BoxTextured/BoxTextured.gltf");

@@ -79,7 +79,7 @@ std::string binarySquare(bool big) {
 
 }  // namespace
 
-TEST(Ply, asciiWithNormalsQuadsAndExtras) {
+TEST(Ply, AsciiWithNormalsQuadsAndExtras) {
     const ImportedMesh imported =
         import(header("ascii", "element vertex 4\n" + kXyz +
                                    "property float nx\nproperty float ny\nproperty float nz\nproperty float "
@@ -97,7 +97,7 @@ TEST(Ply, asciiWithNormalsQuadsAndExtras) {
     EXPECT_TRUE(imported.warnings.empty());
 }
 
-TEST(Ply, asciiKeepsDoublePrecisionAndBadVertices) {
+TEST(Ply, AsciiKeepsDoublePrecisionAndBadVertices) {
     const Mesh mesh =
         import(header("ascii",
                       "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
@@ -111,7 +111,7 @@ TEST(Ply, asciiKeepsDoublePrecisionAndBadVertices) {
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}}));
 }
 
-TEST(Ply, binaryOfBothEnds) {
+TEST(Ply, BinaryOfBothEnds) {
     for (const bool big : {false, true}) {
         const Mesh mesh = import(binarySquare(big)).mesh;
         ASSERT_EQ(mesh.positions.size(), 4u);
@@ -123,7 +123,7 @@ TEST(Ply, binaryOfBothEnds) {
     }
 }
 
-TEST(Ply, everyTruncationOfABinaryFileIsSaid) {
+TEST(Ply, EveryTruncationOfABinaryFileIsSaid) {
     const std::string whole = binarySquare(false);
     const size_t body = whole.find("end_header\n") + 11;
     for (size_t size = body; size < whole.size(); size++) {
@@ -134,14 +134,14 @@ TEST(Ply, everyTruncationOfABinaryFileIsSaid) {
               "m.ply: the file ends after 1 of 2 elements \"face\"");
 }
 
-TEST(Ply, truncatedAsciiIsSaid) {
+TEST(Ply, TruncatedAsciiIsSaid) {
     const std::string text = header("ascii", kSquare) + kSquareVertices;  // the header has 10 lines
     EXPECT_EQ(importErrorOf(text + "3 0 1 2\n"), "m.ply:15: the file ends after 1 of 2 elements \"face\"");
     EXPECT_EQ(importErrorOf(text + "3 0 1 2\n3 0 2\n"), "m.ply:16: face needs a whole number more");
     EXPECT_EQ(importErrorOf(header("ascii", kSquare) + "0 0 0\n1 0"), "m.ply:12: vertex needs a number more");
 }
 
-TEST(Ply, lineEndsOfAllSystems) {
+TEST(Ply, LineEndsOfAllSystems) {
     const std::string unixText = header("ascii", kSquare) + kSquareVertices + "3 0 1 2\n3 0 2 3\n";
     std::string dos, mac;
     for (const char c : unixText) {
@@ -159,7 +159,7 @@ TEST(Ply, lineEndsOfAllSystems) {
     EXPECT_EQ(import(binary).mesh.positions[0], dvec3(10, 0, 0));
 }
 
-TEST(Ply, badIndicesAndCounts) {
+TEST(Ply, BadIndicesAndCounts) {
     const std::string text = header("ascii", kSquare) + kSquareVertices;
     EXPECT_EQ(importErrorOf(text + "3 0 1 4\n3 0 1 2\n"),
               "m.ply:15: face uses vertex 4, the file has 4 (numbered from 0)");
@@ -183,7 +183,7 @@ TEST(Ply, badIndicesAndCounts) {
     EXPECT_EQ(importErrorOf(binary), "m.ply: face 1 uses vertex 7, the file has 3 (numbered from 0)");
 }
 
-TEST(Ply, aHeaderThatLiesReservesNoMemory) {
+TEST(Ply, AHeaderThatLiesReservesNoMemory) {
     EXPECT_EQ(importErrorOf(header("binary_little_endian",
                                    "element vertex 4000000000\n" + kXyz + "element face 1\n" + kList) +
                             "xx"),
@@ -199,14 +199,14 @@ TEST(Ply, aHeaderThatLiesReservesNoMemory) {
     EXPECT_EQ(mesh.corners.size(), 2u);
 }
 
-TEST(Ply, facesMayStandBeforeVertices) {
+TEST(Ply, FacesMayStandBeforeVertices) {
     const Mesh mesh = import(header("ascii", "element face 1\n" + kList + "element vertex 4\n" + kXyz) +
                              "4 0 1 2 3\n" + kSquareVertices)
                           .mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
 }
 
-TEST(Ply, headersThatAreNotUnderstood) {
+TEST(Ply, HeadersThatAreNotUnderstood) {
     EXPECT_EQ(importErrorOf("solid cube\n"), "m.ply:1: not a PLY file: it must start with \"ply\"");
     EXPECT_EQ(importErrorOf("ply\nformat ascii 2.0\nend_header\n"),
               "m.ply:2: format version \"2.0\" is not 1.0");
@@ -232,7 +232,7 @@ TEST(Ply, headersThatAreNotUnderstood) {
               "m.ply:5: element \"vertex\" stands here twice");
 }
 
-TEST(Ply, contentsThatCannotBeDrawn) {
+TEST(Ply, ContentsThatCannotBeDrawn) {
     EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz) + "0 0 0\n"),
               "m.ply: holds no faces; a point cloud cannot be rendered");
     EXPECT_EQ(
@@ -255,7 +255,7 @@ TEST(Ply, contentsThatCannotBeDrawn) {
               "m.ply: triangle strips are not supported, write faces instead");
 }
 
-TEST(Ply, degenerateFacesAreCounted) {
+TEST(Ply, DegenerateFacesAreCounted) {
     const ImportedMesh imported = import(header("ascii", kSquare) + kSquareVertices + "3 0 0 1\n4 0 1 2 3\n");
     EXPECT_EQ(imported.mesh.faces, (std::vector<uint32_t>{1, 1}));
     ASSERT_EQ(imported.warnings.size(), 1u);

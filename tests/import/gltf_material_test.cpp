@@ -68,7 +68,7 @@ const Mesh& meshOf(const Scene& scene) {
 
 }  // namespace
 
-TEST(GltfMaterial, aRoughDielectric) {
+TEST(GltfMaterial, ARoughDielectric) {
     const Material m = material(pbr(R"("baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0,
         "roughnessFactor": 0.5)"));
     expectNear(m.diffuse, Color(0.8, 0.4, 0.2));
@@ -82,7 +82,7 @@ TEST(GltfMaterial, aRoughDielectric) {
 
 // The highlight's peak is that of GGX seen head on, D F / 4 with D = 1 / (pi alpha^2) (Walter et al. 2007),
 // times pi for glint's units.
-TEST(GltfMaterial, highlightsAreAsBrightAsTheirDistribution) {
+TEST(GltfMaterial, HighlightsAreAsBrightAsTheirDistribution) {
     for (const double roughness : {0.2, 0.4, 0.7, 1.0}) {
         const Material m =
             material(pbr("\"metallicFactor\": 0, \"roughnessFactor\": " + std::to_string(roughness)));
@@ -91,7 +91,7 @@ TEST(GltfMaterial, highlightsAreAsBrightAsTheirDistribution) {
     }
 }
 
-TEST(GltfMaterial, metals) {
+TEST(GltfMaterial, Metals) {
     const Material mirror = material(pbr(R"("baseColorFactor": [1, 0.8, 0.5, 1], "roughnessFactor": 0.1)"));
     EXPECT_EQ(mirror.diffuse, Color(0));
     expectNear(mirror.mirror, 0.8 * Color(1, 0.8, 0.5));  // 1 - 2 * 0.1
@@ -104,13 +104,13 @@ TEST(GltfMaterial, metals) {
     EXPECT_EQ(smooth.mirror, Color(1));
 }
 
-TEST(GltfMaterial, iorSetsTheReflectance) {
+TEST(GltfMaterial, IorSetsTheReflectance) {
     const Material m =
         material(pbr(R"("metallicFactor": 0, "roughnessFactor": 0)") + ", " + extension("ior", "\"ior\": 2"));
     expectNear(m.mirror, Color(1.0 / 9));
 }
 
-TEST(GltfMaterial, glass) {
+TEST(GltfMaterial, Glass) {
     const Material m =
         material(pbr(R"("baseColorFactor": [1, 0.9, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 0)") +
                  R"(, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75},
@@ -124,7 +124,7 @@ TEST(GltfMaterial, glass) {
     expectNear(glm::exp(-2.0 * m.attenuation), Color(0.25, 1, 0.5));
 }
 
-TEST(GltfMaterial, thinGlassDoesNotBend) {
+TEST(GltfMaterial, ThinGlassDoesNotBend) {
     const Material m = material(pbr(R"("metallicFactor": 0, "roughnessFactor": 0)") + ", " +
                                 extension("transmission", "\"transmissionFactor\": 1"));
     EXPECT_EQ(m.ior, 1);
@@ -132,7 +132,7 @@ TEST(GltfMaterial, thinGlassDoesNotBend) {
     expectNear(m.mirror, Color(0.04));
 }
 
-TEST(GltfMaterial, blending) {
+TEST(GltfMaterial, Blending) {
     const Material m = material(pbr(R"("baseColorFactor": [1, 0.5, 0.5, 0.25], "metallicFactor": 0)") +
                                 R"(, "alphaMode": "BLEND")");
     expectNear(m.diffuse, 0.25 * Color(1, 0.5, 0.5));
@@ -143,7 +143,7 @@ TEST(GltfMaterial, blending) {
 }
 
 // Without lights in the file ambient light is 0.2, with them 1 for what is emitted and nothing else.
-TEST(GltfMaterial, emission) {
+TEST(GltfMaterial, Emission) {
     const std::string members = pbr("\"metallicFactor\": 0") + R"(, "emissiveFactor": [0.1, 0, 0.5], )" +
                                 extension("emissive_strength", "\"emissiveStrength\": 4");
     const Scene alone = load(triangleGltf("\"materials\": [{" + members + "}]"));
@@ -157,14 +157,14 @@ TEST(GltfMaterial, emission) {
     expectNear(lit.materials[0].ambient, Color(0.4, 0, 2));
 }
 
-TEST(GltfMaterial, unlit) {
+TEST(GltfMaterial, Unlit) {
     const Material m =
         material(pbr(R"("baseColorFactor": [0.5, 0.25, 1, 1])") + ", " + extension("unlit", ""));
     expectNear(0.2 * m.ambient, Color(0.5, 0.25, 1));
     EXPECT_EQ(m.diffuse + m.specular + m.mirror, Color(0));
 }
 
-TEST(GltfMaterial, textures) {
+TEST(GltfMaterial, Textures) {
     // 2 x 1: red, green.
     const std::string picture = png(2, 1, 3, {255, 0, 0, 0, 128, 0});
     const Scene scene = textured(pbr(R"("metallicFactor": 0, "baseColorTexture": {"index": 0})"), picture,
@@ -188,7 +188,7 @@ TEST(GltfMaterial, textures) {
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(GltfMaterial, textureTransformsAndOtherCoordinates) {
+TEST(GltfMaterial, TextureTransformsAndOtherCoordinates) {
     const Scene scene =
         textured(pbr(R"("baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform":
             {"offset": [0.1, 0.2], "scale": [2, 3], "texCoord": 1}}})"),
@@ -201,7 +201,7 @@ TEST(GltfMaterial, textureTransformsAndOtherCoordinates) {
     EXPECT_NEAR((t.scale * uv + t.offset).y, 1 - 1.7, 1e-15);
 }
 
-TEST(GltfMaterial, masks) {
+TEST(GltfMaterial, Masks) {
     const std::string picture = png(1, 1, 4, {255, 255, 255, 100});
     const Scene scene =
         textured(pbr(R"("baseColorFactor": [1, 1, 1, 0.8], "baseColorTexture": {"index": 0})") +
@@ -218,7 +218,7 @@ TEST(GltfMaterial, masks) {
 }
 
 // The means of the numbers in the file, which are not colours: green roughness, blue metallic.
-TEST(GltfMaterial, metallicRoughnessTexturesAreAveraged) {
+TEST(GltfMaterial, MetallicRoughnessTexturesAreAveraged) {
     const Scene scene = textured(pbr(R"("roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0})"),
                                  png(2, 1, 3, {0, 255, 0, 0, 51, 102}));
     // roughness (1 + 0.2) / 2 / 2 = 0.3, metallic 0.4 / 2 = 0.2
@@ -229,7 +229,7 @@ TEST(GltfMaterial, metallicRoughnessTexturesAreAveraged) {
               std::vector<std::string>{"metallicRoughnessTexture is replaced by its mean values"});
 }
 
-TEST(GltfMaterial, whatIsIgnoredIsNamed) {
+TEST(GltfMaterial, WhatIsIgnoredIsNamed) {
     const Scene scene = textured(R"("normalTexture": {"index": 0}, "occlusionTexture": {"index": 0})",
                                  png(1, 1, 3, {0, 0, 0}));
     EXPECT_EQ(scene.warnings,
@@ -241,7 +241,7 @@ TEST(GltfMaterial, whatIsIgnoredIsNamed) {
               std::vector<std::string>{"/images/0: neither PNG nor JPEG; drawn without this picture"});
 }
 
-TEST(GltfMaterial, picturesInBufferViewsAndFiles) {
+TEST(GltfMaterial, PicturesInBufferViewsAndFiles) {
     const std::string picture = png(1, 1, 3, {255, 255, 255});
     GltfMaker maker;
     maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
