@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another round? (docs/guide/sampling.md)
+// After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another
+// round? (docs/guide/sampling.md)
 #include "path.glsl"
 
 // A mean darker than this is judged as if it were this bright.
@@ -27,10 +28,11 @@ void main() {
     vec3 newSpread = uintBitsToFloat(spread.xyz) + difference * (radiance - newMean);
     vec3 bound = dispatch.threshold * max(newMean, vec3(kDarkest));
     vec3 errorSquared = newSpread / (float(count) * float(max(count, 2u) - 1u));
-    bool goesOn = dispatch.decide == 0u || any(greaterThan(errorSquared, bound * bound));
+    bool goesOn = dispatch.lastOfRound == 0u || any(greaterThan(errorSquared, bound * bound));
     if (takes) {
-        storeRow(kRowFilm, path, packRow(uintBitsToFloat(film.xyz) + uintBitsToFloat(taken.xyz),
-                                         floatBitsToUint(uintBitsToFloat(film.w) + uintBitsToFloat(taken.w))));
+        storeRow(kRowFilm, path,
+                 packRow(uintBitsToFloat(film.xyz) + uintBitsToFloat(taken.xyz),
+                         floatBitsToUint(uintBitsToFloat(film.w) + uintBitsToFloat(taken.w))));
         storeRow(kRowMean, path, packRow(newMean, count));
         storeRow(kRowSpread, path, packRow(newSpread, goesOn ? 1u : 0u));
         if (goesOn) atomicAdd(counters[kCounterFlagged], 1u);

@@ -1,5 +1,6 @@
-// A walk through compressed nodes of eight children, after H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
-// Compressed Wide BVHs", HPG 2017, alg. 1; leaves are those of the binary tree.
+// A walk through compressed nodes of eight children, after H. Ylitie, T. Karras, S. Laine, "Efficient
+// Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, alg. 1; leaves are those of the
+// binary tree.
 #ifndef GLINT_COMPRESSED_GLSL
 #define GLINT_COMPRESSED_GLSL
 
@@ -22,9 +23,11 @@ void popGroup(inout uint top, bool popped, inout ChildGroup nodes, inout ChildGr
     if (popped && !holdsLeaves) nodes = group;
 }
 
-// As traverse(), which has the same loops around the same ones, for the bound on their trips. One leaf in each trip of the outer one.
+// As traverse(), which has the same loops around the same ones, for the bound on their trips. One leaf in
+// each trip of the outer one.
 uint traverseCompressed(inout Traversal traversal, uint root) {
-    // What is left free after a look at it holds what is pushed before the next: of a node one group; on the way into an instance two more.
+    // What is left free after a look at it holds what is pushed before the next: of a node one group; on the
+    // way into an instance two more.
     const uint kRoom = FEATURE_INSTANCES ? 6u : 2u;
     uint top = 0u;
     uint base = 0u;
@@ -33,38 +36,43 @@ uint traverseCompressed(inout Traversal traversal, uint root) {
     ChildGroup leaves = ChildGroup(0u, 0u);
     bool goesOn = root != kNone;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
-    do if (goesOn && traversal.trips < budget) {
-        do if (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget) {
-            uint node = takeFirst(nodes, octant);
-            pushGroup(top, nodes, !isEmpty(nodes));
-            precise float tEnd = traversal.ray.tMax * farPad();
-            enterEight(traversal.ray, traversal.frame, node, tEnd, octant, nodes, leaves);
-            popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
-            ++traversal.trips;
-            if (top + kRoom > stackWords()) traversal.trips = budget;
-            if (MODE_COST) traversal.cost += 8u;
-        } while (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget);
-        bool hasLeaf = !isEmpty(leaves);
-        uint leaf = kNone;
-        if (hasLeaf) leaf = loadLeaf(takeFirst(leaves, octant));
-        if (hasLeaf && !isInstance(leaf)) testLeaf(traversal, leaf);
-        if (FEATURE_INSTANCES) {
-            bool enters = hasLeaf && isInstance(leaf);
-            pushGroup(top, nodes, enters && !isEmpty(nodes));
-            pushGroup(top, ChildGroup(leaves.first, leaves.bits | kLeafFlag), enters && !isEmpty(leaves));
-            bool done = !enters && isEmpty(nodes) && isEmpty(leaves) && top == base;
-            bool leavesSpace = done && traversal.instance != kNone && top > 0u && !settled(traversal);
-            uint inner = enterSpace(traversal, enters ? leaf & kLeafFirstMask : kNone, enters || leavesSpace);
-            octant = octantOf(traversal.frame);
-            if (enters) {
-                nodes = ChildGroup(inner, 1u);
-                leaves = ChildGroup(0u, 0u);
+    do {
+        if (goesOn && traversal.trips < budget) {
+            do {
+                if (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget) {
+                    uint node = takeFirst(nodes, octant);
+                    pushGroup(top, nodes, !isEmpty(nodes));
+                    precise float tEnd = traversal.ray.tMax * farPad();
+                    enterEight(traversal.ray, traversal.frame, node, tEnd, octant, nodes, leaves);
+                    popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
+                    ++traversal.trips;
+                    if (top + kRoom > stackWords()) traversal.trips = budget;
+                    if (MODE_COST) traversal.cost += 8u;
+                }
+            } while (isEmpty(leaves) && !isEmpty(nodes) && traversal.trips < budget);
+            bool hasLeaf = !isEmpty(leaves);
+            uint leaf = kNone;
+            if (hasLeaf) leaf = loadLeaf(takeFirst(leaves, octant));
+            if (hasLeaf && !isInstance(leaf)) testLeaf(traversal, leaf);
+            if (FEATURE_INSTANCES) {
+                bool enters = hasLeaf && isInstance(leaf);
+                pushGroup(top, nodes, enters && !isEmpty(nodes));
+                pushGroup(top, ChildGroup(leaves.first, leaves.bits | kLeafFlag), enters && !isEmpty(leaves));
+                bool done = !enters && isEmpty(nodes) && isEmpty(leaves) && top == base;
+                bool leavesSpace = done && traversal.instance != kNone && top > 0u && !settled(traversal);
+                uint inner =
+                    enterSpace(traversal, enters ? leaf & kLeafFirstMask : kNone, enters || leavesSpace);
+                octant = octantOf(traversal.frame);
+                if (enters) {
+                    nodes = ChildGroup(inner, 1u);
+                    leaves = ChildGroup(0u, 0u);
+                }
+                base = enters ? top : (leavesSpace ? 0u : base);
             }
-            base = enters ? top : (leavesSpace ? 0u : base);
+            popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
+            goesOn = !settled(traversal) && !(isEmpty(nodes) && isEmpty(leaves));
+            ++traversal.trips;
         }
-        popGroup(top, isEmpty(nodes) && isEmpty(leaves) && top > base, nodes, leaves);
-        goesOn = !settled(traversal) && !(isEmpty(nodes) && isEmpty(leaves));
-        ++traversal.trips;
     } while (goesOn && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return goesOn ? 0u : kNone;

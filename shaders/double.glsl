@@ -1,6 +1,7 @@
-// Triangles, spheres and planes in double precision, of the rays and primitives that are stored in single: what fp32's arithmetic costs, for
-// `glint report` (docs/lab/accuracy.md). t, u and v are rounded once, at the end. In kernels of their own (GLINT_FP64), as a module that holds a double needs
-// the device's shaderFloat64, used or not.
+// Triangles, spheres and planes in double precision, of the rays and primitives that are stored in single:
+// what fp32's arithmetic costs, for `glint report` (docs/lab/accuracy.md). t, u and v are rounded once, at
+// the end. In kernels of their own (GLINT_FP64), as a module that holds a double needs the device's
+// shaderFloat64, used or not.
 #ifndef GLINT_DOUBLE_GLSL
 #define GLINT_DOUBLE_GLSL
 
@@ -12,7 +13,8 @@ dvec3 turnedInDouble(vec3 vertex, Ray ray, uint axis) {
     return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v);
 }
 
-// SeenTriangle (intersect.glsl), with another number type and the shear worked out anew, and the edges' products.
+// SeenTriangle (intersect.glsl), with another number type and the shear worked out anew, and the edges'
+// products.
 struct DoubleTriangle {
     dvec2 a, b, c;
     dvec3 z;
@@ -47,7 +49,8 @@ bool triangleInDouble(Ray ray, Triangle triangle, out float t, out float u, out 
     t = float(tHit);
     u = float(uHit);
     v = float(vHit);
-    bool inside = (s.ea >= 0.0lf && s.eb >= 0.0lf && s.ec >= 0.0lf) || (s.ea <= 0.0lf && s.eb <= 0.0lf && s.ec <= 0.0lf);
+    bool inside = (s.ea >= 0.0lf && s.eb >= 0.0lf && s.ec >= 0.0lf) ||
+                  (s.ea <= 0.0lf && s.eb <= 0.0lf && s.ec <= 0.0lf);
     return inside && det != 0.0lf && t > 0.0 && t > ray.tMin && t <= ray.tMax;
 }
 

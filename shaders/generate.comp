@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Starts a sample: the camera ray of each pixel of the slice (Shirley & Marschner, Fundamentals of Computer Graphics, ch. 4). The
-// host has worked every kind of camera into steps, see Camera in shared/layout.h.
+// Starts a sample: the camera ray of each pixel of the slice (Shirley & Marschner, Fundamentals of Computer
+// Graphics, ch. 4). The host has worked every kind of camera into steps, see Camera in shared/layout.h.
 #include "path.glsl"
 #include "tree.glsl"
 #include "sample.glsl"

@@ -1,4 +1,5 @@
-// Into the coordinates of an instance and back. Numerics: docs/design/numerics.md; the host's part is src/pack/instances.cpp.
+// Into the coordinates of an instance and back. Numerics: docs/design/numerics.md; the host's part is
+// src/pack/instances.cpp.
 #ifndef GLINT_INSTANCE_GLSL
 #define GLINT_INSTANCE_GLSL
 
@@ -10,8 +11,9 @@ vec3 timesRows(vec3 x, vec3 y, vec3 z, vec3 v) {
     return product;
 }
 
-// Always from the ray in the world. The direction is not made a unit vector: t is the world's. The difference comes first, so that
-// errors go with the distance between the ray's origin and the instance, not with their coordinates.
+// Always from the ray in the world. The direction is not made a unit vector: t is the world's. The difference
+// comes first, so that errors go with the distance between the ray's origin and the instance, not with their
+// coordinates.
 void enterInstance(Instance instance, inout vec3 origin, inout vec3 direction) {
     precise vec3 away = origin - instance.place;
     origin = timesRows(instance.toObjectX, instance.toObjectY, instance.toObjectZ, away);
@@ -25,7 +27,8 @@ float greatestComponent(vec3 v) {
 
 // Normals go by the inverse transpose: by W^T.
 vec3 turnNormal(Instance instance, vec3 normal) {
-    precise vec3 n = normal.x * instance.toObjectX + normal.y * instance.toObjectY + normal.z * instance.toObjectZ;
+    precise vec3 n =
+        normal.x * instance.toObjectX + normal.y * instance.toObjectY + normal.z * instance.toObjectZ;
     return n;
 }
 
@@ -49,16 +52,19 @@ vec3 sizesInWorld(Instance instance, vec3 sizes) {
     return timesRows(abs(instance.toWorldX), abs(instance.toWorldY), abs(instance.toWorldZ), sizes);
 }
 
-// A point with its error box. Rounding of the matrix, of products, sums and of adding the place: gamma_5 of the sum of magnitudes (PBRT 4th
-// ed., sec. 6.8). And a ray that starts there is rounded into the instance's coordinates again, by gamma_4 of |W| |x - place|: it
-// must come to lie on the same side of the surface there too.
+// A point with its error box. Rounding of the matrix, of products, sums and of adding the place: gamma_5 of
+// the sum of magnitudes (PBRT 4th ed., sec. 6.8). And a ray that starts there is rounded into the instance's
+// coordinates again, by gamma_4 of |W| |x - place|: it must come to lie on the same side of the surface there
+// too.
 void leaveInstance(Instance instance, inout vec3 position, inout vec3 error) {
     vec3 away = timesRows(instance.toWorldX, instance.toWorldY, instance.toWorldZ, position);
-    vec3 entered = timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), abs(away));
+    vec3 entered =
+        timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), abs(away));
     vec3 inObject = error + gammaBound(5.0) * abs(position) + gammaBound(5.0) * entered;
     precise vec3 moved = away + instance.place;
     position = moved;
-    error = (1.0 + gammaBound(5.0)) * sizesInWorld(instance, inObject) + gammaBound(2.0) * abs(instance.place);
+    error =
+        (1.0 + gammaBound(5.0)) * sizesInWorld(instance, inObject) + gammaBound(2.0) * abs(instance.place);
 }
 
 #endif

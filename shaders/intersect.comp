@@ -17,8 +17,8 @@ void main() {
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
-        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it is met again. Planes are
-        // not met again.
+        // The id is not known here: with this one any primitive at the same t is taken, the hit's own when it
+        // is met again. Planes are not met again.
         traversal.hit.t = abs(traversal.hit.t);
         traversal.hit.id = kNone;
         bool isPlane = FEATURE_PLANES && traversal.hit.primitive >> kPrimitiveKindShift == kKindPlane;
@@ -27,15 +27,19 @@ void main() {
     }
     uint before = traversal.hit.primitive;
     bool live = present && isAlive(traversal.ray) && (!MODE_RESUME || walkRow.x != kNone);
-    if (MODE_TALLY && FEATURE_TRANSMISSION) live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.decide;
+    if (MODE_TALLY && FEATURE_TRANSMISSION)
+        live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.rayClass;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
-    // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing changes.
+    // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing
+    // changes.
     bool changes = MODE_RESUME || hit.primitive != before || (kBounces && later);
     if (live && changes) {
-        storeRow(kRowHit, path, uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
+        storeRow(
+            kRowHit, path,
+            uvec4(floatBitsToUint(hit.t), floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
     }
     if (FEATURE_INSTANCES && live && (changes || slot != kNone))
         storeInstanceRow(path, uvec4(hit.instance, instanceRow.y, traversal.instance, traversal.worldSlot));

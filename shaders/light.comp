@@ -4,8 +4,8 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One dispatch for each light, so that the
-// loop trips of a dispatch are those of one ray.
+// What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One
+// dispatch for each light, so that the loop trips of a dispatch are those of one ray.
 #define GLINT_ANY_HIT
 #define GLINT_SHADOW_RAYS
 #include "path.glsl"
@@ -18,7 +18,8 @@
 #include "traversal.glsl"
 #endif
 
-// A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a light lies on does not shade it.
+// A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a
+// light lies on does not shade it.
 const float kShadowEnd = 1.0 - 1.0 / 65536.0;
 // A light closer than this lies on the surface and gives it nothing: 1/d^2 would overflow.
 const float kNearestLight = 1e-15;
@@ -31,13 +32,14 @@ struct LightSample {
     bool valid;
 };
 
-// The part of a spot light's intensity that goes along `toLight`, a unit vector back to it: a smoothstep of the angle's cosine.
-// |axis + toLight|^2 / 2 is 1 - cos, exact to the last digits for a narrow cone too. No larger than 2, whatever the rounding, so
-// that a cone of 180 degrees has no hole at its back.
+// The part of a spot light's intensity that goes along `toLight`, a unit vector back to it: a smoothstep of
+// the angle's cosine. |axis + toLight|^2 / 2 is 1 - cos, exact to the last digits for a narrow cone too. No
+// larger than 2, whatever the rounding, so that a cone of 180 degrees has no hole at its back.
 float spotFactor(Light light, vec3 toLight) {
     vec3 sum = light.axis + toLight;
     float away = min(0.5 * dot(sum, sum), 2.0);
-    float s = away <= light.inner ? 1.0 : max(light.outer - away, 0.0) / max(light.outer - light.inner, 1e-30);
+    float s =
+        away <= light.inner ? 1.0 : max(light.outer - away, 0.0) / max(light.outer - light.inner, 1e-30);
     return s * s * (3.0 - 2.0 * s);
 }
 
@@ -112,8 +114,10 @@ uint begin(uint path, bool present, out LightWork work, out Traversal traversal,
     traversal.cost = 0u;
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
-        traversal.passage = startPassage(crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
-        if (MODE_RESUME) traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
+        traversal.passage =
+            startPassage(crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        if (MODE_RESUME)
+            traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
     }
     place = loadInstanceRow(path).zw;
     return walkRow.x;
@@ -121,25 +125,31 @@ uint begin(uint path, bool present, out LightWork work, out Traversal traversal,
 
 void end(LightWork work, Traversal traversal, uint slot) {
     bool occluded = traversal.hit.primitive != kNone;
-    if (MODE_TALLY && !MODE_RESUME && !MODE_SHADOWLESS && work.facing) atomicAdd(counters[kCounterShadow], 1u);
+    if (MODE_TALLY && !MODE_RESUME && !MODE_SHADOWLESS && work.facing)
+        atomicAdd(counters[kCounterShadow], 1u);
     if (occluded || !work.facing) slot = kNone;
     vec3 radiance = work.radiance;
     if (kFiltered) {
         radiance *= lightLeft(traversal.passage);
-        if (work.live && slot != kNone) storeRow(treeRow(kTreeRowShadow), work.path, packRow(traversal.passage.depth, 0u));
+        if (work.live && slot != kNone)
+            storeRow(treeRow(kTreeRowShadow), work.path, packRow(traversal.passage.depth, 0u));
     }
     uvec4 throughput = loadRow(kRowThroughput, work.path);
     uvec4 sum = loadRow(kRowRadiance, work.path);
     if (work.facing && slot == kNone && !occluded) {
-        storeRow(kRowRadiance, work.path, packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
+        storeRow(kRowRadiance, work.path,
+                 packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
     }
     // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
     if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
         uvec4 walkRow = loadWalkRow(work.path);
-        uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
-        storeRow(kRowWalk, work.path, uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
+        uint shadowBit =
+            occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
+        storeRow(kRowWalk, work.path,
+                 uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
         if (FEATURE_INSTANCES)
-            storeInstanceRow(work.path, uvec4(loadInstanceRow(work.path).xy, traversal.instance, traversal.worldSlot));
+            storeInstanceRow(work.path,
+                             uvec4(loadInstanceRow(work.path).xy, traversal.instance, traversal.worldSlot));
     }
     if (work.live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
 }
@@ -162,7 +172,9 @@ void onePacket(uint turn) {
 
 void main() {
     uint turn = 0u;
-    do onePacket(nextPacket(turn)); while (turn < kPacketTurns);
+    do {
+        onePacket(nextPacket(turn));
+    } while (turn < kPacketTurns);
 }
 #else
 void main() {

@@ -1,4 +1,5 @@
-// The material of a surface point: what the scene says, times textures and vertex colours; and the light of the surroundings.
+// The material of a surface point: what the scene says, times textures and vertex colours; and the light of
+// the surroundings.
 #ifndef GLINT_MATERIAL_GLSL
 #define GLINT_MATERIAL_GLSL
 
@@ -21,7 +22,8 @@ Material materialAt(Surface surface) {
     return material;
 }
 
-// What comes from infinitely far away against this unit direction: the background, or the environment map, whose middle column is seen along -z.
+// What comes from infinitely far away against this unit direction: the background, or the environment map,
+// whose middle column is seen along -z.
 vec3 surroundings(Environment environment, vec3 direction) {
     vec3 radiance = environment.background;
     if (FEATURE_ENVIRONMENT_MAP) {
@@ -36,7 +38,8 @@ vec3 surroundings(Environment environment, vec3 direction) {
     return radiance;
 }
 
-// `ray` is in the coordinates of the primitive. True if the hit is one, and not where the surface has a hole. A loop of one trip, see objectUv.
+// `ray` is in the coordinates of the primitive. True if the hit is one, and not where the surface has a hole.
+// A loop of one trip, see objectUv.
 bool isThere(Ray ray, bool isHit, float t, float u, float v, uint primitive, uint instanceIndex) {
     bool hole = false;
     bool asking = isHit;

@@ -1,4 +1,5 @@
-// Dielectrics: which media a ray is in, what a surface makes of them, Snell's law and Fresnel's reflectance (docs/reference/shading.md).
+// Dielectrics: which media a ray is in, what a surface makes of them, Snell's law and Fresnel's reflectance
+// (docs/reference/shading.md).
 #ifndef GLINT_OPTICS_GLSL
 #define GLINT_OPTICS_GLSL
 
@@ -20,8 +21,9 @@ void prefer(uint medium, inout uint best, inout uint bestRank) {
     bestRank = better ? rank : bestRank;
 }
 
-// The medium that counts where several overlap: of the greatest priority the one entered last (C. Schmidt, B. Budge, "Simple Nested Dielectrics
-// in Ray Traced Images", Journal of Graphics Tools 7(2), 2002; the rule for equal priorities is glint's).
+// The medium that counts where several overlap: of the greatest priority the one entered last (C. Schmidt, B.
+// Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002; the rule for
+// equal priorities is glint's).
 uint ruling(uvec4 media) {
     uint best = 0u;
     uint bestRank = 0u;
@@ -35,15 +37,16 @@ uint ruling(uvec4 media) {
 // Unchanged if the list is full.
 uvec4 withMedium(uvec4 media, uint medium) {
     bvec4 full = notEqual(media, uvec4(0u));
-    return uvec4(full.x ? media.x : medium, full.y ? media.y : (full.x ? medium : 0u), full.z ? media.z : (full.y ? medium : 0u),
-                 full.w ? media.w : (full.z ? medium : 0u));
+    return uvec4(full.x ? media.x : medium, full.y ? media.y : (full.x ? medium : 0u),
+                 full.z ? media.z : (full.y ? medium : 0u), full.w ? media.w : (full.z ? medium : 0u));
 }
 
 // Without the last entry that is `medium`.
 uvec4 withoutMedium(uvec4 media, uint medium) {
     bvec4 same = equal(media, uvec4(medium));
     uint at = same.w ? 3u : (same.z ? 2u : (same.y ? 1u : (same.x ? 0u : 4u)));
-    return uvec4(at == 0u ? media.y : media.x, at <= 1u ? media.z : media.y, at <= 2u ? media.w : media.z, at <= 3u ? 0u : media.w);
+    return uvec4(at == 0u ? media.y : media.x, at <= 1u ? media.z : media.y, at <= 2u ? media.w : media.z,
+                 at <= 3u ? 0u : media.w);
 }
 
 struct Crossing {
@@ -51,11 +54,13 @@ struct Crossing {
     uvec4 after;        // and behind it
     uint mediumBefore;  // those that rule there
     uint mediumAfter;
-    bool counts;    // false: the surface lies inside a medium of greater priority, and the ray goes on as if it were not there
-    bool crowded;   // the list had no room for one more
+    bool counts;  // false: the surface lies inside a medium of greater priority, and the ray goes on as if it
+                  // were not there
+    bool crowded;  // the list had no room for one more
 };
 
-// medium: the surface's, 0 if it is no dielectric. A ray that leaves what it has not entered has been in it from its start.
+// medium: the surface's, 0 if it is no dielectric. A ray that leaves what it has not entered has been in it
+// from its start.
 Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     bool known = any(equal(media, uvec4(medium)));
     bool full = media.w != 0u;
@@ -69,7 +74,8 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     return c;
 }
 
-// What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen Fluessigkeiten", 1852).
+// What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen
+// Fluessigkeiten", 1852).
 vec3 fading(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
     vec3 attenuation = attenuationOf(medium);
@@ -87,8 +93,9 @@ struct Split {
     bool total;         // total internal reflection
 };
 
-// About the unit normal m, m.d < 0, with eta the refractive index on d's side over that on the other (Born & Wolf, Principles of Optics, sec. 1.5.2;
-// Pharr, Jakob, Humphreys, PBRT 4th ed., sec. 9.3). sin^2 from (1 - c)(1 + c): 1 - c^2 has nothing left of a small angle's.
+// About the unit normal m, m.d < 0, with eta the refractive index on d's side over that on the other (Born &
+// Wolf, Principles of Optics, sec. 1.5.2; Pharr, Jakob, Humphreys, PBRT 4th ed., sec. 9.3). sin^2 from (1 -
+// c)(1 + c): 1 - c^2 has nothing left of a small angle's.
 Split splitAbout(vec3 m, vec3 d, float eta) {
     precise float c = min(-dot(d, m), 1.0);
     precise float sinSquare = (1.0 - c) * (1.0 + c);
@@ -106,7 +113,8 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
     return s;
 }
 
-// Normals turned against d. About the geometric normal where the shading normal would send a branch to the wrong side.
+// Normals turned against d. About the geometric normal where the shading normal would send a branch to the
+// wrong side.
 Split splitAt(Surface surface, vec3 d, float eta) {
     Split s = splitAbout(surface.shadingNormal, d, eta);
     if (FEATURE_VERTEX_NORMALS) {
@@ -119,7 +127,8 @@ Split splitAt(Surface surface, vec3 d, float eta) {
     return s;
 }
 
-// The mirrored direction; about the geometric normal where the shading normal would send it through the surface.
+// The mirrored direction; about the geometric normal where the shading normal would send it through the
+// surface.
 vec3 mirrored(Surface surface, vec3 direction) {
     precise vec3 r = direction - 2.0 * dot(direction, surface.shadingNormal) * surface.shadingNormal;
     precise vec3 aboutNormal = direction - 2.0 * dot(direction, surface.normal) * surface.normal;

@@ -1,13 +1,16 @@
-// Closest hit, or any hit if GLINT_ANY_HIT is defined, of a packet: the rays of all 8 lanes of a subgroup, GLINT_PACKET_RAYS in each,
-// walk an 8-wide tree together. Which node is next is the same in all lanes, so one load brings a node (lane c reads child c) where
-// the per-lane traversal needs one for each lane. Ancestry: Wald, Slusallek, Benthin, Wagner, "Interactive Rendering with Coherent Ray
-// Tracing", Computer Graphics Forum 20(3), 2001.
+// Closest hit, or any hit if GLINT_ANY_HIT is defined, of a packet: the rays of all 8 lanes of a subgroup,
+// GLINT_PACKET_RAYS in each, walk an 8-wide tree together. Which node is next is the same in all lanes, so
+// one load brings a node (lane c reads child c) where the per-lane traversal needs one for each lane.
+// Ancestry: Wald, Slusallek, Benthin, Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer
+// Graphics Forum 20(3), 2001.
 //
-// What the packet's bounds enter of a node's boxes is tested against every ray: the boxes of small subtrees are narrower than a packet, and
-// bounds alone would enter most of them in vain. A hit is found by the arithmetic of the per-lane traversal, so both kernels give the same bits.
+// What the packet's bounds enter of a node's boxes is tested against every ray: the boxes of small subtrees
+// are narrower than a packet, and bounds alone would enter most of them in vain. A hit is found by the
+// arithmetic of the per-lane traversal, so both kernels give the same bits.
 //
-// Written for lavapipe: only subgroupShuffle and subgroupShuffleXor, which are one instruction there, never a vote, ballot or broadcast;
-// all loop conditions are the same in all lanes, as a shuffle reads a lane that has left a loop as it was then.
+// Written for lavapipe: only subgroupShuffle and subgroupShuffleXor, which are one instruction there, never a
+// vote, ballot or broadcast; all loop conditions are the same in all lanes, as a shuffle reads a lane that
+// has left a loop as it was then.
 #ifndef GLINT_PACKET_GLSL
 #define GLINT_PACKET_GLSL
 
@@ -18,12 +21,13 @@
 #endif
 #define GLINT_EACH_RAY for (uint r = 0u; r < GLINT_PACKET_RAYS; ++r)
 
-// The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler half of its time.
+// The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler
+// half of its time.
 Traversal packet[GLINT_PACKET_RAYS];
-float packetEnds[GLINT_PACKET_RAYS];    // updateEnds
+float packetEnds[GLINT_PACKET_RAYS];  // updateEnds
 
-// The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet that needs more rows is
-// given up and finished ray by ray.
+// The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet
+// that needs more rows is given up and finished ray by ray.
 #define GLINT_STACK_ROWS 4
 const uint kRowsMask = (1u << GLINT_PACKET_RAYS) - 1u;
 struct PacketStack {
@@ -100,22 +104,26 @@ uint sortLanes(uint key, uint lane) {
     return exchange(key, 1u, b0);
 }
 
-// Rays that agree in the signs of their direction and in its largest component walk together; a packet that has several such groups
-// walks once for each. Near and far planes and the turn of the triangle test are then the same in all lanes.
+// Rays that agree in the signs of their direction and in its largest component walk together; a packet that
+// has several such groups walks once for each. Near and far planes and the turn of the triangle test are then
+// the same in all lanes.
 uint groupOf(RayFrame frame) {
-    return frame.axis | (frame.negative.x ? 4u : 0u) | (frame.negative.y ? 8u : 0u) | (frame.negative.z ? 16u : 0u);
+    return frame.axis | (frame.negative.x ? 4u : 0u) | (frame.negative.y ? 8u : 0u) |
+           (frame.negative.z ? 16u : 0u);
 }
 bvec3 signsOf(uint group) { return bvec3((group & 4u) != 0u, (group & 8u) != 0u, (group & 16u) != 0u); }
 
 // Between these lie all rays of a group that have something to find.
 struct PacketBounds {
-    vec3 nearOrigin, farOrigin;    // the origins' corner from which near planes are nearest, and the one from which far planes are farthest
+    vec3 nearOrigin, farOrigin;    // the origins' corner from which near planes are nearest, and the one from
+                                   // which far planes are farthest
     vec3 inverseLow, inverseHigh;  // of RayFrame::inverse
     float tMin;
 };
 
 PacketBounds boundsOf(bvec3 negative) {
-    vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity), originHigh = vec3(-kInfinity);
+    vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity),
+         originHigh = vec3(-kInfinity);
     float tMin = kInfinity;
     GLINT_EACH_RAY {
         bool live = packet[r].ray.tMax > packet[r].ray.tMin;
@@ -138,9 +146,9 @@ PacketBounds boundsOf(bvec3 negative) {
     return bounds;
 }
 
-// The later halves of intersectBox, of its planes that are already chosen; for a ray, and for a group, each lane with a box of its own.
-// Rounding is monotone, so the same operations on the bounds enclose what they give for any ray, to the bit: a box that a ray enters is
-// never left out.
+// The later halves of intersectBox, of its planes that are already chosen; for a ray, and for a group, each
+// lane with a box of its own. Rounding is monotone, so the same operations on the bounds enclose what they
+// give for any ray, to the bit: a box that a ray enters is never left out.
 bool enters(Ray ray, RayFrame frame, vec3 nearPlane, vec3 farPlane, float tEnd) {
     precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
     precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
@@ -163,11 +171,13 @@ bool groupEnters(PacketBounds bounds, vec3 nearPlane, vec3 farPlane, float tEnd,
 // Bit r is set, in all lanes, if some ray of row r enters the box.
 uint rowsThatEnter(vec3 nearPlane, vec3 farPlane) {
     uint entered = 0u;
-    GLINT_EACH_RAY entered |= enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u << r : 0u;
+    GLINT_EACH_RAY entered |=
+        enters(packet[r].ray, packet[r].frame, nearPlane, farPlane, packetEnds[r]) ? 1u << r : 0u;
     return anyOfLanes(entered);
 }
 
-// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance shorter by 7 ulp at most, 15 on the stack.
+// Order of positive floats as of their bits; the low bits give way to the lane, which makes a distance
+// shorter by 7 ulp at most, 15 on the stack.
 uint keyOf(float distance, uint lane, bool entered) {
     uint bits = floatBitsToUint(distance > 0.0 ? distance : 0.0);
     return entered ? (bits & ~7u) | lane : kNone;
@@ -188,7 +198,8 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index, bool present) {
+void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index,
+                     bool present) {
     vec3 v0 = fromLane(corners, lane);
     vec3 v1 = fromLane(corners, lane + 1u);
     vec3 v2 = fromLane(corners, lane + 2u);
@@ -198,24 +209,27 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
     precise vec3 b = v1 - turned;
     precise vec3 c = v2 - turned;
     float t, u, v;
-    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present && !isOwnTriangle(one, primitive, id))
+    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present &&
+        !isOwnTriangle(one, primitive, id))
         takeHit(one, t, u, v, primitive, id);
     if (MODE_COST && present) ++one.cost;
 }
 
 void testPacketSpheres(uint first, uint end, inout uint trips) {
     uint index = first;
-    do if (index < end) {
-        Sphere sphere = loadSphere(index);
-        uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
-        GLINT_EACH_RAY {
-            float t;
-            if (intersectSphere(packet[r].ray, sphere, primitive, t))
-                accept(packet[r], t, 0.0, 0.0, primitive, sphere.id);
-            if (MODE_COST) ++packet[r].cost;
+    do {
+        if (index < end) {
+            Sphere sphere = loadSphere(index);
+            uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
+            GLINT_EACH_RAY {
+                float t;
+                if (intersectSphere(packet[r].ray, sphere, primitive, t))
+                    accept(packet[r], t, 0.0, 0.0, primitive, sphere.id);
+                if (MODE_COST) ++packet[r].cost;
+            }
+            ++index;
+            ++trips;
         }
-        ++index;
-        ++trips;
     } while (index < end);
 }
 
@@ -240,49 +254,54 @@ bool traversePacket(uint root) {
     group = leastOfLanes(group);
     uint trips = 0u;
     bool complete = true;
-    do if (group != kNone) {
-        GLINT_EACH_RAY packet[r].ray.tMax = groups[r] == group ? tMax[r] : -1.0;
-        bool walked = walkGroup(group, root, lane, trips);
-        complete = complete && walked;
-        uint next = kNone;
-        GLINT_EACH_RAY {
-            if (groups[r] == group) {
-                tMax[r] = packet[r].ray.tMax;
-                groups[r] = kNone;
+    do {
+        if (group != kNone) {
+            GLINT_EACH_RAY packet[r].ray.tMax = groups[r] == group ? tMax[r] : -1.0;
+            bool walked = walkGroup(group, root, lane, trips);
+            complete = complete && walked;
+            uint next = kNone;
+            GLINT_EACH_RAY {
+                if (groups[r] == group) {
+                    tMax[r] = packet[r].ray.tMax;
+                    groups[r] = kNone;
+                }
+                next = leastUint(next, groups[r]);
             }
-            next = leastUint(next, groups[r]);
+            // What was given up is started again whole: further groups would only add to the trips.
+            group = complete ? leastOfLanes(next) : kNone;
+            ++trips;
         }
-        // What was given up is started again whole: further groups would only add to the trips.
-        group = complete ? leastOfLanes(next) : kNone;
-        ++trips;
     } while (group != kNone);
     GLINT_EACH_RAY packet[r].ray.tMax = tMax[r];
     return complete;
 }
 
-// As trace() of the per-lane traversal. Returns false for a packet that was given up: what its rays have hit by then is kept, and those
-// that are not settled are to be started again.
+// As trace() of the per-lane traversal. Returns false for a packet that was given up: what its rays have hit
+// by then is kept, and those that are not settled are to be started again.
 bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;
-        if (FEATURE_PLANES) testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
+        if (FEATURE_PLANES)
+            testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
     }
     return traversePacket(environment.root);
 }
 
-// Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are none, as nothing was hit there; but on
-// lavapipe, where nothing but a loop's end skips anything, one without rays costs all of the kernel's code. So it looks for the next that has some.
+// Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are
+// none, as nothing was hit there; but on lavapipe, where nothing but a loop's end skips anything, one without
+// rays costs all of the kernel's code. So it looks for the next that has some.
 #ifdef GLINT_ANY_HIT
 const uint kPacketTurns = 8u;  // kPacketTurns in src/render/traversal_choice.h
 #else
 const uint kPacketTurns = 1u;
 #endif
 
-// Path r of this lane: those of a packet are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32 one of 8x4. Where the dispatch has
-// no such path, `present` is false and the path one that may be read.
+// Path r of this lane: those of a packet are consecutive, 8 being a block of 4x2 pixels, 16 one of 4x4, 32
+// one of 8x4. Where the dispatch has no such path, `present` is false and the path one that may be read.
 uint packetPath(uint turn, uint r, out bool present) {
     uint lane = gl_LocalInvocationID.x & 7u;
-    uint path = ((gl_GlobalInvocationID.x - lane) * kPacketTurns + 8u * turn) * GLINT_PACKET_RAYS + lane + 8u * r;
+    uint path =
+        ((gl_GlobalInvocationID.x - lane) * kPacketTurns + 8u * turn) * GLINT_PACKET_RAYS + lane + 8u * r;
     present = path < dispatch.run * dispatch.interleave * kWorkgroupSize;
     return present ? path : 0u;
 }
@@ -294,18 +313,20 @@ bool mayHaveRay(uint path);
 uint nextPacket(inout uint turn) {
     uint found = turn;
     bool searching = turn < kPacketTurns;
-    do if (searching) {
-        uint some = 0u;
-        GLINT_EACH_RAY {
-            bool present;
-            uint path = packetPath(turn, r, present);
-            bool may = mayHaveRay(path);
-            some |= present && may ? 1u : 0u;
+    do {
+        if (searching) {
+            uint some = 0u;
+            GLINT_EACH_RAY {
+                bool present;
+                uint path = packetPath(turn, r, present);
+                bool may = mayHaveRay(path);
+                some |= present && may ? 1u : 0u;
+            }
+            some = anyOfLanes(some);
+            found = turn;
+            ++turn;
+            searching = some == 0u && turn < kPacketTurns;
         }
-        some = anyOfLanes(some);
-        found = turn;
-        ++turn;
-        searching = some == 0u && turn < kPacketTurns;
     } while (searching);
     return found;
 }

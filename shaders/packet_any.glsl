@@ -1,6 +1,6 @@
-// Whether each ray of a group of a packet hits anything. Nothing gets nearer here, so that no entry of the stack ever falls out of reach; but rays
-// are settled. The farthest child comes first: nearest first, a ray that leaves a surface would meet its own neighbourhood first, which seldom
-// shades it.
+// Whether each ray of a group of a packet hits anything. Nothing gets nearer here, so that no entry of the
+// stack ever falls out of reach; but rays are settled. The farthest child comes first: nearest first, a ray
+// that leaves a surface would meet its own neighbourhood first, which seldom shades it.
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
 
@@ -15,48 +15,56 @@ bool updateAwake() {
 }
 
 // Any hit needs no more than to be known.
-void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) { one.hit.primitive = primitive; }
+void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
+    one.hit.primitive = primitive;
+}
 
 // Row by row, as for the closest hit, but with less to take out and put back.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
-    do if (left != 0u) {
-        Traversal one = packet[0];
-        uint row = left & (~left + 1u);
-        for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
-            bool mine = row == 1u << r;
-            one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-            one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-            one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-            one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-            if (FEATURE_SPLIT_TRIANGLES) one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
-            one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-            one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-            if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
-        }
-        vec3 turned = turnToZ(one.ray.origin, axis);
-        uint index = first;
-        do if (index < end) {
-            uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-            vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-            testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
-            testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
-            index += 2u;
+    do {
+        if (left != 0u) {
+            Traversal one = packet[0];
+            uint row = left & (~left + 1u);
+            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+                bool mine = row == 1u << r;
+                one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+                one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+                one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+                one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+                if (FEATURE_SPLIT_TRIANGLES)
+                    one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
+                one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+                one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+                if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
+            }
+            vec3 turned = turnToZ(one.ray.origin, axis);
+            uint index = first;
+            do {
+                if (index < end) {
+                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
+                    vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
+                    testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
+                    testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
+                    index += 2u;
+                    ++trips;
+                }
+            } while (index < end);
+            GLINT_EACH_RAY {
+                bool mine = row == 1u << r;
+                packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+                if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
+            }
+            left ^= row;
             ++trips;
-        } while (index < end);
-        GLINT_EACH_RAY {
-            bool mine = row == 1u << r;
-            packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-            if (MODE_COST) packet[r].cost = mine ? one.cost : packet[r].cost;
         }
-        left ^= row;
-        ++trips;
     } while (left != 0u);
 }
 
-// Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow each other (packetTree), so a
-// level is one word, the same for all lanes: the number of the first one in its upper bits, then whether they are taken from the lowest lane on or from
-// the highest, then which lanes' remain. Levels are held across the lanes, 8 in each of two registers.
+// Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow
+// each other (packetTree), so a level is one word, the same for all lanes: the number of the first one in its
+// upper bits, then whether they are taken from the lowest lane on or from the highest, then which lanes'
+// remain. Levels are held across the lanes, 8 in each of two registers.
 struct PacketLevels {
     uvec2 levels;
     uint depth;
@@ -65,19 +73,21 @@ const uint kLevels = 16u;
 const uint kLevelFirstShift = 9u;  // kMostPacketNodes in src/render/traversal_choice.h
 const uint kLevelAscends = 256u;
 
-// Where to go from a node whose inner children are `first` and those that follow, and of which those in the lanes `entered` are to be visited: to
-// the one in lane `farthest`, while the others wait, taken from its end of the node; or, if there are none, to the next of the deepest level; kNone if
-// no level is left.
+// Where to go from a node whose inner children are `first` and those that follow, and of which those in the
+// lanes `entered` are to be visited: to the one in lane `farthest`, while the others wait, taken from its end
+// of the node; or, if there are none, to the next of the deepest level; kNone if no level is left.
 uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthest, uint lane) {
     bool down = entered != 0u;
     uint bit = 1u << farthest;
-    uint pushed = (first << kLevelFirstShift) | (entered ^ bit) | ((entered & (bit - 1u)) == 0u ? kLevelAscends : 0u);
+    uint pushed =
+        (first << kLevelFirstShift) | (entered ^ bit) | ((entered & (bit - 1u)) == 0u ? kLevelAscends : 0u);
     uint last = levels.depth - 1u;
     uint deepest = subgroupShuffle(last < 8u ? levels.levels.x : levels.levels.y, last & 7u);
     uint waiting = deepest & 255u;
     uint place = (deepest & kLevelAscends) != 0u ? uint(findLSB(waiting)) : uint(findMSB(waiting));
     uint popped = deepest ^ (1u << (place & 7u));
-    uint child = down ? first + farthest : (levels.depth == 0u ? kNone : (deepest >> kLevelFirstShift) + place);
+    uint child =
+        down ? first + farthest : (levels.depth == 0u ? kNone : (deepest >> kLevelFirstShift) + place);
     uint changed = down ? levels.depth : last;
     uint level = down ? pushed : popped;
     levels.levels.x = changed == lane ? level : levels.levels.x;
@@ -86,8 +96,9 @@ uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthes
     return child;
 }
 
-// As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No more than 200 trips pass between two
-// looks at the budget (8 boxes, and 8 leaves of 22), so that kPacketTurns packets stay far below what lavapipe allows a subgroup.
+// As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No
+// more than 200 trips pass between two looks at the budget (8 boxes, and 8 leaves of 22), so that
+// kPacketTurns packets stay far below what lavapipe allows a subgroup.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketLevels levels = PacketLevels(uvec2(0u), 0u);
     float end = -1.0;
@@ -105,55 +116,71 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     bool complete = true;
     // A constant of the dispatch costs 25 instructions wherever it stands, in a loop each time.
     uint budget = dispatch.tripBudget;
-    do if (current != kNone) {
-        uint leaves = 0u;
-        uint leafChild = kNone;
-        uint leafRows = 0u;
-        do if (current != kNone) {
-            PacketCorner lower = loadPacketCorner(16u * current + lane);
-            vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
-            vec3 nearPlane = mix(lower.corner, upper, negative);
-            vec3 farPlane = mix(upper, lower.corner, negative);
-            float near;
-            bool entered = groupEnters(bounds, nearPlane, farPlane, end, near);
-            uint left = anyOfLanes(entered ? 1u << lane : 0u);
-            uint entering = 0u;
-            do if (left != 0u) {
-                uint place = uint(findLSB(left));
-                left &= left - 1u;
-                uint rows = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                entering = lane == place ? rows : entering;
-                ++trips;
-                if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
-            } while (left != 0u);
-            leafChild = lower.child;
-            leafRows = entering;
-            bool inner = isNode(lower.child);
-            uint some = anyOfLanes(entering != 0u ? (inner ? 1u : 256u) << lane : 0u);
-            leaves = some >> 8;
-            uint farthest = largestOfLanes(inner && entering != 0u ? keyOf(near, lane, true) : 0u) & 7u;
-            bool full = levels.depth >= kLevels || trips > budget;
-            complete = complete && !full;
-            uint child = nextChild(levels, subgroupShuffle(lower.child, 0u), some & 255u, farthest, lane);
-            current = full ? kNone : child;
-            trips += 2u;
-            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
-        } while (current != kNone && leaves == 0u);
-        do if (leaves != 0u) {
-            uint place = uint(findLSB(leaves));
-            leaves &= leaves - 1u;
-            uint leaf = subgroupShuffle(leafChild, place);
-            uint rows = subgroupShuffle(leafRows, place);
-            uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
-            uint first = leaf & kLeafFirstMask;
-            uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-            if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
-            if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
-            trips += 2u;
-        } while (leaves != 0u);
-        awake = updateAwake();
-        current = awake ? current : kNone;
-        ++trips;
+    do {
+        if (current != kNone) {
+            uint leaves = 0u;
+            uint leafChild = kNone;
+            uint leafRows = 0u;
+            do {
+                if (current != kNone) {
+                    PacketCorner lower = loadPacketCorner(16u * current + lane);
+                    vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
+                    vec3 nearPlane = mix(lower.corner, upper, negative);
+                    vec3 farPlane = mix(upper, lower.corner, negative);
+                    float near;
+                    bool entered = groupEnters(bounds, nearPlane, farPlane, end, near);
+                    uint left = anyOfLanes(entered ? 1u << lane : 0u);
+                    uint entering = 0u;
+                    do {
+                        if (left != 0u) {
+                            uint place = uint(findLSB(left));
+                            left &= left - 1u;
+                            uint rows = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+                            entering = lane == place ? rows : entering;
+                            ++trips;
+                            if (MODE_COST) {
+                                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
+                            }
+                        }
+                    } while (left != 0u);
+                    leafChild = lower.child;
+                    leafRows = entering;
+                    bool inner = isNode(lower.child);
+                    uint some = anyOfLanes(entering != 0u ? (inner ? 1u : 256u) << lane : 0u);
+                    leaves = some >> 8;
+                    uint farthest =
+                        largestOfLanes(inner && entering != 0u ? keyOf(near, lane, true) : 0u) & 7u;
+                    bool full = levels.depth >= kLevels || trips > budget;
+                    complete = complete && !full;
+                    uint child =
+                        nextChild(levels, subgroupShuffle(lower.child, 0u), some & 255u, farthest, lane);
+                    current = full ? kNone : child;
+                    trips += 2u;
+                    if (MODE_COST) {
+                        GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
+                    }
+                }
+            } while (current != kNone && leaves == 0u);
+            do {
+                if (leaves != 0u) {
+                    uint place = uint(findLSB(leaves));
+                    leaves &= leaves - 1u;
+                    uint leaf = subgroupShuffle(leafChild, place);
+                    uint rows = subgroupShuffle(leafRows, place);
+                    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
+                    uint first = leaf & kLeafFirstMask;
+                    uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+                    if (FEATURE_TRIANGLES)
+                        testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows,
+                                            trips);
+                    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+                    trips += 2u;
+                }
+            } while (leaves != 0u);
+            awake = updateAwake();
+            current = awake ? current : kNone;
+            ++trips;
+        }
     } while (current != kNone);
     return complete;
 }

@@ -2,8 +2,8 @@
 #ifndef GLINT_PACKET_CLOSEST_GLSL
 #define GLINT_PACKET_CLOSEST_GLSL
 
-// The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is the key of the farthest
-// point that any ray may still reach. rows: those that enter its box.
+// The topmost entry that some ray may still reach, kNone if there is none; all above it are dropped. `end` is
+// the key of the farthest point that any ray may still reach. rows: those that enter its box.
 uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows) {
     uint height = 0u;
     for (uint row = 0u; row < GLINT_STACK_ROWS; ++row) {
@@ -15,65 +15,74 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     bool empty = height == 0u;
     uint place = height - 1u;
     uint row = place >> 3;
-    uint held = row == 0u ? stack.child.x : (row == 1u ? stack.child.y : (row == 2u ? stack.child.z : stack.child.w));
+    uint held =
+        row == 0u ? stack.child.x : (row == 1u ? stack.child.y : (row == 2u ? stack.child.z : stack.child.w));
     uint child = subgroupShuffle(held, place & 7u);
-    uint heldKey = row == 0u ? stack.key.x : (row == 1u ? stack.key.y : (row == 2u ? stack.key.z : stack.key.w));
+    uint heldKey =
+        row == 0u ? stack.key.x : (row == 1u ? stack.key.y : (row == 2u ? stack.key.z : stack.key.w));
     rows = subgroupShuffle(heldKey, place & 7u) & kRowsMask;
     stack.top = empty ? 0u : place;
     return empty ? kNone : child;
 }
 
-void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) { accept(one, t, u, v, primitive, id); }
+void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
+    accept(one, t, u, v, primitive, id);
+}
 
-// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or two of four, and on lavapipe only
-// a loop skips. The row is taken out of the packet and put back by selection, as an index that is no constant costs more.
-// Two triangles for a load and a trip.
+// Row by row, of those rows that enter the leaf's box: where triangles are as small as pixels that is one or
+// two of four, and on lavapipe only a loop skips. The row is taken out of the packet and put back by
+// selection, as an index that is no constant costs more. Two triangles for a load and a trip.
 void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips) {
     uint left = first < end ? rows : 0u;
-    do if (left != 0u) {
-        Traversal one = packet[0];
-        uint row = left & (~left + 1u);
-        for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
-            bool mine = row == 1u << r;
-            one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
-            one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
-            one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
-            one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-            one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
-            one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
-            one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
-            one.hit.t = mine ? packet[r].hit.t : one.hit.t;
-            one.hit.u = mine ? packet[r].hit.u : one.hit.u;
-            one.hit.v = mine ? packet[r].hit.v : one.hit.v;
-            one.hit.id = mine ? packet[r].hit.id : one.hit.id;
-            one.cost = mine ? packet[r].cost : one.cost;
-        }
-        vec3 turned = turnToZ(one.ray.origin, axis);
-        uint index = first;
-        do if (index < end) {
-            uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
-            vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-            testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
-            testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
-            index += 2u;
+    do {
+        if (left != 0u) {
+            Traversal one = packet[0];
+            uint row = left & (~left + 1u);
+            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+                bool mine = row == 1u << r;
+                one.ray.origin = mine ? packet[r].ray.origin : one.ray.origin;
+                one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
+                one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
+                one.ray.source = mine ? packet[r].ray.source : one.ray.source;
+                one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
+                one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
+                one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
+                one.hit.t = mine ? packet[r].hit.t : one.hit.t;
+                one.hit.u = mine ? packet[r].hit.u : one.hit.u;
+                one.hit.v = mine ? packet[r].hit.v : one.hit.v;
+                one.hit.id = mine ? packet[r].hit.id : one.hit.id;
+                one.cost = mine ? packet[r].cost : one.cost;
+            }
+            vec3 turned = turnToZ(one.ray.origin, axis);
+            uint index = first;
+            do {
+                if (index < end) {
+                    uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
+                    vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
+                    testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
+                    testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
+                    index += 2u;
+                    ++trips;
+                }
+            } while (index < end);
+            GLINT_EACH_RAY {
+                bool mine = row == 1u << r;
+                packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
+                packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
+                packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
+                packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
+                packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
+                packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
+                packet[r].cost = mine ? one.cost : packet[r].cost;
+            }
+            left ^= row;
             ++trips;
-        } while (index < end);
-        GLINT_EACH_RAY {
-            bool mine = row == 1u << r;
-            packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
-            packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
-            packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
-            packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
-            packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;
-            packet[r].hit.id = mine ? one.hit.id : packet[r].hit.id;
-            packet[r].cost = mine ? one.cost : packet[r].cost;
         }
-        left ^= row;
-        ++trips;
     } while (left != 0u);
 }
 
-// The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has hit needs nothing more.
+// The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
+// hit needs nothing more.
 uint updateEnds() {
     float farthest = -1.0;
     GLINT_EACH_RAY {
@@ -87,9 +96,10 @@ uint updateEnds() {
 }
 
 // Returns false for a group that was given up: it ran out of trips or of stack.
-// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's count for the subgroup is this one,
-// and no more than 40 pass between two looks at the budget (8 children and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which
-// leaves room for every lane to take its own way, is far below what a packet could use, and is kept.
+// `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's
+// count for the subgroup is this one, and no more than 40 pass between two looks at the budget (8 children
+// and 2, for each row of a leaf 1 and kMaxLeafSize / 2, and 4). The per-lane budget, which leaves room for
+// every lane to take its own way, is far below what a packet could use, and is kept.
 bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     PacketStack stack;
     stack.child = uvec4(kNone);
@@ -103,50 +113,67 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
     uint rows = kRowsMask;
     bool complete = true;
     uint budget = dispatch.tripBudget;
-    do if (current != kNone) {
-        do if (isNode(current)) {
-            PacketCorner lower = loadPacketCorner(16u * current + lane);
-            vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
-            vec3 nearPlane = mix(lower.corner, upper, negative);
-            vec3 farPlane = mix(upper, lower.corner, negative);
-            float near;
-            bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
-            uint key = keyOf(near, lane, entered);
-            uint count = sumOfLanes(entered ? 1u : 0u);
-            key = sortLanes(key, lane);
-            uint child = subgroupShuffle(lower.child, key & 7u);
-            bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
-            complete = complete && !full;
-            uint farther = count;
-            do if (farther > 0u) {
-                --farther;
-                uint nextKey = subgroupShuffle(key, farther);
-                uint nextChild = subgroupShuffle(child, farther);
-                uint place = nextKey & 7u;
-                uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u, lane);
-                if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
-            } while (farther > 0u);
-            trips += count + 2u;
-            uint popped = popReachable(stack, end, lane, rows);
-            current = full ? kNone : popped;
-            if (MODE_COST) GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
-        } while (isNode(current));
-        // A loop of its own: leaves often follow each other, and without it each would cost a masked pass over the nodes' loop.
-        do if (isLeaf(current)) {
-            uint kind = (current >> kLeafKindShift) & kLeafKindMask;
-            uint first = current & kLeafFirstMask;
-            uint last = first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-            if (FEATURE_TRIANGLES) testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows, trips);
-            if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
-            end = updateEnds();
-            uint popped = popReachable(stack, end, lane, rows);
-            bool spent = trips > budget;
-            complete = complete && !spent;
-            current = end == 0u || spent ? kNone : popped;
-            trips += 4u;
-        } while (isLeaf(current));
-        ++trips;
+    do {
+        if (current != kNone) {
+            do {
+                if (isNode(current)) {
+                    PacketCorner lower = loadPacketCorner(16u * current + lane);
+                    vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
+                    vec3 nearPlane = mix(lower.corner, upper, negative);
+                    vec3 farPlane = mix(upper, lower.corner, negative);
+                    float near;
+                    bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
+                    uint key = keyOf(near, lane, entered);
+                    uint count = sumOfLanes(entered ? 1u : 0u);
+                    key = sortLanes(key, lane);
+                    uint child = subgroupShuffle(lower.child, key & 7u);
+                    bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
+                    complete = complete && !full;
+                    uint farther = count;
+                    do {
+                        if (farther > 0u) {
+                            --farther;
+                            uint nextKey = subgroupShuffle(key, farther);
+                            uint nextChild = subgroupShuffle(child, farther);
+                            uint place = nextKey & 7u;
+                            uint entering =
+                                rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+                            pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u,
+                                    lane);
+                            if (MODE_COST) {
+                                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
+                            }
+                        }
+                    } while (farther > 0u);
+                    trips += count + 2u;
+                    uint popped = popReachable(stack, end, lane, rows);
+                    current = full ? kNone : popped;
+                    if (MODE_COST) {
+                        GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
+                    }
+                }
+            } while (isNode(current));
+            // A loop of its own: leaves often follow each other, and without it each would cost a masked pass
+            // over the nodes' loop.
+            do {
+                if (isLeaf(current)) {
+                    uint kind = (current >> kLeafKindShift) & kLeafKindMask;
+                    uint first = current & kLeafFirstMask;
+                    uint last = first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
+                    if (FEATURE_TRIANGLES)
+                        testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows,
+                                            trips);
+                    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+                    end = updateEnds();
+                    uint popped = popReachable(stack, end, lane, rows);
+                    bool spent = trips > budget;
+                    complete = complete && !spent;
+                    current = end == 0u || spent ? kNone : popped;
+                    trips += 4u;
+                }
+            } while (isLeaf(current));
+            ++trips;
+        }
     } while (current != kNone);
     return complete;
 }

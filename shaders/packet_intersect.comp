@@ -24,19 +24,21 @@ void onePacket(uint turn) {
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
     bool complete = tracePacket(loadEnvironment(0u));
-    // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not change, and the walk row
-    // only for kernels that read what is in it.
+    // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not
+    // change, and the walk row only for kernels that read what is in it.
     uint unfinished = 0u;
     GLINT_EACH_RAY {
         Hit hit = packet[r].hit;
         bool goesOn = live[r] && !complete && !settled(packet[r]);
         if (live[r] && (goesOn || hit.primitive != before[r].primitive)) {
             uint t = floatBitsToUint(hit.t) | (goesOn ? kStartAgain : 0u);
-            storeRow(kRowHit, paths[r], uvec4(t, floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
+            storeRow(kRowHit, paths[r],
+                     uvec4(t, floatBitsToUint(hit.u), floatBitsToUint(hit.v), hit.primitive));
         }
         if (MODE_AOVS || MODE_COST) {
             uvec4 walkRow = loadRow(kRowWalk, paths[r]);
-            if (live[r]) storeRow(kRowWalk, paths[r], uvec4(kNone, hit.id, walkRow.z + packet[r].cost, walkRow.w));
+            if (live[r])
+                storeRow(kRowWalk, paths[r], uvec4(kNone, hit.id, walkRow.z + packet[r].cost, walkRow.w));
         }
         unfinished += goesOn ? 1u : 0u;
     }
@@ -46,7 +48,9 @@ void onePacket(uint turn) {
 void main() {
 #ifdef GLINT_ANY_HIT
     uint turn = 0u;
-    do onePacket(nextPacket(turn)); while (turn < kPacketTurns);
+    do {
+        onePacket(nextPacket(turn));
+    } while (turn < kPacketTurns);
 #else
     onePacket(0u);
 #endif

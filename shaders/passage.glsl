@@ -1,5 +1,6 @@
-// What a shadow ray keeps of its light where it goes through dielectrics: straight on, without refraction. The optical depth is a sum over the
-// surfaces it crosses, so their order does not matter, and the walk through the BVH may be cut and resumed anywhere.
+// What a shadow ray keeps of its light where it goes through dielectrics: straight on, without refraction.
+// The optical depth is a sum over the surfaces it crosses, so their order does not matter, and the walk
+// through the BVH may be cut and resumed anywhere.
 #ifndef GLINT_PASSAGE_GLSL
 #define GLINT_PASSAGE_GLSL
 
@@ -13,18 +14,21 @@ struct Passage {
     bool counts;  // of the triangle at hand: crossesOnce
 };
 
-// The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those where it enters; a light that is itself inside
-// is a last one where it leaves, so every t is counted from the light. media: those that the ray starts in.
+// The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those
+// where it enters; a light that is itself inside is a last one where it leaves, so every t is counted from
+// the light. media: those that the ray starts in.
 Passage startPassage(uvec4 media, float reach, float scale) {
     Passage passage = Passage(vec3(0.0), reach, scale, true);
     if (FEATURE_ATTENUATION) {
-        vec3 sum = attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
+        vec3 sum =
+            attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
         passage.depth = sum * (reach * scale);
     }
     return passage;
 }
 
-// False if the surface is opaque. The ray is in the coordinates of the hit primitive, which side it is on is the same in all.
+// False if the surface is opaque. The ray is in the coordinates of the hit primitive, which side it is on is
+// the same in all.
 bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     Instance instance;
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
@@ -47,6 +51,8 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     return medium != 0u;
 }
 
-vec3 lightLeft(Passage passage) { return mix(exp(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0))); }
+vec3 lightLeft(Passage passage) {
+    return mix(exp(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
+}
 
 #endif

@@ -12,8 +12,8 @@ uint pathIndex() { return gl_GlobalInvocationID.x; }
 // Scenes whose paths go on after the first hit: these list the paths that do.
 const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
 
-// The pixel of this invocation in the whole picture; false outside the region. Lanes follow a Morton curve in the tile, so that 8 lanes
-// make a block of 4x2 pixels and 32 one of 8x4.
+// The pixel of this invocation in the whole picture; false outside the region. Lanes follow a Morton curve in
+// the tile, so that 8 lanes make a block of 4x2 pixels and 32 one of 8x4.
 bool pixelOf(out uvec2 pixel) {
     uint group = gl_WorkGroupID.x;
     uint tile = dispatch.firstTile + (group % dispatch.run) * dispatch.interleave + group / dispatch.run;
@@ -23,7 +23,8 @@ bool pixelOf(out uvec2 pixel) {
                          ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
     uvec2 local = uvec2(tile % tilesX, tile / tilesX) * kTileSize + inTile;
     pixel = local + uvec2(dispatch.regionX, dispatch.regionY);
-    return tile < dispatch.firstTile + dispatch.tileCount && local.x < dispatch.regionWidth && local.y < dispatch.regionHeight;
+    return tile < dispatch.firstTile + dispatch.tileCount && local.x < dispatch.regionWidth &&
+           local.y < dispatch.regionHeight;
 }
 
 // Of kRowWalk: only resume dispatches and pictures with data read what is in it.
@@ -45,8 +46,8 @@ uint rowList(uint list) { return rowInstance() + (FEATURE_INSTANCES ? 1u : 0u) +
 // kTreeRow...: after the others.
 uint treeRow(uint row) { return rowList(kBounces ? kListRows : 0u) + row; }
 
-// The path that this invocation works on in kernels that may run over a list. `present` is false past the list's end; the path is then
-// one that may be read.
+// The path that this invocation works on in kernels that may run over a list. `present` is false past the
+// list's end; the path is then one that may be read.
 uint listedPath(out bool present) {
     uint path = pathIndex();
     present = true;
@@ -59,7 +60,9 @@ uint listedPath(out bool present) {
     return path;
 }
 
-void listPath(uint path) { storeRow(rowList(dispatch.listWritten), atomicAdd(counters[kCounterAlive], 1u), uvec4(path, 0u, 0u, 0u)); }
+void listPath(uint path) {
+    storeRow(rowList(dispatch.listWritten), atomicAdd(counters[kCounterAlive], 1u), uvec4(path, 0u, 0u, 0u));
+}
 
 uvec4 loadInstanceRow(uint path) {
     uvec4 row = uvec4(kNone);
@@ -75,8 +78,8 @@ void storeInstanceRow(uint path, uvec4 row) {
 Ray loadRay(uint path) {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
-    return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w), kInfinity, origin.w,
-               loadInstanceRow(path).y);
+    return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
+               kInfinity, origin.w, loadInstanceRow(path).y);
 }
 
 void storeRay(uint path, Ray ray) {
@@ -86,13 +89,15 @@ void storeRay(uint path, Ray ray) {
     storeInstanceRow(path, uvec4(kNone, ray.sourceInstance, kNone, kNone));
 }
 
-// In the sign of a hit row's t, which is else positive: a packet was given up with this hit, and the ray is to be started again.
+// In the sign of a hit row's t, which is else positive: a packet was given up with this hit, and the ray is
+// to be started again.
 const uint kStartAgain = 0x80000000u;
 
 // The best hit so far; before any, t is the end of the ray's interval. `id` is in the walk row.
 Hit loadHit(uint path, uint id) {
     uvec4 row = loadRow(kRowHit, path);
-    return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w, loadInstanceRow(path).x, id);
+    return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w,
+               loadInstanceRow(path).x, id);
 }
 
 #endif

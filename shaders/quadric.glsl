@@ -1,4 +1,5 @@
-// Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in src/reference/quadric.cpp.
+// Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in
+// src/reference/quadric.cpp.
 #ifndef GLINT_QUADRIC_GLSL
 #define GLINT_QUADRIC_GLSL
 
@@ -15,8 +16,9 @@ vec3 toLocal(Quadric q, vec3 v) {
 
 // Q y
 vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
-    precise vec3 image = squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
-                                            products.y * y.x + products.x * y.y);
+    precise vec3 image =
+        squares * y + vec3(products.z * y.y + products.y * y.z, products.z * y.x + products.x * y.z,
+                           products.y * y.x + products.x * y.y);
     return image;
 }
 
@@ -29,7 +31,8 @@ struct QuadricSpan {
 
 // ownCap: the part that the ray starts on, whose plane is met at exactly 0.
 QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
-    // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would overflow. Boxes are closed.
+    // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would
+    // overflow. Boxes are closed.
     bvec3 parallel = lessThan(abs(d), vec3(7.9e-31));
     precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
     precise vec3 tLo = (q.lo - o) * inverse;
@@ -63,8 +66,9 @@ struct Crossings {
     bool between;
 };
 
-// Of A t^2 + 2 B t + C <= 0, with t measured from `start`. The roots by the form that cancels nothing (Press et al., Numerical Recipes,
-// sec. 5.6). `slack`: what B^2 - A C may be off by; a line that is tangent within it touches.
+// Of A t^2 + 2 B t + C <= 0, with t measured from `start`. The roots by the form that cancels nothing (Press
+// et al., Numerical Recipes, sec. 5.6). `slack`: what B^2 - A C may be off by; a line that is tangent within
+// it touches.
 Crossings crossingsOf(float A, float B, float C, float slack, float start) {
     precise float disc = B * B - A * C;
     bool real = disc >= -slack;
@@ -97,11 +101,13 @@ struct Candidate {
 
 void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part) {
     precise float scaled = t * unit;
-    if (valid && !best.found && scaled > 0.0 && scaled > ray.tMin && scaled <= ray.tMax) best = Candidate(scaled, part, true);
+    if (valid && !best.found && scaled > 0.0 && scaled > ray.tMin && scaled <= ray.tMax)
+        best = Candidate(scaled, part, true);
 }
 
-// The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every surface is one end of what remains: so
-// at a rim, where side and cap meet, the one begins where the other ends, whatever rounding does.
+// The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every
+// surface is one end of what remains: so at a rim, where side and cap meet, the one begins where the other
+// ends, whatever rounding does.
 Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
     Candidate best = Candidate(0.0, kPartSide, false);
     // Of the first stretch inside, and of the second.
@@ -121,10 +127,11 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
     return best;
 }
 
-// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the ray comes into the box. If A C takes
-// more than half of B^2 there, it is set up again half way between the roots (-B / A): B^2 - A C then loses no digits to the ray's way
-// there, as Hearn and Baker's discriminant does not for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has
-// them all, and the middle, which may be a million times farther than the nearer root, would only cost that root's.
+// t is the same in local coordinates, as they are linear in the world's. The equation is set up where the ray
+// comes into the box. If A C takes more than half of B^2 there, it is set up again half way between the roots
+// (-B / A): B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does not
+// for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has them all, and
+// the middle, which may be a million times farther than the nearer root, would only cost that root's.
 bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint part) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
@@ -161,7 +168,8 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
-        // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides its sign.
+        // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides
+        // its sign.
         C = 0.0;
         if (abs(B) <= errorB) B = 0.0;
     }
@@ -178,10 +186,11 @@ struct QuadricPoint {
     vec3 normal;
 };
 
-// One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of the left side of the equation, gamma_12
-// of the magnitudes it sums, and of y, gamma_5 of those, over the gradient's length; then gamma_7 of what is added to the point.
-// The gradient vanishes at a cone's apex and on a double plane: there the surface faces the ray, and an error e of the left side moves it
-// by no more than sqrt(e) in local units.
+// One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of
+// the left side of the equation, gamma_12 of the magnitudes it sums, and of y, gamma_5 of those, over the
+// gradient's length; then gamma_7 of what is added to the point. The gradient vanishes at a cone's apex and
+// on a double plane: there the surface faces the ray, and an error e of the left side moves it by no more
+// than sqrt(e) in local units.
 QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     uint part = (hit.primitive >> kQuadricPartShift) & kQuadricPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
@@ -213,7 +222,8 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
         offset = moved;
         found.normal = unit;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
-        left = (gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset))) / (steepest * size);
+        left =
+            (gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset))) / (steepest * size);
         if (part == kPartSide) left = min(left, limit);
     }
     precise vec3 position = q.point + offset;

@@ -1,11 +1,13 @@
-// Rays, their bounds, and the arithmetic helpers of intersection. Everything here is `precise`: a contracted product would break
-// the sign argument of the watertight triangle test and the error bounds (docs/design/numerics.md).
+// Rays, their bounds, and the arithmetic helpers of intersection. Everything here is `precise`: a contracted
+// product would break the sign argument of the watertight triangle test and the error bounds
+// (docs/design/numerics.md).
 #ifndef GLINT_RAY_GLSL
 #define GLINT_RAY_GLSL
 
 #include "storage.glsl"
 
-// gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and Stability, 2002, sec. 3.1).
+// gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and
+// Stability, 2002, sec. 3.1).
 const float kUnit = 5.9604645e-8;
 float gammaBound(float n) { return n * kUnit / (1.0 - n * kUnit); }
 
@@ -18,7 +20,7 @@ struct Ray {
     vec3 direction;
     float tMin;
     float tMax;
-    uint source;  // primitive that the ray starts on, or kNone
+    uint source;          // primitive that the ray starts on, or kNone
     uint sourceInstance;  // and the instance it is one of, or kNone
 };
 
@@ -37,10 +39,11 @@ bool isFinite(vec3 v) { return all(lessThanEqual(abs(v), vec3(kInfinity))); }
 struct RayFrame {
     vec3 nearOrigin;  // the origin as near planes of boxes are measured from it
     vec3 farOrigin;   // the same for far ones: apart where boxes are to be wider, see makeFrame
-    vec3 inverse;    // 1/d, finite, with the sign of d kept where d is 0
-    bvec3 negative;  // 1/d < 0: the far plane of a slab is its lower one
-    uint axis;       // of the largest component of d: 0, 1, 2
-    vec3 shear;      // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: dx/dz, dy/dz, 1/dz
+    vec3 inverse;     // 1/d, finite, with the sign of d kept where d is 0
+    bvec3 negative;   // 1/d < 0: the far plane of a slab is its lower one
+    uint axis;        // of the largest component of d: 0, 1, 2
+    vec3 shear;       // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: dx/dz,
+                      // dy/dz, 1/dz
 };
 
 // (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
@@ -49,8 +52,8 @@ vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zx
 // Boxes are taken for wider by `pad` on all sides.
 RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     RayFrame frame;
-    // |1/d| stays below 2^125, so that (plane - origin) * inverse is +-inf or finite for any coordinates in range,
-    // never 0 * inf = NaN.
+    // |1/d| stays below 2^125, so that (plane - origin) * inverse is +-inf or finite for any coordinates in
+    // range, never 0 * inf = NaN.
     const float kTiny = 2.3509887e-38;  // 2^-125
     vec3 guarded;
     guarded.x = abs(d.x) < kTiny ? ((floatBitsToUint(d.x) >> 31) != 0u ? -kTiny : kTiny) : d.x;
@@ -86,9 +89,9 @@ float nextTowards(float x, float sense) {
     return intBitsToFloat(floatBitsToInt(x) + step);
 }
 
-// A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most `error` on each axis
-// (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6).
-// The other two are for `glint report`: a distance that knows nothing of the scene's size, and none.
+// A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most
+// `error` on each axis (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6). The other
+// two are for `glint report`: a distance that knows nothing of the scene's size, and none.
 vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
     if (ORIGIN_OFFSET == kOffsetNone) return p;
     if (ORIGIN_OFFSET == kOffsetFixed) {
@@ -98,7 +101,8 @@ vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
     precise float d = dot(abs(n), error);
     precise vec3 offset = d * n;
     precise vec3 moved = p + offset;
-    return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y), nextTowards(moved.z, offset.z));
+    return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y),
+                nextTowards(moved.z, offset.z));
 }
 
 #endif

@@ -4,7 +4,8 @@
 
 #include "storage.glsl"
 
-// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers of 32 random bits from four.
+// M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers
+// of 32 random bits from four.
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
     v.x += v.y * v.w;
@@ -19,8 +20,9 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B. Burley, "Practical
-// Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N. Vegdahl's constants.
+// Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B.
+// Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N.
+// Vegdahl's constants.
 uvec4 owenScrambled(uvec4 x, uvec4 seed) {
     x = bitfieldReverse(x);
     x ^= x * 0x3d20adeau;
@@ -55,16 +57,17 @@ float filmOffset(uint place, uint table) {
     return 0.5 + float(distance) / float(1u << kFilterBits);
 }
 
-// The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3),
-// 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! =
-// 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
+// The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between
+// Disk and Square", JGT 2(3), 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good
+// to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! = 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
 vec2 onDisc(uvec2 place) {
     vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) / float(1 << 23);
     bool wide = abs(p.x) > abs(p.y);
     float radius = wide ? p.x : p.y;
     precise float angle = radius == 0.0 ? 0.0 : 0.78539816339 * ((wide ? p.y : p.x) / radius);
     precise float q = angle * angle;
-    precise float sine = angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));
+    precise float sine =
+        angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));
     precise float cosine = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40320.0))));
     precise vec2 point = radius * (wide ? vec2(cosine, sine) : vec2(sine, cosine));
     return point;

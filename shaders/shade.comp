@@ -13,7 +13,8 @@ void storeAovs(uint path, bool isHit, Hit hit, Surface surface) {
     vec2 uv = hit.primitive >> kPrimitiveKindShift == kKindTriangle ? vec2(hit.u, hit.v) : surface.uv;
     // The largest float stands for "no hit": shaders need not keep infinities.
     storeRow(kRowAovPosition, path, packRow(position, floatBitsToUint(isHit ? hit.t : kInfinity)));
-    storeRow(kRowAovNormal, path, packRow(isHit ? surface.shadingNormal : vec3(0.0), isHit ? surface.material : kNone));
+    storeRow(kRowAovNormal, path,
+             packRow(isHit ? surface.shadingNormal : vec3(0.0), isHit ? surface.material : kNone));
     storeRow(kRowAovIndices, path,
              uvec4(floatBitsToUint(isHit ? uv.x : 0.0), floatBitsToUint(isHit ? uv.y : 0.0),
                    isHit ? surface.object : kNone, isHit ? surface.primitive : kNone));
@@ -30,7 +31,8 @@ void main() {
     bool isHit = hit.primitive != kNone;
     Environment environment = loadEnvironment(0u);
     Surface surface = surfaceAt(ray, hit);
-    if (MODE_AOVS && alive && dispatch.bounce == 0u && dispatch.sampleIndex == 0u) storeAovs(path, isHit, hit, surface);
+    if (MODE_AOVS && alive && dispatch.bounce == 0u && dispatch.sampleIndex == 0u)
+        storeAovs(path, isHit, hit, surface);
     bool entering = !(dot(surface.normal, ray.direction) > 0.0);
     faceForward(surface, ray.direction);
     Material material = materialAt(surface);
@@ -49,7 +51,8 @@ void main() {
     bool covers = isHit && dispatch.bounce == 0u;
     uint hits = sum.w + (covers ? 1u : 0u);
     // The throughput of a camera ray is its sample's weight.
-    if (MODE_SCATTERED) hits = covers ? floatBitsToUint(uintBitsToFloat(sum.w) + uintBitsToFloat(throughputRow.x)) : sum.w;
+    if (MODE_SCATTERED)
+        hits = covers ? floatBitsToUint(uintBitsToFloat(sum.w) + uintBitsToFloat(throughputRow.x)) : sum.w;
 
     if (MODE_AOVS && alive && dispatch.sampleIndex == 0u) {
         storeRow(kRowAovCounts, path, uvec4(dispatch.bounce, walkRow.z, walkRow.w, hash));
@@ -60,18 +63,20 @@ void main() {
     Branch next;
     bool goesOn = false;
     if (FEATURE_TRANSMISSION) {
-        goesOn = nextBranch(path, alive, alive && isHit, ray, hit, surface, entering, material, crossing, throughput, environment,
-                            next);
+        goesOn = nextBranch(path, alive, alive && isHit, ray, hit, surface, entering, material, crossing,
+                            throughput, environment, next);
     } else if (FEATURE_MIRRORS) {
         next.throughput = throughput * material.mirror;
-        goesOn = isFollowed(path, alive && isHit && greatestOf(material.mirror) > 0.0, dispatch.bounce, next.throughput, environment);
+        goesOn = isFollowed(path, alive && isHit && greatestOf(material.mirror) > 0.0, dispatch.bounce,
+                            next.throughput, environment);
         next.origin = offsetOrigin(surface.position, surface.error, surface.normal);
         next.direction = mirrored(surface, ray.direction);
         next.source = hit.primitive;
         next.sourceInstance = hit.instance;
     }
     if (FEATURE_TRANSMISSION || FEATURE_MIRRORS) {
-        if (alive) storeRow(kRowDirection, path, packRow(next.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));
+        if (alive)
+            storeRow(kRowDirection, path, packRow(next.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));
         if (goesOn) {
             storeRow(kRowOrigin, path, packRow(next.origin, next.source));
             storeInstanceRow(path, uvec4(kNone, next.sourceInstance, kNone, kNone));

@@ -1,5 +1,6 @@
-// Access to the arrays of a scene and to the path state. GLINT_TEXEL_LOADS reads them as storage texel buffers, which cost a
-// fifth of a storage buffer's load on lavapipe; everywhere else they are storage buffers.
+// Access to the arrays of a scene and to the path state. GLINT_TEXEL_LOADS reads them as storage texel
+// buffers, which cost a fifth of a storage buffer's load on lavapipe; everywhere else they are storage
+// buffers.
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
@@ -34,46 +35,47 @@
     uint b;                         \
     uint c;                         \
     uint d;
-#define GLINT_GLSL_STRUCT(Name, ROWS)                              \
-    struct Name {                                                  \
-        ROWS(GLINT_MEMBER_V3F, GLINT_MEMBER_V3U, GLINT_MEMBER_U4)  \
+#define GLINT_GLSL_STRUCT(Name, ROWS)                             \
+    struct Name {                                                 \
+        ROWS(GLINT_MEMBER_V3F, GLINT_MEMBER_V3U, GLINT_MEMBER_U4) \
     };
 GLINT_STRUCTS(GLINT_GLSL_STRUCT)
 
+// clang-format off
 layout(push_constant) uniform DispatchBlock {
     GLINT_DISPATCH_ROWS(GLINT_MEMBER_V3F, GLINT_MEMBER_V3U, GLINT_MEMBER_U4)
-}
-dispatch;
+} dispatch;
+// clang-format on
 
 // ---- Loaders from the same lists ----
 
 #define GLINT_COUNT_2(a, b) +1u
 #define GLINT_COUNT_4(a, b, c, d) +1u
-#define GLINT_LOAD_V3F(a, b)           \
-    q = LOAD4(GLINT_ARRAY_NAME, row);  \
-    s.a = uintBitsToFloat(q.xyz);      \
-    s.b = uintBitsToFloat(q.w);        \
+#define GLINT_LOAD_V3F(a, b)          \
+    q = LOAD4(GLINT_ARRAY_NAME, row); \
+    s.a = uintBitsToFloat(q.xyz);     \
+    s.b = uintBitsToFloat(q.w);       \
     ++row;
-#define GLINT_LOAD_V3U(a, b)           \
-    q = LOAD4(GLINT_ARRAY_NAME, row);  \
-    s.a = uintBitsToFloat(q.xyz);      \
-    s.b = q.w;                         \
+#define GLINT_LOAD_V3U(a, b)          \
+    q = LOAD4(GLINT_ARRAY_NAME, row); \
+    s.a = uintBitsToFloat(q.xyz);     \
+    s.b = q.w;                        \
     ++row;
-#define GLINT_LOAD_U4(a1, b1, c1, d1)  \
-    q = LOAD4(GLINT_ARRAY_NAME, row);  \
-    s.a1 = q.x;                        \
-    s.b1 = q.y;                        \
-    s.c1 = q.z;                        \
-    s.d1 = q.w;                        \
+#define GLINT_LOAD_U4(a1, b1, c1, d1) \
+    q = LOAD4(GLINT_ARRAY_NAME, row); \
+    s.a1 = q.x;                       \
+    s.b1 = q.y;                       \
+    s.c1 = q.z;                       \
+    s.d1 = q.w;                       \
     ++row;
 // Name loadName(uint index) from the array that GLINT_ARRAY_NAME stands for where this is used.
-#define GLINT_LOADER(Name, ROWS)                                                     \
-    Name load##Name(uint index) {                                                    \
-        Name s;                                                                      \
-        uvec4 q;                                                                     \
-        uint row = index * (0u ROWS(GLINT_COUNT_2, GLINT_COUNT_2, GLINT_COUNT_4));   \
-        ROWS(GLINT_LOAD_V3F, GLINT_LOAD_V3U, GLINT_LOAD_U4)                          \
-        return s;                                                                    \
+#define GLINT_LOADER(Name, ROWS)                                                   \
+    Name load##Name(uint index) {                                                  \
+        Name s;                                                                    \
+        uvec4 q;                                                                   \
+        uint row = index * (0u ROWS(GLINT_COUNT_2, GLINT_COUNT_2, GLINT_COUNT_4)); \
+        ROWS(GLINT_LOAD_V3F, GLINT_LOAD_V3U, GLINT_LOAD_U4)                        \
+        return s;                                                                  \
     }
 
 GLINT_READ_ARRAY(2, nodesArray)

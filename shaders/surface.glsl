@@ -10,13 +10,14 @@
 
 struct Surface {
     vec3 position;
-    vec3 error;   // the true point is within position +- error on each axis
-    vec3 normal;  // geometric, outward, unit
+    vec3 error;          // the true point is within position +- error on each axis
+    vec3 normal;         // geometric, outward, unit
     vec3 shadingNormal;  // outward, in the hemisphere of `normal`, unit
     uint object;
     uint primitive;
     uint material;
-    // Texture coordinates; of triangles without their own, the barycentrics. Every kind of primitive sets them here.
+    // Texture coordinates; of triangles without their own, the barycentrics. Every kind of primitive sets
+    // them here.
     vec2 uv;
     vec3 color;  // of the vertices, interpolated; white without
 };
@@ -25,20 +26,22 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     uint first = attributes & kAttributeFirstMask;
     bool hasUvs = (attributes & kAttributeUvs) != 0u;
     if (FEATURE_UVS) {
-        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value), weigh(weights, loadVertexAttribute(first + 1u).value));
+        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value),
+                       weigh(weights, loadVertexAttribute(first + 1u).value));
         if (hasUvs) surface.uv = uv;
     }
     if (FEATURE_VERTEX_COLORS) {
         bool colored = (attributes & kAttributeColors) != 0u;
         uint row = first + (hasUvs ? 2u : 0u);
-        precise vec3 color = weights.x * loadVertexAttribute(row).value + weights.y * loadVertexAttribute(row + 1u).value +
+        precise vec3 color = weights.x * loadVertexAttribute(row).value +
+                             weights.y * loadVertexAttribute(row + 1u).value +
                              weights.z * loadVertexAttribute(row + 2u).value;
         if (colored) surface.color = color;
     }
 }
 
-// Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed., sec. 6.8.5), far below the error of o + t d.
-// `instance`: of the hit, if it has one.
+// Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
+// sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
 void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     uint index = hit.primitive & kPrimitiveIndexMask;
     Triangle triangle = loadTriangle(index);
@@ -69,27 +72,33 @@ void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
         vec3 sum = weights.x * corners.n0 + weights.y * corners.n1 + weights.z * corners.n2;
         float size = dot(sum, sum);
         vec3 direction = sum * inversesqrt(max(size, 1e-30));
-        if (smoothed && size > 1e-30) surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
+        if (smoothed && size > 1e-30)
+            surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
     }
     surface.object = details.object;
     surface.primitive = details.primitive;
     surface.material = details.material;
     surface.uv = vec2(hit.u, hit.v);
-    if (FEATURE_UVS || FEATURE_VERTEX_COLORS) triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
+    if (FEATURE_UVS || FEATURE_VERTEX_COLORS)
+        triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
 }
 
-// A textbook's discriminant is 0 for many rays that pass just outside: t is then that of the closest approach, and the rounding of t alone says
-// whether the normal looks at the ray. Seen from outside it does. t errs by gamma_8 |w| / |d| in either form, and so n.d by gamma_8 |w| / r.
+// A textbook's discriminant is 0 for many rays that pass just outside: t is then that of the closest
+// approach, and the rounding of t alone says whether the normal looks at the ray. Seen from outside it does.
+// t errs by gamma_8 |w| / |d| in either form, and so n.d by gamma_8 |w| / r.
 vec3 towardsRayAtLimb(Ray ray, Sphere sphere, vec3 outward) {
     vec3 w = ray.origin - sphereCenter(sphere);
     float away = dot(outward, ray.direction);
     float square = dot(w, w);
     float size = dot(ray.direction, ray.direction);
-    bool isLimb = away > 0.0 && away * away <= gammaBound(8.0) * gammaBound(8.0) * size * square / (sphere.radius * sphere.radius);
-    return isLimb && square > sphere.radius * sphere.radius ? outward - 2.0 * away / size * ray.direction : outward;
+    bool isLimb = away > 0.0 && away * away <= gammaBound(8.0) * gammaBound(8.0) * size * square /
+                                                   (sphere.radius * sphere.radius);
+    return isLimb && square > sphere.radius * sphere.radius ? outward - 2.0 * away / size * ray.direction
+                                                            : outward;
 }
 
-// The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5), plus the rounding of adding the centre.
+// The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5),
+// plus the rounding of adding the centre.
 void sphereSurface(Ray ray, Hit hit, inout Surface surface) {
     Sphere sphere = loadSphere(hit.primitive & kPrimitiveIndexMask);
     precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
@@ -128,8 +137,9 @@ void planeSurface(Ray ray, Hit hit, inout Surface surface) {
     surface.material = plane.material;
 }
 
-// Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from `anchor`: the product with the
-// normal errs by gamma_4 of the offset, the subtraction and the anchor's addition by a unit each.
+// Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from
+// `anchor`: the product with the normal errs by gamma_4 of the offset, the subtraction and the anchor's
+// addition by a unit each.
 void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
     precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
     precise vec3 projected = offset - dot(normal, offset) * normal;

@@ -1,13 +1,15 @@
-// Texture coordinates (u, v) of surface points and directions (docs/reference/shading.md, texture coordinates).
+// Texture coordinates (u, v) of surface points and directions (docs/reference/shading.md, texture
+// coordinates).
 #ifndef GLINT_TEXCOORD_GLSL
 #define GLINT_TEXCOORD_GLSL
 
 #include "storage.glsl"
 
-// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Not by atan(), which Vulkan lets be off by 4096 ulp:
-// Hastings' polynomial (Abramowitz & Stegun, Handbook of Mathematical Functions, 1964, 4.4.49) for the octant, |error| <= 2e-8 radians. A division good to 2.5 ulp,
-// and a unit each for the nine steps of the sum, weighted by what they add, come to no more than 12 units of 2^-24 of at most 1/8 turn; the
-// subtractions from 1/4 and 1/2 round to 2^-26. Together: below 2^-23 turns.
+// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Not by atan(), which Vulkan
+// lets be off by 4096 ulp: Hastings' polynomial (Abramowitz & Stegun, Handbook of Mathematical Functions,
+// 1964, 4.4.49) for the octant, |error| <= 2e-8 radians. A division good to 2.5 ulp, and a unit each for the
+// nine steps of the sum, weighted by what they add, come to no more than 12 units of 2^-24 of at most 1/8
+// turn; the subtractions from 1/4 and 1/2 round to 2^-26. Together: below 2^-23 turns.
 float turnsOf(float y, float x) {
     float ax = abs(x);
     float ay = abs(y);
@@ -29,7 +31,8 @@ float turnsOf(float y, float x) {
     return y < 0.0 ? -half_ : half_;
 }
 
-// Latitude and longitude of a direction of any length, y up: u = 1/2 at +z, growing towards +x; v = 0 straight down, 1 straight up.
+// Latitude and longitude of a direction of any length, y up: u = 1/2 at +z, growing towards +x; v = 0
+// straight down, 1 straight up.
 vec2 latLong(vec3 d) {
     precise float ring = sqrt(d.x * d.x + d.z * d.z);
     precise float u = 0.5 + turnsOf(d.x, d.z);
@@ -39,8 +42,8 @@ vec2 latLong(vec3 d) {
 
 const float kBelowOne = 0.99999994;  // by one float
 
-// Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures. A loop of one trip at most: lavapipe skips
-// work only by not entering a loop.
+// Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures. A loop of one
+// trip at most: lavapipe skips work only by not entering a loop.
 vec2 objectUv(uint object, vec3 position, vec3 outward) {
     vec2 uv = vec2(0.0);
     uint index = object < loadEnvironment(0u).frameCount ? object : kNone;
@@ -54,7 +57,8 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
         vec2 around = latLong(axial || round_ ? vec3(u, v, w) : direction);
-        // A cap lies at 0 or 1 up to rounding: a repeated image would begin anew on one pixel of it and not on the next.
+        // A cap lies at 0 or 1 up to rounding: a repeated image would begin anew on one pixel of it and not
+        // on the next.
         float height = clamp(v, 0.0, kBelowOne);
         uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
         index = kNone;

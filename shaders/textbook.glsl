@@ -1,6 +1,6 @@
-// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included (docs/reference/command-line.md tells where
-// they fail); the choice is a specialization constant, so that the code of the others is not in the pipeline. Those of the
-// reference are in src/reference/textbook.cpp.
+// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included
+// (docs/reference/command-line.md tells where they fail); the choice is a specialization constant, so that
+// the code of the others is not in the pipeline. Those of the reference are in src/reference/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 
@@ -11,8 +11,9 @@
 
 bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }
 
-// Cramer's rule with a way out after each unknown (Shirley & Marschner, Fundamentals of Computer Graphics, sec. 4.4.2; the same numbers as
-// Moller and Trumbore's, 1997). Each triangle weighs an edge by products of its own, so neighbours may both let a ray through.
+// Cramer's rule with a way out after each unknown (Shirley & Marschner, Fundamentals of Computer Graphics,
+// sec. 4.4.2; the same numbers as Moller and Trumbore's, 1997). Each triangle weighs an edge by products of
+// its own, so neighbours may both let a ray through.
 bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out float v) {
     t = u = v = 0.0;
     precise vec3 p = triangle.v0 - triangle.v1;
@@ -38,8 +39,8 @@ bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out 
     return beta >= 0.0 && beta <= 1.0 - gamma;
 }
 
-// The plane's point, then inside or not in the coordinate plane that the normal leans to most (Badouel, "An Efficient Ray-Polygon
-// Intersection", Graphics Gems, 1990).
+// The plane's point, then inside or not in the coordinate plane that the normal leans to most (Badouel, "An
+// Efficient Ray-Polygon Intersection", Graphics Gems, 1990).
 bool triangleByProjection(Ray ray, Triangle triangle, out float t, out float u, out float v) {
     precise vec3 e1 = triangle.v1 - triangle.v0;
     precise vec3 e2 = triangle.v2 - triangle.v0;
@@ -93,7 +94,8 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out f
 #endif
 }
 
-// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each triangle is for itself.
+// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
+// triangle is for itself.
 bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
     if (INTERSECTOR != kTriangleWatertight) return true;
 #ifdef GLINT_FP64
@@ -128,7 +130,8 @@ bool sphereByEquation(Ray ray, Sphere sphere, bool own, out float t) {
     return nearer(ray, t0, t1, t) && (own || disc >= 0.0);
 }
 
-// The closest approach to the centre by Pythagoras, then half the chord (Haines in Glassner, An Introduction to Ray Tracing, 1989, ch. 2).
+// The closest approach to the centre by Pythagoras, then half the chord (Haines in Glassner, An Introduction
+// to Ray Tracing, 1989, ch. 2).
 bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
     precise vec3 w = sphereCenter(sphere) - ray.origin;
     precise float a = dot(ray.direction, ray.direction);

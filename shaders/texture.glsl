@@ -1,5 +1,5 @@
-// Images and checkers at texture coordinates, in plain arithmetic instead of samplers, whose filtering every device rounds as it
-// likes (Vulkan 1.3, sec. 16.8: 8 bits of weight are enough).
+// Images and checkers at texture coordinates, in plain arithmetic instead of samplers, whose filtering every
+// device rounds as it likes (Vulkan 1.3, sec. 16.8: 8 bits of weight are enough).
 #ifndef GLINT_TEXTURE_GLSL
 #define GLINT_TEXTURE_GLSL
 
@@ -10,10 +10,12 @@ float wrapped(float s, uint wrap) {
     float sound = abs(s) <= kMaxTextureCoordinate ? s : 0.0;
     precise float repeated = sound - floor(sound);
     precise float folded = abs(sound - 2.0 * floor(0.5 * sound + 0.5));
-    return wrap == kTextureWrapRepeat ? repeated : (wrap == kTextureWrapClamp ? clamp(sound, 0.0, 1.0) : folded);
+    return wrap == kTextureWrapRepeat ? repeated
+                                      : (wrap == kTextureWrapClamp ? clamp(sound, 0.0, 1.0) : folded);
 }
 
-// The two texels of a row or column next to s, which lies in [0, 1], and the weight of the second. The centre of texel i is at (i + 1/2) / size.
+// The two texels of a row or column next to s, which lies in [0, 1], and the weight of the second. The centre
+// of texel i is at (i + 1/2) / size.
 struct Taps {
     uint first;
     uint second;
@@ -47,8 +49,10 @@ vec4 imageAt(Texture image, vec2 uv) {
     Taps row = tapsAt(wrapped(uv.y, wrapV), image.height, nearest, wrapV);
     uint lower = image.firstTexel + (image.height - 1u - row.first) * image.width;
     uint upper = image.firstTexel + (image.height - 1u - row.second) * image.width;
-    precise vec4 below = (1.0 - column.weight) * texelAt(lower + column.first) + column.weight * texelAt(lower + column.second);
-    precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) + column.weight * texelAt(upper + column.second);
+    precise vec4 below = (1.0 - column.weight) * texelAt(lower + column.first) +
+                         column.weight * texelAt(lower + column.second);
+    precise vec4 above = (1.0 - column.weight) * texelAt(upper + column.first) +
+                         column.weight * texelAt(upper + column.second);
     precise vec4 mixed = (1.0 - row.weight) * below + row.weight * above;
     return mixed;
 }
@@ -78,7 +82,9 @@ vec4 textureAt(uint number, Surface surface) {
         precise vec2 uv = surface.uv * vec2(source.scaleU, source.scaleV) + source.place.xy;
         if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv);
         if (FEATURE_CHECKERS && checker) {
-            precise vec3 inCubes = (objectPoint(loadObjectFrame(surface.object), surface.position) - source.place) * source.scaleU;
+            precise vec3 inCubes =
+                (objectPoint(loadObjectFrame(surface.object), surface.position) - source.place) *
+                source.scaleU;
             color.xyz = checkerAt(source, solid ? inCubes : vec3(uv, 0.0));
         }
         number = 0u;

@@ -1,9 +1,10 @@
 // Closest hit, or any hit if GLINT_ANY_HIT is defined, through the BVH and over the planes.
 //
-// lavapipe ends every loop once a subgroup has made 65,535 trips through all its loops together, without a word. So each
-// lane counts its trips and gives up at dispatch.tripBudget (the host derives it, src/render/path_limits.cpp). A ray that gave up is finished by
-// further dispatches of the same kernel with MODE_RESUME: a walk of the nodes in depth-first order that needs no stack, so that its whole
-// state is one slot number. The order cannot matter, as the closest hit is the closest in any order.
+// lavapipe ends every loop once a subgroup has made 65,535 trips through all its loops together, without a
+// word. So each lane counts its trips and gives up at dispatch.tripBudget (the host derives it,
+// src/render/path_limits.cpp). A ray that gave up is finished by further dispatches of the same kernel with
+// MODE_RESUME: a walk of the nodes in depth-first order that needs no stack, so that its whole state is one
+// slot number. The order cannot matter, as the closest hit is the closest in any order.
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
@@ -17,10 +18,12 @@
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
-    uint sourceTriangle;  // with split triangles: the id of the one that the ray starts on, in any of its places
+    uint sourceTriangle;  // with split triangles: the id of the one that the ray starts on, in any of its
+                          // places
     Hit hit;
-    // With instances: where the ray is, kNone for the world; what primitives' ids count from there and whether corners are exchanged; the ray as it is in the world; how
-    // much wider the world's boxes are; and, of an unfinished walk within an instance, the slot where it goes on in the world.
+    // With instances: where the ray is, kNone for the world; what primitives' ids count from there and
+    // whether corners are exchanged; the ray as it is in the world; how much wider the world's boxes are;
+    // and, of an unfinished walk within an instance, the slot where it goes on in the world.
     uint instance;
     uint idBase;
     bool mirrored;
@@ -51,8 +54,10 @@ void accept(inout Traversal traversal, float t, float u, float v, uint primitive
     Hit hit = traversal.hit;
     bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
     if (better) {
-        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
-        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        bool exchanged =
+            FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
+        traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive,
+                            FEATURE_INSTANCES ? traversal.instance : kNone, id);
         traversal.ray.tMax = t;
     }
 }
@@ -71,28 +76,30 @@ bool isInstance(uint child) {
     return FEATURE_INSTANCES && (child >> kLeafKindShift) == ((kLeafFlag >> kLeafKindShift) | kKindInstance);
 }
 
-// Takes the ray into an instance, or back into the world for kNone. Returns the root of the tree there, kNone for the world's. A loop of
-// one trip, as lavapipe skips work only by not entering a loop.
+// Takes the ray into an instance, or back into the world for kNone. Returns the root of the tree there, kNone
+// for the world's. A loop of one trip, as lavapipe skips work only by not entering a loop.
 uint enterSpace(inout Traversal traversal, uint target, bool enters) {
     uint root = kNone;
-    do if (enters) {
-        bool toWorld = target == kNone;
-        Instance instance = loadInstance(toWorld ? 0u : target);
-        vec3 origin = traversal.world.origin;
-        vec3 direction = traversal.world.direction;
-        if (!toWorld) enterInstance(instance, origin, direction);
-        traversal.ray.origin = origin;
-        traversal.ray.direction = direction;
-        traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
-        traversal.sourceTriangle = triangleOf(traversal.ray.source);
-        traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
-        traversal.instance = target;
-        traversal.idBase = toWorld ? 0u : instance.idBase;
-        traversal.mirrored = !toWorld && instance.mirrored != 0u;
-        uint first = NODE_FORMAT == kNodesTwo || MODE_RESUME ? instance.root : instance.wideRoot;
-        root = toWorld ? kNone : first;
-        enters = false;
-        ++traversal.trips;
+    do {
+        if (enters) {
+            bool toWorld = target == kNone;
+            Instance instance = loadInstance(toWorld ? 0u : target);
+            vec3 origin = traversal.world.origin;
+            vec3 direction = traversal.world.direction;
+            if (!toWorld) enterInstance(instance, origin, direction);
+            traversal.ray.origin = origin;
+            traversal.ray.direction = direction;
+            traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
+            traversal.sourceTriangle = triangleOf(traversal.ray.source);
+            traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
+            traversal.instance = target;
+            traversal.idBase = toWorld ? 0u : instance.idBase;
+            traversal.mirrored = !toWorld && instance.mirrored != 0u;
+            uint first = NODE_FORMAT == kNodesTwo || MODE_RESUME ? instance.root : instance.wideRoot;
+            root = toWorld ? kNone : first;
+            enters = false;
+            ++traversal.trips;
+        }
     } while (enters);
     return root;
 }
@@ -104,19 +111,23 @@ bool isSolid(inout Traversal traversal, bool isHit, float t, float u, float v, u
     return isThere(traversal.ray, isHit, t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone);
 }
 
-// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray through does not end it.
-void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive, uint id) {
+// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray
+// through does not end it.
+void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
+           uint id) {
     bool counts = isSolid(traversal, isHit, t, u, v, primitive);
 #ifdef GLINT_SHADOW_RAYS
     if (FEATURE_COLORED_SHADOWS && kHasTextures) traversal.trips += kMaskTrips;
     if (FEATURE_COLORED_SHADOWS && counts &&
-        passes(traversal.passage, traversal.ray, kind, Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
+        passes(traversal.passage, traversal.ray, kind,
+               Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
         return;
 #endif
     if (counts) accept(traversal, t, u, v, primitive, id);
 }
 
-// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays through dielectrics.
+// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays
+// through dielectrics.
 #ifdef GLINT_SHADOW_RAYS
 const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 #else
@@ -135,7 +146,8 @@ void testQuadric(inout Traversal traversal, uint index) {
         for (uint further = 1u; isHit && further < kQuadricHits; ++further) {
             rest.tMin = t;
             isHit = intersectQuadric(rest, quadric, primitive, t, part);
-            offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
+            offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift),
+                  quadric.id);
             ++traversal.trips;
         }
     }
@@ -148,75 +160,95 @@ void testLeaf(inout Traversal traversal, uint leaf) {
     uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
     if (FEATURE_TRIANGLES) {
         uint index = kind == kKindTriangle ? first : end;
-        do if (index < end) {
-            Triangle triangle = loadTriangle(index);
-            uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-            float t, u, v;
-            bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
-                         !isOwnTriangle(traversal, primitive, triangle.id);
+        do {
+            if (index < end) {
+                Triangle triangle = loadTriangle(index);
+                uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
+                float t, u, v;
+                bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+                             !isOwnTriangle(traversal, primitive, triangle.id);
 #ifdef GLINT_SHADOW_RAYS
-            if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
+                if (FEATURE_COLORED_SHADOWS)
+                    traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
 #endif
-            offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
-            ++index;
-            ++traversal.trips;
-            if (MODE_COST) ++traversal.cost;
-        } while (index < end); while (index < end);
+                offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
+                ++index;
+                ++traversal.trips;
+                if (MODE_COST) ++traversal.cost;
+            }
+        } while (index < end);
+        while (index < end)
+            ;
     }
     if (FEATURE_SPHERES) {
         uint index = kind == kKindSphere ? first : end;
-        do if (index < end) {
-            Sphere sphere = loadSphere(index);
-            uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
-            float t;
-            bool isHit = meetSphere(traversal.ray, sphere, primitive, t);
-            offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
-            if (kMayGoThrough) {
-                // Through a hole or a dielectric: the other root.
-                Ray rest = traversal.ray;
-                rest.tMin = isHit ? t : rest.tMin;
-                isHit = isHit && meetSphere(rest, sphere, primitive, t);
+        do {
+            if (index < end) {
+                Sphere sphere = loadSphere(index);
+                uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
+                float t;
+                bool isHit = meetSphere(traversal.ray, sphere, primitive, t);
                 offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
+                if (kMayGoThrough) {
+                    // Through a hole or a dielectric: the other root.
+                    Ray rest = traversal.ray;
+                    rest.tMin = isHit ? t : rest.tMin;
+                    isHit = isHit && meetSphere(rest, sphere, primitive, t);
+                    offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
+                }
+                ++index;
+                ++traversal.trips;
+                if (MODE_COST) ++traversal.cost;
             }
-            ++index;
-            ++traversal.trips;
-            if (MODE_COST) ++traversal.cost;
-        } while (index < end); while (index < end);
+        } while (index < end);
+        while (index < end)
+            ;
     }
     if (FEATURE_DISCS) {
         uint index = kind == kKindDisc ? first : end;
-        do if (index < end) {
-            Disc disc = loadDisc(index);
-            uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
-            float t;
-            bool isHit = intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source;
-            offer(traversal, kKindDisc, isHit, t, 0.0, 0.0, primitive, disc.id);
-            ++index;
-            ++traversal.trips;
-            if (MODE_COST) ++traversal.cost;
-        } while (index < end); while (index < end);
+        do {
+            if (index < end) {
+                Disc disc = loadDisc(index);
+                uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
+                float t;
+                bool isHit = intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source;
+                offer(traversal, kKindDisc, isHit, t, 0.0, 0.0, primitive, disc.id);
+                ++index;
+                ++traversal.trips;
+                if (MODE_COST) ++traversal.cost;
+            }
+        } while (index < end);
+        while (index < end)
+            ;
     }
     if (FEATURE_POLYGONS) {
         uint index = kind == kKindPolygon ? first : end;
-        do if (index < end) {
-            Polygon polygon = loadPolygon(index);
-            uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
-            float t;
-            bool isHit = intersectPolygon(traversal.ray, traversal.frame, polygon, t) && primitive != traversal.ray.source;
-            offer(traversal, kKindPolygon, isHit, t, 0.0, 0.0, primitive, polygon.id);
-            ++index;
-            // This loop's, the edges', and the one that ends theirs.
-            traversal.trips += polygon.trips + 2u;
-            if (MODE_COST) ++traversal.cost;
-        } while (index < end); while (index < end);
+        do {
+            if (index < end) {
+                Polygon polygon = loadPolygon(index);
+                uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
+                float t;
+                bool isHit = intersectPolygon(traversal.ray, traversal.frame, polygon, t) &&
+                             primitive != traversal.ray.source;
+                offer(traversal, kKindPolygon, isHit, t, 0.0, 0.0, primitive, polygon.id);
+                ++index;
+                // This loop's, the edges', and the one that ends theirs.
+                traversal.trips += polygon.trips + 2u;
+                if (MODE_COST) ++traversal.cost;
+            }
+        } while (index < end);
+        while (index < end)
+            ;
     }
     if (FEATURE_QUADRICS) {
         uint index = kind == kKindQuadric ? first : end;
-        do if (index < end) {
-            testQuadric(traversal, index);
-            ++index;
-            ++traversal.trips;
-            if (MODE_COST) ++traversal.cost;
+        do {
+            if (index < end) {
+                testQuadric(traversal, index);
+                ++index;
+                ++traversal.trips;
+                if (MODE_COST) ++traversal.cost;
+            }
         } while (index < end);
     }
 }
@@ -232,8 +264,9 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
     }
 }
 
-// Each pushes what the ray enters of a node's children but the nearest, farthest first, and returns that one, kNone if there is none:
-// which `none` says too, as comparing with kNone took 6 % of the time of scenes/instances.json on lavapipe.
+// Each pushes what the ray enters of a node's children but the nearest, farthest first, and returns that one,
+// kNone if there is none: which `none` says too, as comparing with kNone took 6 % of the time of
+// scenes/instances.json on lavapipe.
 uint stepTwo(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
     Node node = loadNode(index);
     float near0, near1;
@@ -261,89 +294,101 @@ uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, o
     return child.x;
 }
 
-// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from: 0, the beginning;
-// what is known by then keeps the second pass short.
+// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
+// 0, the beginning; what is known by then keeps the second pass short.
 uint traverse(inout Traversal traversal, uint root) {
     const bool kFour = NODE_FORMAT == kNodesFour;
-    // Of the binary tree there is one entry for each level at most: the far child of a node on the current path.
+    // Of the binary tree there is one entry for each level at most: the far child of a node on the current
+    // path.
     const bool kMayOverflow = kFour || STACK_PLACE == kStackShared;
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
-    do if (current != kNone && traversal.trips < budget) {
-        do if (isNode(current) && traversal.trips < budget) {
-            precise float tEnd = traversal.ray.tMax * farPad();
-            uint next;
-            bool none;
-            if (kFour) {
-                next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
-            } else {
-                next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+    do {
+        if (current != kNone && traversal.trips < budget) {
+            do {
+                if (isNode(current) && traversal.trips < budget) {
+                    precise float tEnd = traversal.ray.tMax * farPad();
+                    uint next;
+                    bool none;
+                    if (kFour) {
+                        next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
+                    } else {
+                        next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+                    }
+                    bool empty = top == base;
+                    uint popped = stackAt(empty ? 0u : top - 1u);
+                    top -= none && !empty ? 1u : 0u;
+                    current = none ? (empty ? kNone : popped) : next;
+                    ++traversal.trips;
+                    // No room for what the next node may push: the ray is started again, by the walk without
+                    // a stack.
+                    if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
+                    if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
+                }
+            } while (isNode(current) && traversal.trips < budget);
+            if (current != kNone && !isNode(current) && !isInstance(current)) {
+                testLeaf(traversal, current);
+                bool done = top == base || settled(traversal);
+                current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
+                top -= done ? 0u : 1u;
             }
-            bool empty = top == base;
-            uint popped = stackAt(empty ? 0u : top - 1u);
-            top -= none && !empty ? 1u : 0u;
-            current = none ? (empty ? kNone : popped) : next;
+            if (FEATURE_INSTANCES) {
+                // The way out of an instance may lead straight into the next.
+                bool leaves =
+                    current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
+                if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
+                top -= leaves ? 1u : 0u;
+                bool enters = current != kNone && isInstance(current);
+                uint root =
+                    enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
+                if (enters) current = root;
+                base = enters ? top : (leaves ? 0u : base);
+            }
             ++traversal.trips;
-            // No room for what the next node may push: the ray is started again, by the walk without a stack.
-            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
-            if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
-        } while (isNode(current) && traversal.trips < budget);
-        if (current != kNone && !isNode(current) && !isInstance(current)) {
-            testLeaf(traversal, current);
-            bool done = top == base || settled(traversal);
-            current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
-            top -= done ? 0u : 1u;
         }
-        if (FEATURE_INSTANCES) {
-            // The way out of an instance may lead straight into the next.
-            bool leaves = current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
-            if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
-            top -= leaves ? 1u : 0u;
-            bool enters = current != kNone && isInstance(current);
-            uint root = enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
-            if (enters) current = root;
-            base = enters ? top : (leaves ? 0u : base);
-        }
-        ++traversal.trips;
     } while (current != kNone && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
 
-// The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped, kNone at the end.
+// The same set of leaves in depth-first order from `slot` on, without a stack. Returns where it stopped,
+// kNone at the end.
 uint walk(inout Traversal traversal, uint slot) {
     uint budget = dispatch.tripBudget;
-    do if (slot != kNone && traversal.trips < budget) {
-        Node node = loadNode(slot >> 1);
-        bool second = (slot & 1u) != 0u;
-        uint child = second ? node.child1 : node.child0;
-        precise float tEnd = traversal.ray.tMax * farPad();
-        float near;
-        bool entered = intersectBox(traversal.ray, traversal.frame, second ? node.lo1 : node.lo0,
-                                    second ? node.hi1 : node.hi0, tEnd, near);
-        uint next = second ? node.escape : slot + 1u;
-        if (entered && isNode(child)) next = child << 1;
-        bool leaf = entered && child != kNone && !isNode(child) && !isInstance(child);
-        if (leaf) testLeaf(traversal, child);
-        slot = settled(traversal) ? kNone : next;
-        if (FEATURE_INSTANCES) {
-            bool enters = entered && child != kNone && isInstance(child);
-            if (enters) traversal.worldSlot = next;
-            bool leaves = !enters && slot == kNone && traversal.instance != kNone && !settled(traversal);
-            uint root = enterSpace(traversal, enters ? child & kLeafFirstMask : kNone, enters || leaves);
-            slot = enters ? root << 1 : (leaves ? traversal.worldSlot : slot);
+    do {
+        if (slot != kNone && traversal.trips < budget) {
+            Node node = loadNode(slot >> 1);
+            bool second = (slot & 1u) != 0u;
+            uint child = second ? node.child1 : node.child0;
+            precise float tEnd = traversal.ray.tMax * farPad();
+            float near;
+            bool entered = intersectBox(traversal.ray, traversal.frame, second ? node.lo1 : node.lo0,
+                                        second ? node.hi1 : node.hi0, tEnd, near);
+            uint next = second ? node.escape : slot + 1u;
+            if (entered && isNode(child)) next = child << 1;
+            bool leaf = entered && child != kNone && !isNode(child) && !isInstance(child);
+            if (leaf) testLeaf(traversal, child);
+            slot = settled(traversal) ? kNone : next;
+            if (FEATURE_INSTANCES) {
+                bool enters = entered && child != kNone && isInstance(child);
+                if (enters) traversal.worldSlot = next;
+                bool leaves = !enters && slot == kNone && traversal.instance != kNone && !settled(traversal);
+                uint root = enterSpace(traversal, enters ? child & kLeafFirstMask : kNone, enters || leaves);
+                slot = enters ? root << 1 : (leaves ? traversal.worldSlot : slot);
+            }
+            ++traversal.trips;
+            if (MODE_COST) ++traversal.cost;
         }
-        ++traversal.trips;
-        if (MODE_COST) ++traversal.cost;
     } while (slot != kNone && traversal.trips < budget);
     return slot;
 }
 
 #include "compressed.glsl"
 
-// Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without direction.
+// Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without
+// direction.
 bool prepare(inout Traversal traversal, Environment environment) {
     vec3 size = abs(traversal.ray.direction);
     bool valid = isFinite(traversal.ray.origin) && isFinite(traversal.ray.direction) &&
@@ -355,7 +400,8 @@ bool prepare(inout Traversal traversal, Environment environment) {
     traversal.worldSlot = kNone;
     traversal.pad = 0.0;
     if (FEATURE_INSTANCES) {
-        traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) + environment.instancePadAtOrigin;
+        traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) +
+                        environment.instancePadAtOrigin;
         traversal.world = traversal.ray;
         if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kNone;
     }
@@ -364,8 +410,9 @@ bool prepare(inout Traversal traversal, Environment environment) {
     return traversal.ray.tMax > traversal.ray.tMin;
 }
 
-// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction misses.
-// `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when finished, else the slot to resume from.
+// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction
+// misses. `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when
+// finished, else the slot to resume from.
 uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
     bool sound = prepare(traversal, environment);
     if (MODE_RESUME) {
@@ -382,8 +429,9 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     // A walk from slot 0 comes by all leaves again, but not by the planes.
     Passage afterPlanes = traversal.passage;
 #endif
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS || FEATURE_QUADRICS ||
-                   FEATURE_INSTANCES) && sound && !settled(traversal);
+    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS ||
+                   FEATURE_QUADRICS || FEATURE_INSTANCES) &&
+                  sound && !settled(traversal);
     uint root = inTree ? environment.root : kNone;
     uint left;
     if (NODE_FORMAT == kNodesCompressed) {

@@ -1,13 +1,15 @@
-// Nodes of four children and compressed ones of eight (src/bvh/wide_tree.h), and the stack of a ray that walks by itself.
+// Nodes of four children and compressed ones of eight (src/bvh/wide_tree.h), and the stack of a ray that
+// walks by itself.
 #ifndef GLINT_WIDE_NODES_GLSL
 #define GLINT_WIDE_NODES_GLSL
 
 #include "intersect.glsl"
 
-// Words of a stack. In a lane's own memory there is room for one of each level of the binary tree. In the workgroup's, for 12 entries of
-// two words (as many as in Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017,
-// sec. 4), 6 KiB in all: more would leave room for fewer workgroups, and Vulkan promises 16 KiB. A ray that needs more is
-// started again by the walk that needs none.
+// Words of a stack. In a lane's own memory there is room for one of each level of the binary tree. In the
+// workgroup's, for 12 entries of two words (as many as in Ylitie, Karras, Laine, "Efficient Incoherent Ray
+// Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, sec. 4), 6 KiB in all: more would leave room for
+// fewer workgroups, and Vulkan promises 16 KiB. A ray that needs more is started again by the walk that needs
+// none.
 const uint kOwnWords = kMaxBvhDepth + 1u;
 const uint kGroupWords = 24u;
 uint ownStack[kOwnWords];
@@ -29,13 +31,15 @@ uint stackAt(uint place) {
     return ownStack[place];
 }
 
-// Four slabs of one axis at a time, by the operations of intersectBox. Comparisons instead of min and max, as there.
+// Four slabs of one axis at a time, by the operations of intersectBox. Comparisons instead of min and max, as
+// there.
 struct FourSlabs {
     vec4 near;
     vec4 far;
 };
 
-void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearOrigin, float farOrigin, float inverse) {
+void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearOrigin, float farOrigin,
+               float inverse) {
     precise vec4 t0 = (nearPlane - nearOrigin) * inverse;
     precise vec4 t1 = (farPlane - farOrigin) * inverse;
     slabs.near = mix(slabs.near, t0, greaterThan(t0, slabs.near));
@@ -51,7 +55,8 @@ bvec4 entersSlabs(FourSlabs slabs, float tEnd) {
 // Beyond all that is hit.
 FourSlabs allSlabs(float tMin) { return FourSlabs(vec4(tMin), vec4(uintBitsToFloat(0x7f800000u))); }
 
-void meetAxisOfFour(inout FourSlabs slabs, uint row, bool negative, float nearOrigin, float farOrigin, float inverse) {
+void meetAxisOfFour(inout FourSlabs slabs, uint row, bool negative, float nearOrigin, float farOrigin,
+                    float inverse) {
     vec4 nearPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 1u : 0u)));
     vec4 farPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 0u : 1u)));
     meetSlabs(slabs, nearPlane, farPlane, nearOrigin, farOrigin, inverse);
@@ -84,9 +89,10 @@ uvec4 enterFour(Ray ray, RayFrame frame, uint node, float tEnd) {
     return child;
 }
 
-// Children that are still to be visited, of one kind: of `first` and those that follow it one for each of bits 8 to 15 of `bits`, which say in
-// which of the node's eight slots they are. Bits 0 to 7: which of them; bit i is slot i ^ octant, so that those nearer to where the ray comes
-// from have lower bits (Ylitie, Karras, Laine 2017, sec. 2.3 and 3.2). On the stack, of leaves: kLeafFlag too.
+// Children that are still to be visited, of one kind: of `first` and those that follow it one for each of
+// bits 8 to 15 of `bits`, which say in which of the node's eight slots they are. Bits 0 to 7: which of them;
+// bit i is slot i ^ octant, so that those nearer to where the ray comes from have lower bits (Ylitie, Karras,
+// Laine 2017, sec. 2.3 and 3.2). On the stack, of leaves: kLeafFlag too.
 struct ChildGroup {
     uint first;
     uint bits;
@@ -113,8 +119,8 @@ uint turnBits(uint bits, uint octant) {
     return (octant & 4u) != 0u ? ((bits & 0x000f000fu) << 4) | ((bits >> 4) & 0x000f000fu) : bits;
 }
 
-// The product is exact, so this has one rounding however it is done, the host's own (wide_tree.cpp), and the planes are those that it has
-// made sure enclose the child's box.
+// The product is exact, so this has one rounding however it is done, the host's own (wide_tree.cpp), and the
+// planes are those that it has made sure enclose the child's box.
 vec4 planesOf(uint bytes, float scale, float origin) {
     vec4 steps = vec4(uvec4(bytes, bytes >> 8, bytes >> 16, bytes >> 24) & 0xffu);
     precise vec4 planes = steps * scale + origin;
@@ -122,31 +128,34 @@ vec4 planesOf(uint bytes, float scale, float origin) {
 }
 
 // planes: lower ones of the children in slots 0..3 and 4..7, upper ones.
-void meetAxisOfEight(inout FourSlabs slabs0, inout FourSlabs slabs1, uvec4 planes, uint exponent, float origin, bool negative,
-                     float nearOrigin, float farOrigin, float inverse) {
+void meetAxisOfEight(inout FourSlabs slabs0, inout FourSlabs slabs1, uvec4 planes, uint exponent,
+                     float origin, bool negative, float nearOrigin, float farOrigin, float inverse) {
     float scale = uintBitsToFloat((exponent & 0xffu) << 23);
     uvec2 nearPlanes = negative ? planes.zw : planes.xy;
     uvec2 farPlanes = negative ? planes.xy : planes.zw;
-    meetSlabs(slabs0, planesOf(nearPlanes.x, scale, origin), planesOf(farPlanes.x, scale, origin), nearOrigin, farOrigin, inverse);
-    meetSlabs(slabs1, planesOf(nearPlanes.y, scale, origin), planesOf(farPlanes.y, scale, origin), nearOrigin, farOrigin, inverse);
+    meetSlabs(slabs0, planesOf(nearPlanes.x, scale, origin), planesOf(farPlanes.x, scale, origin), nearOrigin,
+              farOrigin, inverse);
+    meetSlabs(slabs1, planesOf(nearPlanes.y, scale, origin), planesOf(farPlanes.y, scale, origin), nearOrigin,
+              farOrigin, inverse);
 }
 
 uint bitsOf(bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
 
 // What the ray enters of a compressed node.
-void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out ChildGroup nodes, out ChildGroup leaves) {
+void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out ChildGroup nodes,
+                out ChildGroup leaves) {
     uint row = kCompressedRows * node;
     uvec4 head = LOAD4(wideRowsArray, row);
     uvec4 links = LOAD4(wideRowsArray, row + 1u);
     vec3 origin = uintBitsToFloat(head.xyz);
     FourSlabs slabs0 = allSlabs(ray.tMin);
     FourSlabs slabs1 = slabs0;
-    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 2u), head.w, origin.x, frame.negative.x, frame.nearOrigin.x,
-                    frame.farOrigin.x, frame.inverse.x);
-    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 3u), head.w >> 8, origin.y, frame.negative.y, frame.nearOrigin.y,
-                    frame.farOrigin.y, frame.inverse.y);
-    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 4u), head.w >> 16, origin.z, frame.negative.z, frame.nearOrigin.z,
-                    frame.farOrigin.z, frame.inverse.z);
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 2u), head.w, origin.x, frame.negative.x,
+                    frame.nearOrigin.x, frame.farOrigin.x, frame.inverse.x);
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 3u), head.w >> 8, origin.y, frame.negative.y,
+                    frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
+    meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 4u), head.w >> 16, origin.z, frame.negative.z,
+                    frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
     uint entered = bitsOf(entersSlabs(slabs0, tEnd)) | bitsOf(entersSlabs(slabs1, tEnd)) << 4;
     uint nodeSlots = head.w >> 24;
     uint leafSlots = links.z;
@@ -158,7 +167,8 @@ void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out
 // The word of a leaf, as in shared::Node.
 uint loadLeaf(uint place) {
     uvec4 four = LOAD4(wideRowsArray, place >> 2);
-    return (place & 2u) == 0u ? ((place & 1u) == 0u ? four.x : four.y) : ((place & 1u) == 0u ? four.z : four.w);
+    return (place & 2u) == 0u ? ((place & 1u) == 0u ? four.x : four.y)
+                              : ((place & 1u) == 0u ? four.z : four.w);
 }
 
 #endif

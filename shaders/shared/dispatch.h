@@ -41,7 +41,7 @@
 // those below Environment::minContribution. scattered: samples come from the array of that name, else all
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
 // (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
-// scenes with transmission trace those of class Dispatch::decide alone.
+// scenes with transmission trace those of class Dispatch::rayClass alone.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
@@ -98,18 +98,18 @@
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
 // threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:
 // the pixels wanted, tiles are numbered by rows of ceil(regionWidth / 8). capacity: paths in one row of the
-// state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold,
-// decide: of adapt.comp; decide is 1 after the last sample of a round. In intersect.comp, with MODE_TALLY,
-// the class of rays (kRay...) to trace. listed: 0, or how many paths intersect.comp, light.comp and
-// shade.comp run over, which are those in list `listRead` (0 or 1); shade.comp writes those that go on to
-// `listWritten`.
+// state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold: of
+// adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0. listed: 0, or how many paths
+// intersect.comp, light.comp and shade.comp run over, which are those in list `listRead` (0 or 1);
+// shade.comp writes those that go on to `listWritten`. rayClass: with MODE_TALLY, the rays (kRay...) that
+// intersect.comp traces.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4)           \
     U4(firstTile, tileCount, interleave, run)       \
     U4(regionX, regionY, regionWidth, regionHeight) \
     U4(capacity, tripBudget, lightIndex, bounce)    \
     V3U(sampleOffset, sampleIndex)                  \
-    V3U(threshold, decide)                          \
-    U4(listed, listRead, listWritten, reserved0)
+    V3U(threshold, lastOfRound)                     \
+    U4(listed, listRead, listWritten, rayClass)
 
 #ifdef __cplusplus
 namespace glint::shared {
@@ -119,32 +119,82 @@ struct alignas(16) Dispatch {
 static_assert(sizeof(Dispatch) <= 128, "Vulkan guarantees 128 bytes of push constants");
 #endif
 
+// ---- Rows of the path state ----
+
 // The path state is an array of rows of 16 bytes, row r of path p at r * capacity + p.
-GLINT_CONST_UINT(kRowOrigin, 0u);      // origin.xyz, primitive the ray starts on (or kNone)
-GLINT_CONST_UINT(kRowDirection, 1u);   // direction.xyz, tMin (kInfinity: the path has ended)
-GLINT_CONST_UINT(kRowHit, 2u);         // t, u, v, primitive of the best hit; tMax, 0, 0, kNone before any
-GLINT_CONST_UINT(kRowThroughput, 3u);  // rgb, path hash
-GLINT_CONST_UINT(kRowRadiance,
-                 4u);  // rgb, samples that hit anything: an uint, if scattered a float, the sum of their
-                       // weights; summed over samples, if adaptive of the sample at hand
-GLINT_CONST_UINT(
-    kRowWalk,
-    5u);  // slot where an unfinished ray goes on (kNone: finished), id of the best hit, cost, shadow bits
+
+// origin.xyz, primitive the ray starts on (or kNone)
+GLINT_CONST_UINT(kRowOrigin, 0u);
+// direction.xyz, tMin (kInfinity: the path has ended)
+GLINT_CONST_UINT(kRowDirection, 1u);
+// t, u, v, primitive of the best hit; tMax, 0, 0, kNone before any
+GLINT_CONST_UINT(kRowHit, 2u);
+// rgb, path hash
+GLINT_CONST_UINT(kRowThroughput, 3u);
+// rgb, samples that hit anything: an uint, if scattered a float, the sum of their weights; summed over
+// samples, if adaptive of the sample at hand
+GLINT_CONST_UINT(kRowRadiance, 4u);
+// slot where an unfinished ray goes on (kNone: finished), id of the best hit, cost, shadow bits
+GLINT_CONST_UINT(kRowWalk, 5u);
 GLINT_CONST_UINT(kPathRows, 6u);
-GLINT_CONST_UINT(kRowAovPosition, 6u);   // position.xyz (local), depth
-GLINT_CONST_UINT(kRowAovNormal, 7u);     // outward shading normal, material
-GLINT_CONST_UINT(kRowAovIndices, 8u);    // u, v, object, primitive
-GLINT_CONST_UINT(kRowAovCounts, 9u);     // bounces, cost, shadow bits, path hash
-GLINT_CONST_UINT(kRowAovGeometry, 10u);  // outward geometric normal, 0
+// position.xyz (local), depth
+GLINT_CONST_UINT(kRowAovPosition, 6u);
+// outward shading normal, material
+GLINT_CONST_UINT(kRowAovNormal, 7u);
+// u, v, object, primitive
+GLINT_CONST_UINT(kRowAovIndices, 8u);
+// bounces, cost, shadow bits, path hash
+GLINT_CONST_UINT(kRowAovCounts, 9u);
+// outward geometric normal, 0
+GLINT_CONST_UINT(kRowAovGeometry, 10u);
 GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
-GLINT_CONST_UINT(kRowFilm, 11u);    // rgb, alpha: weighted sums over samples
-GLINT_CONST_UINT(kRowMean, 12u);    // mean of the samples so far, unweighted; their number
-GLINT_CONST_UINT(kRowSpread, 13u);  // sum of squared differences from that mean; 1: the pixel goes on, else 0
+// rgb, alpha: weighted sums over samples
+GLINT_CONST_UINT(kRowFilm, 11u);
+// mean of the samples so far, unweighted; their number
+GLINT_CONST_UINT(kRowMean, 12u);
+// sum of squared differences from that mean; 1: the pixel goes on, else 0
+GLINT_CONST_UINT(kRowSpread, 13u);
 GLINT_CONST_UINT(kPathRowsAdaptive, 14u);
 
 // With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit,
 // instance the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree;
 // kNone for none.
+
+// The lists of paths that go on, a row each, in scenes with mirrors or transmission: after the row of the
+// instances. Entry i, which stands in the column of path i: the path; 0, 0, 0.
+GLINT_CONST_UINT(kListRows, 2u);
+
+// Rows that only some pictures have come after these. First those of MODE_LEDGER, then those of scenes with
+// transmission.
+
+// sums over branches not followed of what they could have brought: cut, beyond maxDepth, without room to
+// wait; 0
+GLINT_CONST_UINT(kTreeRowLost, 0u);
+// their numbers; media that found no room in the list
+GLINT_CONST_UINT(kTreeRowLostCounts, 1u);
+GLINT_CONST_UINT(kLedgerRows, 2u);
+// the media that the ray is in, oldest first, 0 where the list has ended
+GLINT_CONST_UINT(kTreeRowMedia, 2u);
+// rays before this one on the way from the eye; branches waiting; with MODE_TALLY the ray's class, kRay...,
+// else 0; 0
+GLINT_CONST_UINT(kTreeRowBranch, 3u);
+// of an unfinished shadow ray: optical depth passed so far; 0
+GLINT_CONST_UINT(kTreeRowShadow, 4u);
+// the first waiting branch; its rows kWaiting..., as many times as there is room
+GLINT_CONST_UINT(kTreeRowWaiting, 5u);
+// origin.xyz, primitive the ray starts on
+GLINT_CONST_UINT(kWaitingOrigin, 0u);
+// direction.xyz, rays before this one | class << kWaitingKindShift
+GLINT_CONST_UINT(kWaitingDirection, 1u);
+// rgb, instance the ray starts on
+GLINT_CONST_UINT(kWaitingThroughput, 2u);
+// the media, as in kTreeRowMedia
+GLINT_CONST_UINT(kWaitingMedia, 3u);
+GLINT_CONST_UINT(kWaitingRows, 4u);
+GLINT_CONST_UINT(kWaitingKindShift, 30u);  // a depth is far smaller
+
+// ---- Values of the specialization constants ----
+
 GLINT_CONST_UINT(kTriangleWatertight, 0u);
 GLINT_CONST_UINT(kTriangleBarycentric, 1u);
 GLINT_CONST_UINT(kTriangleProjection, 2u);
@@ -163,27 +213,9 @@ GLINT_CONST_UINT(kNodesFour, 1u);
 GLINT_CONST_UINT(kNodesCompressed, 2u);
 GLINT_CONST_UINT(kStackPrivate, 0u);  // in memory of the lane's own
 GLINT_CONST_UINT(kStackShared, 1u);   // in that of its workgroup
-// The lists of paths that go on, a row each, in scenes with mirrors or transmission: after the row of the
-// instances. Entry i, which stands in the column of path i: the path; 0, 0, 0.
-GLINT_CONST_UINT(kListRows, 2u);
-// Rows that only some pictures have come after these, and after that of the instances. First those of
-// MODE_LEDGER, then those of scenes with transmission.
-GLINT_CONST_UINT(kTreeRowLost, 0u);  // sums over branches not followed of what they could have brought: cut,
-                                     // beyond maxDepth, without room to wait; 0
-GLINT_CONST_UINT(kTreeRowLostCounts, 1u);  // their numbers; media that found no room in the list
-GLINT_CONST_UINT(kLedgerRows, 2u);
-GLINT_CONST_UINT(kTreeRowMedia,
-                 2u);  // the media that the ray is in, oldest first, 0 where the list has ended
-GLINT_CONST_UINT(kTreeRowBranch, 3u);  // rays before this one on the way from the eye; branches waiting; with
-                                       // MODE_TALLY the ray's class, kRay..., else 0; 0
-GLINT_CONST_UINT(kTreeRowShadow, 4u);  // of an unfinished shadow ray: optical depth passed so far; 0
-GLINT_CONST_UINT(kTreeRowWaiting, 5u);  // the first waiting branch; its rows, as many times as there is room:
-GLINT_CONST_UINT(kWaitingOrigin, 0u);   // origin.xyz, primitive the ray starts on
-GLINT_CONST_UINT(kWaitingDirection, 1u);   // direction.xyz, rays before this one | class << kWaitingKindShift
-GLINT_CONST_UINT(kWaitingThroughput, 2u);  // rgb, instance the ray starts on
-GLINT_CONST_UINT(kWaitingMedia, 3u);
-GLINT_CONST_UINT(kWaitingRows, 4u);
-GLINT_CONST_UINT(kWaitingKindShift, 30u);  // a depth is far smaller
+
+// ---- Classes of rays and counters ----
+
 GLINT_CONST_UINT(kRayCamera, 0u);
 GLINT_CONST_UINT(kRayMirrored, 1u);
 GLINT_CONST_UINT(kRayRefracted, 2u);

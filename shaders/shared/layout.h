@@ -7,8 +7,7 @@
 #ifndef GLINT_SHARED_LAYOUT_H
 #define GLINT_SHARED_LAYOUT_H
 
-// ---- Structs
-// ---------------------------------------------------------------------------------------------------
+// ---- Structs ----
 
 // Two children of a BVH node. child: see kLeafFlag below. `escape` is the slot (2 * node + side) at which a
 // walk in depth-first order goes on once both children are done, kNone at the end.
@@ -227,8 +226,7 @@
     X(PacketCorner, GLINT_PACKET_CORNER_ROWS)       \
     X(WideRow, GLINT_WIDE_ROW_ROWS)
 
-// ---- The C++ side
-// ----------------------------------------------------------------------------------------------
+// ---- The C++ side ----
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -255,8 +253,7 @@ GLINT_STRUCTS(GLINT_CPP_STRUCT)
 #define GLINT_CONST_FLOAT(name, value) const float name = value
 #endif
 
-// ---- Constants
-// -------------------------------------------------------------------------------------------------
+// ---- Constants ----
 
 GLINT_CONST_UINT(kNone, 0xffffffffu);
 // A ray's interval that has no far end holds this: the largest float, so that no infinity enters the

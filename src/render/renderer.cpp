@@ -260,9 +260,9 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
     if (dispatch.bounce == 0) {
         traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::primary);
     } else if (modes.tally && features.transmission) {
-        dispatch.decide = shared::kRayMirrored;
+        dispatch.rayClass = shared::kRayMirrored;
         traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::mirrored);
-        dispatch.decide = shared::kRayRefracted;
+        dispatch.rayClass = shared::kRayRefracted;
         traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::refracted);
     } else {
         traceRays(KernelId::Intersect, modes, dispatch, groups, packets, &KernelTimes::secondary);
@@ -301,7 +301,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
 bool Renderer::State::adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
                             const TraceModes& modes) {
     const bool last = dispatch.sampleIndex + 1 == samples.count();
-    dispatch.decide = last || (dispatch.sampleIndex + 1) % samples.round == 0 ? 1 : 0;
+    dispatch.lastOfRound = last || (dispatch.sampleIndex + 1) % samples.round == 0 ? 1 : 0;
     dispatch.threshold = glm::vec3(*samples.threshold);
     record(KernelId::Adapt, modes, dispatch, slice.groups());
     submit(&KernelTimes::adapt);

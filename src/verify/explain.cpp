@@ -61,23 +61,22 @@ std::vector<double> levelsTo(double bound) {
 
 // What the device's float arithmetic can do to a ray, as a turn of its direction in units of 2^-24:
 // - the camera ray: 3 roundings for center + x stepX + y stepY and a normalisation good to 2.7 ulp: below 8
-// units of the numbers
-//   summed (Ray::directionScale, which the jitter knows);
+//   units of the numbers summed (Ray::directionScale, which the jitter knows);
 // - its origin, where it moves with the pixel: 3 roundings of eye + x originStepX + y originStepY: 3 C / t,
-// less than a secondary one's;
+//   less than a secondary one's;
 // - the triangle test: it sees the edges moved sideways by gamma_5 (|x| + |z|) of the sheared corners (PBRT
-// sec. 6.8.7), that is by up to
-//   10 units times the greatest distance M from the ray's origin to a corner, on each of two axes; seen from
-//   the distance t of the hit that is 10 M / t;
+//   sec. 6.8.7), that is by up to 10 units times the greatest distance M from the ray's origin to a corner,
+//   on each of two axes; seen from the distance t of the hit that is 10 M / t;
 // - a secondary origin: gamma_7 of the coordinates, twice for the offset: 14 C / t, C the greatest
-// coordinate. M and C are bounded by the scene's box and the points of the path; t is the shortest distance
-// along the path;
+//   coordinate. M and C are bounded by the scene's box and the points of the path; t is the shortest
+//   distance along the path;
 // - in an instance: what is off by so much in its coordinates is off by K times as much in the world, K the
-// greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by gamma_3
-// |A^-1| |d| t at the hit, together no more than 10 K C (pack/instances.cpp), and its next origin by as much.
+//   greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by
+//   gamma_3 |A^-1| |d| t at the hit, together no more than 10 K C (pack/instances.cpp), and its next origin
+//   by as much.
 // - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
-// w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most twice
-// the greater of the extent and r.
+//   w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most
+//   twice the greater of the extent and r.
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
                      const PixelData& device) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));

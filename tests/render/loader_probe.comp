@@ -1,11 +1,14 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Writes the words of element 1 of every array of the scene, as the loaders see them, then those of the push constants.
+// Writes the words of element 1 of every array of the scene, as the loaders see them, then those of the push
+// constants.
 #include "storage.glsl"
 
 layout(local_size_x = 1, local_size_y = 1, local_size_z = 1) in;
 
-layout(set = 0, binding = GLINT_BINDING_COUNT, std430) writeonly buffer WordsBlock { uint words[]; };
+layout(set = 0, binding = GLINT_BINDING_COUNT, std430) writeonly buffer WordsBlock {
+    uint words[];
+};
 
 uint next = 0u;
 
@@ -30,10 +33,10 @@ void put(vec3 v) {
     put(s.b1);                       \
     put(s.c1);                       \
     put(s.d1);
-#define GLINT_PUT_STRUCT(Name, ROWS)                        \
-    {                                                       \
-        Name s = load##Name(1u);                            \
-        ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4)    \
+#define GLINT_PUT_STRUCT(Name, ROWS)                     \
+    {                                                    \
+        Name s = load##Name(1u);                         \
+        ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4) \
     }
 
 void main() {
