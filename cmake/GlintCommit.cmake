@@ -17,7 +17,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
     endif()
   endif()
   file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
-"#include \"app/bench.h\"
+"#include \"app/version.h\"
 
 const char* glint::app::builtCommit() {
     return \"@commit@\";

@@ -3,9 +3,12 @@
 #include <optional>
 #include <ostream>
 
-#include "app/bench.h"
 #include "app/cli.h"
+#include "app/common.h"
 #include "app/exit_code.h"
+#include "app/version.h"
+#include "bench/measure.h"
+#include "bench/write.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
@@ -20,10 +23,29 @@ void switchShaderCachesOff() {
     setenv("__GL_SHADER_DISK_CACHE", "0", 0);
 }
 
-SceneOptions withScene(const SceneOptions& common, const std::filesystem::path& path) {
-    SceneOptions options = common;
-    options.scene = path;
+bench::Options optionsOf(const BenchCommand& command) {
+    bench::Options options;
+    options.renderer.traversal = command.device.traversal;
+    options.renderer.leaveOut = !command.full;
+    options.renderer.also = command.with;
+    options.renderer.compaction = command.compaction;
+    options.repeats = command.repeats;
+    options.everyWalk = command.everyWalk;
+    options.cancelled = interrupted;
     return options;
+}
+
+bench::Result measureScene(const BenchCommand& command, const std::filesystem::path& path,
+                           const gpu::Device* device, std::ostream& err) {
+    // One for each scene: its bar is gone when the table comes.
+    Progress progress("bench " + path.filename().string(), command.progress, err, isTerminal(err));
+    SceneOptions scene = command.common;
+    scene.scene = path;
+    bench::Options options = optionsOf(command);
+    options.progress = [&](double fraction) { progress.update(fraction); };
+    bench::Result result = bench::measure(path.string(), loadAndPack(scene, err), device, options);
+    progress.finish();
+    return result;
 }
 
 }  // namespace
@@ -41,19 +63,18 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
         openSeconds = watch.seconds();
     }
     const bool json = command.stats == "json";
-    std::vector<BenchResult> results;
+    const bench::Program program = {GLINT_VERSION, builtCommit()};
+    std::vector<bench::Result> results;
     const auto finish = [&] {
-        if (json && !results.empty()) out << benchJson(results);
+        if (json && !results.empty()) out << bench::json(results, program);
     };
     try {
         for (const std::filesystem::path& path : command.scenes) {
-            // One for each scene: its bar is gone when the table comes.
-            Progress progress("bench " + path.filename().string(), command.progress, err, isTerminal(err));
-            results.push_back(measureScene(
-                command, withScene(command.common, path), device ? &*device : nullptr, openSeconds,
-                [&](double fraction) { progress.update(fraction); }, err));
-            progress.finish();
-            if (!json) out << (results.size() > 1 ? "\n" : "") << benchTable(results.back()) << std::flush;
+            results.push_back(measureScene(command, path, device ? &*device : nullptr, err));
+            results.back().open = openSeconds;
+            if (!json)
+                out << (results.size() > 1 ? "\n" : "") << bench::table(results.back(), program)
+                    << std::flush;
         }
     } catch (const Error& e) {
         if (e.kind() != ErrorKind::Interrupted) throw;

@@ -360,7 +360,7 @@ int dispatch(const CLI::App& app, const Commands& c, std::ostream& out, std::ost
         checkDeviceOptions(c.bench.backend, c.bench.device);
         if (c.bench.backend == Backend::Cpu && c.bench.everyWalk)
             throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
-        if (c.bench.backend == Backend::Cpu && (c.bench.full || !c.bench.with.empty()))
+        if (c.bench.backend == Backend::Cpu && (c.bench.full || c.bench.with != SceneFeatures{}))
             throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
         if (c.bench.backend == Backend::Cpu && c.bench.compaction != render::Compaction::Auto)
             throw Error(ErrorKind::Argument, "--compaction: needs --backend gpu");

@@ -13,6 +13,7 @@
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "scene/scene.h"
+#include "trace/backend.h"
 #include "trace/methods.h"
 #include "trace/picture.h"
 
@@ -25,8 +26,6 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
 struct Size {
     int width = 0, height = 0;
 };
-
-enum class Backend { Gpu, Cpu };
 
 struct FilterChoice {
     Filter filter = Filter::Box;
@@ -103,10 +102,10 @@ struct BenchCommand {
     DeviceChoice device;
     render::Compaction compaction = render::Compaction::Auto;
     int repeats = 7;
-    bool everyWalk = false;         // --traversal all
-    bool full = false;              // the code of every feature
-    std::vector<std::string> with;  // the code of these features, as in SceneFeatures
-    std::string stats;              // "" or "json"
+    bool everyWalk = false;  // --traversal all
+    bool full = false;       // the code of every feature
+    SceneFeatures with;      // the code of these features
+    std::string stats;       // "" or "json"
     ProgressMode progress = ProgressMode::Auto;
 };
 

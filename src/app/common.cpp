@@ -55,15 +55,6 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     return loaded;
 }
 
-shared::Camera cameraOf(const LoadedScene& loaded) {
-    const Scene& scene = loaded.scene;
-    return packCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
-}
-
-PackedSamples samplesOf(const LoadedScene& loaded) {
-    return packSamples(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
-}
-
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
     if (!choice.validation) return;
     if (!device.validationActive()) {
@@ -85,10 +76,6 @@ std::string formatSeconds(double seconds) {
     std::snprintf(text, sizeof(text), seconds < 1 ? "%.0f ms" : "%.2f s",
                   seconds < 1 ? seconds * 1e3 : seconds);
     return text;
-}
-
-std::string counted(uint64_t count, const std::string& noun) {
-    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 }  // namespace glint::app

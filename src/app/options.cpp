@@ -153,21 +153,24 @@ std::vector<std::string> parseFamilies(const std::string& text) {
     return names;
 }
 
-std::vector<std::string> parseFeatures(const std::string& text) {
+SceneFeatures parseFeatures(const std::string& text) {
     static const std::vector<std::string_view> known = {
 #define GLINT_NAME(ID, NAME, field) #field,
         GLINT_FEATURES(GLINT_NAME)
 #undef GLINT_NAME
     };
-    std::vector<std::string> names;
+    SceneFeatures features;
     for (const std::string& part : split(text, ',')) {
         const std::string name = trimmed(part);
         if (std::find(known.begin(), known.end(), name) == known.end())
             throw Error(ErrorKind::Argument, "--with: unknown feature " + quoted(name) + " (" +
                                                  suggestion(name, known, "known") + ")");
-        names.push_back(name);
+#define GLINT_SET(ID, NAME, field) \
+    if (name == #field) features.field = true;
+        GLINT_FEATURES(GLINT_SET)
+#undef GLINT_SET
     }
-    return names;
+    return features;
 }
 
 Backend parseBackend(const std::string& text, const std::string& option) {

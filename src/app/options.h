@@ -25,8 +25,8 @@ render::Traversal parseTraversal(const std::string& text);
 render::Compaction parseCompaction(const std::string& text);
 // "depth,offset": words that names of the settings of `glint report` start with.
 std::vector<std::string> parseFamilies(const std::string& text);
-// Names of SceneFeatures, as `glint info` prints them.
-std::vector<std::string> parseFeatures(const std::string& text);
+// By the names that `glint info` prints.
+SceneFeatures parseFeatures(const std::string& text);
 ProgressMode parseProgress(const std::string& text);
 double parseTolerance(const std::string& text);        // >= 0, finite
 double parseMinContribution(const std::string& text);  // the same

@@ -9,7 +9,6 @@
 #include "app/losses.h"
 #include "app/output_check.h"
 #include "app/picture_advice.h"
-#include "app/reference_picture.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
@@ -17,6 +16,7 @@
 #include "core/stopwatch.h"
 #include "render/renderer.h"
 #include "scene/sampling.h"
+#include "verify/reference_picture.h"
 
 namespace glint::app {
 
@@ -99,7 +99,7 @@ void renderOnHost(const LoadedScene& loaded, const render::RenderSettings& setti
     const Stopwatch watch;
     outcome.device = "CPU reference (double precision)";
     outcome.driver = counted(defaultThreadCount(), "thread");
-    outcome.picture = renderReference(loaded.packed, cameraOf(loaded), settings);
+    outcome.picture = verify::renderReference(loaded.packed, cameraOf(loaded), settings);
     outcome.times.trace = watch.seconds();
 }
 

@@ -1,17 +1,18 @@
 // `glint bench`: what is made of the times, and the reference on the host, which needs no device.
-#include "app/bench.h"
-
 #include <nlohmann/json.hpp>
 
 #include "app/options.h"
+#include "bench/write.h"
 #include "core/error.h"
 #include "support.h"
 
 namespace glint::app::test {
 namespace {
 
-BenchResult someResult() {
-    BenchResult r;
+const bench::Program kProgram = {"1.2", "abc"};
+
+bench::Result someResult() {
+    bench::Result r;
     r.scene = "a.json";
     r.device = "thing";
     r.driver = "its driver";
@@ -31,14 +32,14 @@ BenchResult someResult() {
     return r;
 }
 
-const BenchRate* find(const std::vector<BenchRate>& rates, const std::string& key) {
-    for (const BenchRate& rate : rates)
+const bench::Rate* find(const std::vector<bench::Rate>& rates, const std::string& key) {
+    for (const bench::Rate& rate : rates)
         if (rate.key == key) return &rate;
     return nullptr;
 }
 
 TEST(Bench, OneKindOfBouncedRaysHasTheirDispatchesForItself) {
-    const std::vector<BenchRate> rates = ratesOf(someResult());
+    const std::vector<bench::Rate> rates = ratesOf(someResult());
     EXPECT_EQ(find(rates, "mirrored")->seconds.median, 0.003);
     EXPECT_EQ(find(rates, "refracted")->seconds.median, 0);
     EXPECT_EQ(find(rates, "mirroredAndRefracted"), nullptr);
@@ -48,11 +49,11 @@ TEST(Bench, OneKindOfBouncedRaysHasTheirDispatchesForItself) {
 }
 
 TEST(Bench, TwoKindsHaveARateTogetherAndOneEach) {
-    BenchResult r = someResult();
+    bench::Result r = someResult();
     r.rays.refracted = 100;
     r.mirrored = {0.002, 0.002, 0.002};
     r.refracted = {0.001, 0.001, 0.001};
-    const std::vector<BenchRate> rates = ratesOf(r);
+    const std::vector<bench::Rate> rates = ratesOf(r);
     EXPECT_EQ(find(rates, "mirrored")->seconds.median, 0.002);
     EXPECT_EQ(find(rates, "refracted")->seconds.median, 0.001);
     EXPECT_EQ(find(rates, "mirroredAndRefracted")->rays, 400u);
@@ -60,9 +61,9 @@ TEST(Bench, TwoKindsHaveARateTogetherAndOneEach) {
 }
 
 TEST(Bench, JsonHoldsRatesWhoseQuartilesAreTheOtherWayRound) {
-    const nlohmann::json json = nlohmann::json::parse(benchJson({someResult(), someResult()}));
-    EXPECT_EQ(json["version"], GLINT_VERSION);
-    EXPECT_FALSE(json["commit"].get<std::string>().empty());
+    const nlohmann::json json = nlohmann::json::parse(bench::json({someResult(), someResult()}, kProgram));
+    EXPECT_EQ(json["version"], "1.2");
+    EXPECT_EQ(json["commit"], "abc");
     ASSERT_EQ(json["scenes"].size(), 2u);
     const nlohmann::json& scene = json["scenes"][1];
     const nlohmann::json& primary = scene["rays"]["primary"];
@@ -75,10 +76,10 @@ TEST(Bench, JsonHoldsRatesWhoseQuartilesAreTheOtherWayRound) {
 }
 
 TEST(Bench, TableAlignsItsColumns) {
-    const std::string table = benchTable(someResult());
+    const std::string table = bench::table(someResult(), kProgram);
     EXPECT_TRUE(
         table.starts_with("a.json\n  40 x 30, 1 sample, maxDepth 0, 0 lights, 0 primitives\n"
-                          "  thing, its driver, packets, texel buffers, commit "))
+                          "  thing, its driver, packets, texel buffers, commit abc\n"))
         << table;
     EXPECT_NE(table.find("\n  rays                      number  tests/ray    Mrays/s  quartiles"
                          "                    ms\n"
@@ -92,19 +93,19 @@ TEST(Bench, TableAlignsItsColumns) {
 }
 
 TEST(Bench, WalksHaveALineEach) {
-    BenchResult r = someResult(), walk = someResult();
+    bench::Result r = someResult(), walk = someResult();
     walk.traversal = "cwbvh";
     walk.stack = "shared";
     walk.picture = "0123";
     walk.upload = 0.5;
     walk.deviceBytes = 3 << 20;
     r.walks = {walk, walk};
-    const std::string table = benchTable(r);
+    const std::string table = bench::table(r, kProgram);
     const std::string line =
         "  cwbvh     shared       0.600     0.600     0.100         -     0.300      7.00    500.00       "
         "3.0  0123\n";
     EXPECT_TRUE(table.ends_with("MiB  picture\n" + line + line)) << table;
-    const nlohmann::json json = nlohmann::json::parse(benchJson({r}))["scenes"][0]["walks"];
+    const nlohmann::json json = nlohmann::json::parse(bench::json({r}, kProgram))["scenes"][0]["walks"];
     ASSERT_EQ(json.size(), 2u);
     EXPECT_EQ(json[1]["traversal"], "cwbvh");
     EXPECT_DOUBLE_EQ(json[1]["perSecond"]["mirrored"]["median"].get<double>(), 100'000);
@@ -112,7 +113,9 @@ TEST(Bench, WalksHaveALineEach) {
 }
 
 TEST(Bench, NamesOfFeaturesAreThoseOfInfo) {
-    EXPECT_EQ(parseFeatures("quadrics, alphaMask"), (std::vector<std::string>{"quadrics", "alphaMask"}));
+    SceneFeatures features;
+    features.quadrics = features.alphaMask = true;
+    EXPECT_EQ(parseFeatures("quadrics, alphaMask"), features);
     EXPECT_THROW(parseFeatures("triangels"), Error);
 }
 
@@ -129,6 +132,8 @@ TEST_F(BenchOnHost, CountsEveryRayOfThePicture) {
         {"bench", "a.json", "a.json", "--backend", "cpu", "--repeat", "2", "--spp", "4", "--stats", "json"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json json = nlohmann::json::parse(ran.out);
+    EXPECT_EQ(json["version"], GLINT_VERSION);
+    EXPECT_FALSE(json["commit"].get<std::string>().empty());
     ASSERT_EQ(json["scenes"].size(), 2u);
     for (const nlohmann::json& scene : json["scenes"]) {
         EXPECT_EQ(scene["backend"], "cpu");

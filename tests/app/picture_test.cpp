@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <atomic>
 
-#include "app/reference_picture.h"
 #include "import/load.h"
 #include "reference/render.h"
 #include "support.h"
+#include "verify/reference_picture.h"
 
 namespace glint::app::test {
 namespace {
@@ -33,7 +33,7 @@ class ReferencePicture : public ::testing::Test {
 TEST_F(ReferencePicture, BandsMakeTheSamePictureAsOnePiece) {
     settings_.region = {0, 20, 20000, 62};  // several bands
     settings_.sampleOffsets = {{0.25, 0.5}, {0.75, 0.5}};
-    const Picture picture = renderReference(packed_, camera_, settings_);
+    const Picture picture = verify::renderReference(packed_, camera_, settings_);
     reference::RenderOptions options;
     options.y0 = 20;
     options.y1 = 62;
@@ -60,7 +60,7 @@ TEST_F(ReferencePicture, ProgressRisesToOne) {
         rises = rises && fraction >= last;
         last = fraction;
     };
-    renderReference(packed_, camera_, settings_);
+    verify::renderReference(packed_, camera_, settings_);
     EXPECT_TRUE(rises);
     EXPECT_EQ(last, 1.0);
 }
@@ -70,7 +70,7 @@ TEST_F(ReferencePicture, CancelledKeepsTheFinishedRows) {
     std::atomic<bool> stop{false};
     settings_.progress = [&](double fraction) { stop = stop || fraction >= 0.4; };
     settings_.cancelled = [&] { return stop.load(); };
-    const Picture picture = renderReference(packed_, camera_, settings_);
+    const Picture picture = verify::renderReference(packed_, camera_, settings_);
     EXPECT_FALSE(picture.complete);
     const auto done = static_cast<size_t>(std::count(picture.done.begin(), picture.done.end(), 1));
     EXPECT_GE(done, picture.done.size() * 2 / 5);
@@ -86,9 +86,9 @@ TEST_F(ReferencePicture, CancelledKeepsTheFinishedRows) {
 
 TEST_F(ReferencePicture, NoDataUnlessAskedFor) {
     settings_.data = false;
-    EXPECT_TRUE(renderReference(packed_, camera_, settings_).data.empty());
+    EXPECT_TRUE(verify::renderReference(packed_, camera_, settings_).data.empty());
     settings_.cost = true;
-    EXPECT_FALSE(renderReference(packed_, camera_, settings_).data.empty());
+    EXPECT_FALSE(verify::renderReference(packed_, camera_, settings_).data.empty());
 }
 
 }  // namespace

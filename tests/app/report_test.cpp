@@ -3,16 +3,19 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/report_front.h"
-#include "app/report_measures.h"
-#include "app/report_plan.h"
-#include "app/report_statistics.h"
-#include "app/report_write.h"
 #include "core/error.h"
+#include "core/quartiles.h"
+#include "report/front.h"
+#include "report/measures.h"
+#include "report/plan.h"
+#include "report/statistics.h"
+#include "report/write.h"
 #include "support.h"
 
 namespace glint::app::test {
 namespace {
+
+using namespace report;
 
 // Two pixels of 3 channels; the differences are chosen, so every measure follows by hand.
 TEST(ReportMeasures, FollowFromTheirDefinitions) {
@@ -124,8 +127,8 @@ Measured measuredAt(const std::string& family, const std::string& sampler, int s
     return m;
 }
 
-ReportData sampleReport() {
-    ReportData data;
+Report sampleReport() {
+    Report data;
     data.version = "1";
     data.device = "a \"device\" <&>";
     data.cores = 2;
@@ -151,10 +154,10 @@ ReportData sampleReport() {
 }
 
 TEST(ReportWriting, JsonComesBack) {
-    const ReportData data = sampleReport();
+    const Report data = sampleReport();
     const std::string text = toJson(data);
     EXPECT_TRUE(nlohmann::json::accept(text));
-    const ReportData back = fromJson(text, "a");
+    const Report back = fromJson(text, "a");
     EXPECT_EQ(toJson(back), text);
     EXPECT_EQ(back.scenes[0].measured[2].total.rmse, 0.01);
     EXPECT_TRUE(back.scenes[0].measured[2].arithmetic.has_value());
@@ -182,7 +185,7 @@ std::vector<std::string> csvFields(const std::string& line) {
 }
 
 TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
-    ReportData data = sampleReport();
+    Report data = sampleReport();
     data.scenes[0].measured.push_back(measuredAt("grid", "grid", 64, 64, 0.001));  // without arithmetic
     std::istringstream lines(toCsv(data));
     std::vector<std::vector<std::string>> rows;
@@ -225,7 +228,7 @@ void expectWellFormed(const std::string& text) {
 }
 
 TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
-    const ReportData data = sampleReport();
+    const Report data = sampleReport();
     const std::string page = toHtml(data);
     expectWellFormed(page);
     expectWellFormed(precisionDiagram(data.scenes[0]));
@@ -283,7 +286,7 @@ TEST(ReportFront, DefaultIsMarkedAndMethodsAreJudgedApart) {
         "beaten at 4 spp by spheres: geometric, 4 spp (0.75 x the time, 1 x the error), which is not the "
         "default because it takes hits for misses far from a sphere, and wrong points close to a huge "
         "one");
-    ReportData data;
+    Report data;
     data.scenes = {scene};
     data.scenes[0].name = "a";
     EXPECT_NE(toMarkdown(data).find("| a | 4: yes, 16: yes | 4: no (spheres: geometric, 4 spp) |\n"),

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <functional>
 
-#include "app/report_write.h"
+#include "report/write.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -234,4 +234,4 @@ std::string truncationDiagram(const SceneReport& scene) {
     return drawing.draw();
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

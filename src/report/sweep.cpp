@@ -1,14 +1,16 @@
-#include "app/report_sweep.h"
+#include "report/sweep.h"
 
 #include <cmath>
 #include <cstdio>
 
-#include "app/hash.h"
 #include "core/file_io.h"
+#include "core/hash.h"
+#include "core/stopwatch.h"
+#include "render/renderer.h"
 #include "scene/sampling.h"
 #include "verify/stiffness.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -20,13 +22,6 @@ constexpr int kMaxWarmUpSamples = 4;
 // A configuration that has run for so long has been measured well enough with fewer runs, but two at least.
 constexpr double kLongRunSeconds = 3;
 constexpr int kLeastRepeats = 2;
-
-SceneOptions sizedTo(const std::filesystem::path& path, const Size& size) {
-    SceneOptions options;
-    options.scene = path;
-    if (size.width > 0) options.size = size;
-    return options;
-}
 
 gpu::Access otherThan(gpu::Access access) {
     return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
@@ -95,9 +90,9 @@ std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
 
 }  // namespace
 
-SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& path, int width,
-                       SweepLimits limits, std::ostream& err)
-    : device_(device), path_(path), limits_(std::move(limits)), loaded_(loadAndPack(sizedTo(path, {}), err)) {
+SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& path, LoadedScene loaded,
+                       int width, SweepLimits limits)
+    : device_(device), path_(path), limits_(std::move(limits)), loaded_(std::move(loaded)) {
     ImageSettings& image = loaded_.scene.image;
     image.height =
         std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * image.height / image.width)));
@@ -290,4 +285,4 @@ bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
     return true;
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/report_plan.h"
+#include "report/plan.h"
 
-namespace glint::app {
+namespace glint::report {
 
 // The settings that took turns: between batches a busy machine drifts by more than methods differ.
 enum class Contest { Samplers, Methods, None };
@@ -32,6 +32,6 @@ std::string defaultInWords(const SceneReport& scene, Contest contest);
 // Markdown: a line for each measurement of the default. Empty if there is none.
 std::string defaultTable(const SceneReport& scene);
 // Markdown: a line for each scene.
-std::string defaultSummary(const ReportData& data);
+std::string defaultSummary(const Report& data);
 
-}  // namespace glint::app
+}  // namespace glint::report

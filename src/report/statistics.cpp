@@ -1,22 +1,10 @@
-#include "app/report_statistics.h"
+#include "report/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace glint::app {
-
-Quartiles quartilesOf(std::vector<double> values) {
-    if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
-    const auto quantile = [&](double share) {
-        const double place = share * static_cast<double>(values.size() - 1);
-        const auto below = static_cast<size_t>(place);
-        const size_t above = std::min(below + 1, values.size() - 1);
-        return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-    };
-    return {quantile(0.25), quantile(0.5), quantile(0.75)};
-}
+namespace glint::report {
 
 std::vector<size_t> paretoFront(std::span<const WorkPoint> points) {
     std::vector<size_t> order(points.size());
@@ -53,4 +41,4 @@ std::optional<double> logSlope(std::span<const double> x, std::span<const double
     return sxy / sxx;
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -1,16 +1,18 @@
+#include "bench/write.h"
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/bench.h"
 #include "core/parallel.h"
+#include "core/wording.h"
 
-namespace glint::app {
+namespace glint::bench {
 
 namespace {
 
 using Json = nlohmann::json;
 
-double testsOf(const BenchResult& result, std::initializer_list<reference::RayClass> classes) {
+double testsOf(const Result& result, std::initializer_list<reference::RayClass> classes) {
     reference::RayTally sum;
     for (const reference::RayClass k : classes) {
         sum.rays += result.counted[static_cast<size_t>(k)].rays;
@@ -20,7 +22,7 @@ double testsOf(const BenchResult& result, std::initializer_list<reference::RayCl
 }
 
 // Of the rates that belong to times: a short time is a high rate.
-Quartiles perSecond(const BenchRate& rate) {
+Quartiles perSecond(const Rate& rate) {
     const auto of = [&](double seconds) {
         return seconds > 0 ? static_cast<double>(rate.rays) / seconds : 0;
     };
@@ -31,13 +33,13 @@ Json quartilesJson(const Quartiles& q) {
     return {{"q1", q.low}, {"median", q.median}, {"q3", q.high}};
 }
 
-double trianglesPerSecond(const BenchResult& r) {
+double trianglesPerSecond(const Result& r) {
     return r.build > 0 ? static_cast<double>(r.triangles) / r.build : 0;
 }
 
-Json raysJson(const BenchResult& result) {
+Json raysJson(const Result& result) {
     Json json;
-    for (const BenchRate& rate : ratesOf(result)) {
+    for (const Rate& rate : ratesOf(result)) {
         Json& entry = json[rate.key];
         entry["number"] = rate.rays;
         entry["testsPerRay"] = rate.testsPerRay;
@@ -48,11 +50,11 @@ Json raysJson(const BenchResult& result) {
     return json;
 }
 
-Json walkJson(const BenchResult& r) {
+Json walkJson(const Result& r) {
     Json json;
     json["traversal"] = r.traversal;
     json["stack"] = r.stack;
-    for (const BenchRate& rate : ratesOf(r)) {
+    for (const Rate& rate : ratesOf(r)) {
         if (rate.seconds.median > 0) json["perSecond"][rate.key] = quartilesJson(perSecond(rate));
     }
     json["seconds"] = {{"upload", r.upload}, {"compile", r.compile}, {"trace", quartilesJson(r.trace)}};
@@ -61,7 +63,7 @@ Json walkJson(const BenchResult& r) {
     return json;
 }
 
-Json sceneJson(const BenchResult& r) {
+Json sceneJson(const Result& r) {
     Json json;
     json["scene"] = r.scene;
     json["backend"] = r.backend == Backend::Cpu ? "cpu" : "gpu";
@@ -96,7 +98,7 @@ Json sceneJson(const BenchResult& r) {
     json["bytes"] = {{"hostPeak", r.hostPeakBytes}, {"device", r.deviceBytes}, {"spirv", r.codeBytes}};
     if (r.backend == Backend::Gpu) json["paths"] = {{"live", r.livePaths}, {"invocations", r.invocations}};
     json["picture"] = r.picture;
-    for (const BenchResult& walk : r.walks) json["walks"].push_back(walkJson(walk));
+    for (const Result& walk : r.walks) json["walks"].push_back(walkJson(walk));
     return json;
 }
 
@@ -111,12 +113,12 @@ std::string milliseconds(const Quartiles& q) {
     return line("%10.2f  %8.2f .. %-8.2f", q.median * 1e3, q.low * 1e3, q.high * 1e3);
 }
 
-std::string traversalText(const BenchResult& r) {
+std::string traversalText(const Result& r) {
     const bool wide = r.traversal != "lane" && r.traversal != "packet";
     return wide ? "lanes in a " + r.traversal : r.traversal + "s";
 }
 
-std::string rateLine(const BenchRate& rate) {
+std::string rateLine(const Rate& rate) {
     std::string text = line("  %-20s %11llu", rate.name, static_cast<unsigned long long>(rate.rays));
     text += rate.rays > 0 ? line(" %10.1f", rate.testsPerRay) : line(" %10s", "-");
     if (rate.seconds.median <= 0) return text + line(" %10s\n", "-");
@@ -125,7 +127,7 @@ std::string rateLine(const BenchRate& rate) {
                        rate.seconds.median * 1e3);
 }
 
-std::string stageLines(const BenchResult& r) {
+std::string stageLines(const Result& r) {
     std::string text = line("  %-20s %10s  %s\n", "stage", "ms", "quartiles");
     const auto once = [&](const char* name, double seconds) {
         text += line("  %-20s %10.2f\n", name, seconds * 1e3);
@@ -152,22 +154,22 @@ std::string stageLines(const BenchResult& r) {
 
 }  // namespace
 
-std::vector<BenchRate> ratesOf(const BenchResult& r) {
+std::vector<Rate> ratesOf(const Result& r) {
     using enum reference::RayClass;
     const Quartiles none;
     const bool mixed = r.rays.mirrored > 0 && r.rays.refracted > 0;
-    std::vector<BenchRate> rates = {{"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
-                                    {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
-                                    {"mirrored", "mirrored", r.rays.mirrored,
-                                     mixed                  ? r.mirrored
-                                     : r.rays.mirrored == 0 ? none
-                                                            : r.secondary,
-                                     testsOf(r, {Mirrored})},
-                                    {"refracted", "refracted", r.rays.refracted,
-                                     mixed                   ? r.refracted
-                                     : r.rays.refracted == 0 ? none
-                                                             : r.secondary,
-                                     testsOf(r, {Refracted})}};
+    std::vector<Rate> rates = {{"primary", "primary", r.rays.primary, r.primary, testsOf(r, {Primary})},
+                               {"shadow", "shadow", r.rays.shadow, r.shadow, testsOf(r, {Shadow})},
+                               {"mirrored", "mirrored", r.rays.mirrored,
+                                mixed                  ? r.mirrored
+                                : r.rays.mirrored == 0 ? none
+                                                       : r.secondary,
+                                testsOf(r, {Mirrored})},
+                               {"refracted", "refracted", r.rays.refracted,
+                                mixed                   ? r.refracted
+                                : r.rays.refracted == 0 ? none
+                                                        : r.secondary,
+                                testsOf(r, {Refracted})}};
     if (mixed)
         rates.push_back({"mirroredAndRefracted", "mirrored, refracted", r.rays.mirrored + r.rays.refracted,
                          r.secondary, testsOf(r, {Mirrored, Refracted})});
@@ -177,14 +179,14 @@ std::vector<BenchRate> ratesOf(const BenchResult& r) {
     return rates;
 }
 
-std::string benchTable(const BenchResult& r) {
+std::string table(const Result& r, const Program& program) {
     std::string text = r.scene + "\n";
     text += line("  %d x %d, %s, maxDepth %d, ", r.width, r.height,
                  counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.maxDepth);
     text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
     text += "  " + r.device + ", " + r.driver;
     if (!r.traversal.empty()) text += ", " + traversalText(r) + ", " + r.access + " buffers";
-    text += std::string(", commit ") + builtCommit() + "\n";
+    text += ", commit " + program.commit + "\n";
     if (!r.also.empty()) {
         text += "  with the code of";
         for (const std::string& name : r.also) text += " " + name;
@@ -192,7 +194,7 @@ std::string benchTable(const BenchResult& r) {
     }
     text += line("\n  %-20s %11s %10s %10s  %-20s %10s\n", "rays", "number", "tests/ray", "Mrays/s",
                  "quartiles", "ms");
-    for (const BenchRate& rate : ratesOf(r)) text += rateLine(rate);
+    for (const Rate& rate : ratesOf(r)) text += rateLine(rate);
     text += "\n" + stageLines(r);
     text += "\n  tree         " + counted(r.threads, "thread");
     if (r.triangles > 0) text += line(", %.2f million triangles/s", trianglesPerSecond(r) / 1e6);
@@ -204,13 +206,13 @@ std::string benchTable(const BenchResult& r) {
     return r.walks.empty() ? text : text + "\n" + walkTable(r.walks);
 }
 
-std::string walkTable(const std::vector<BenchResult>& walks) {
+std::string walkTable(const std::vector<Result>& walks) {
     std::string text = line("  %-9s %-8s", "traversal", "stack");
     for (const char* name : {"primary", "shadow", "mirrored", "refracted", "all"}) text += line(" %9s", name);
     text += line(" %9s %9s %9s  %s\n", "trace, ms", "upload", "MiB", "picture");
-    for (const BenchResult& r : walks) {
+    for (const Result& r : walks) {
         text += line("  %-9s %-8s", r.traversal.c_str(), r.stack.c_str());
-        for (const BenchRate& rate : ratesOf(r)) {
+        for (const Rate& rate : ratesOf(r)) {
             if (std::string(rate.key) == "mirroredAndRefracted") continue;
             text +=
                 rate.seconds.median > 0 ? line(" %9.3f", perSecond(rate).median / 1e6) : line(" %9s", "-");
@@ -221,15 +223,15 @@ std::string walkTable(const std::vector<BenchResult>& walks) {
     return text;
 }
 
-std::string benchJson(const std::vector<BenchResult>& results) {
+std::string json(const std::vector<Result>& results, const Program& program) {
     Json json;
-    json["version"] = GLINT_VERSION;
-    json["commit"] = builtCommit();
+    json["version"] = program.version;
+    json["commit"] = program.commit;
     json["threads"] = defaultThreadCount();
     json["scenes"] = Json::array();
-    for (const BenchResult& result : results) json["scenes"].push_back(sceneJson(result));
+    for (const Result& result : results) json["scenes"].push_back(sceneJson(result));
     // A file name need not be UTF-8; JSON must be.
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace glint::app
+}  // namespace glint::bench

@@ -6,14 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "app/report_measures.h"
-#include "app/report_statistics.h"
+#include "core/quartiles.h"
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
+#include "report/measures.h"
+#include "report/statistics.h"
 #include "scene/scene.h"
 #include "trace/methods.h"
 
-namespace glint::app {
+namespace glint::report {
 
 struct Configuration {
     std::string family;  // the curve it belongs to: the sampler's name of the default, else what differs
@@ -56,7 +57,7 @@ struct Measured {
     double compile = 0, upload = 0, readback = 0;
     uint64_t rays = 0;  // camera and later rays of the paths; not shadow rays
     int repeats = 0;
-    bool isDefault = false;  // see markFront (app/report_front.h)
+    bool isDefault = false;  // see markFront (report/front.h)
     std::string beatenBy;    // key
 };
 
@@ -72,7 +73,7 @@ struct SceneReport {
     const Measured* find(const std::string& key) const;
 };
 
-struct ReportData {
+struct Report {
     std::string version, device, driver, api;
     unsigned cores = 0;
     int repeats = 0, truthSamples = 0;
@@ -81,4 +82,4 @@ struct ReportData {
     bool complete = true;
 };
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -6,15 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace glint::app {
-
-struct Quartiles {
-    double low = 0, median = 0, high = 0;
-};
-
-// By linear interpolation between order statistics (Hyndman, Fan, "Sample Quantiles in Statistical Packages",
-// The American Statistician 50(4), 1996, definition 7). All 0 of nothing.
-Quartiles quartilesOf(std::vector<double> values);
+namespace glint::report {
 
 struct WorkPoint {
     double seconds = 0, error = 0;
@@ -28,4 +20,4 @@ std::vector<size_t> paretoFront(std::span<const WorkPoint> points);
 // x.
 std::optional<double> logSlope(std::span<const double> x, std::span<const double> y);
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -3,26 +3,26 @@
 
 #include <string>
 
-#include "app/report_plan.h"
+#include "report/plan.h"
 
-namespace glint::app {
+namespace glint::report {
 
-std::string toJson(const ReportData& data);
+std::string toJson(const Report& data);
 // Throws Error(Failed) "NAME: ..." for anything that toJson does not write.
-ReportData fromJson(const std::string& text, const std::string& name);
+Report fromJson(const std::string& text, const std::string& name);
 
 // One line a configuration, a header before them; RFC 4180.
-std::string toCsv(const ReportData& data);
+std::string toCsv(const Report& data);
 
 // Tables and conclusions, for a terminal and for docs/lab/accuracy.md.
-std::string toMarkdown(const ReportData& data);
+std::string toMarkdown(const Report& data);
 std::string conclusionOf(const SceneReport& scene);
 
 // Drawings of a size of their own, complete files; empty if there is nothing to draw.
 std::string precisionDiagram(const SceneReport& scene);   // error against seconds
 std::string truncationDiagram(const SceneReport& scene);  // depth and least contribution
 
-std::string toHtml(const ReportData& data);
+std::string toHtml(const Report& data);
 
 // < > & " ' as entities.
 std::string escapeMarkup(const std::string& text);
@@ -37,4 +37,4 @@ std::vector<std::string> familiesOf(const SceneReport& scene);
 // The front of all points of the diagram, ordered by time.
 std::vector<const Measured*> frontOf(const SceneReport& scene);
 
-}  // namespace glint::app
+}  // namespace glint::report

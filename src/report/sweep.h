@@ -1,16 +1,19 @@
 // Measures the configurations of one scene.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 
-#include "app/common.h"
-#include "app/report_plan.h"
-#include "core/stopwatch.h"
+#include "gpu/device.h"
+#include "pack/loaded_scene.h"
 #include "reference/render.h"
+#include "report/plan.h"
+#include "trace/backend.h"
+#include "trace/picture.h"
 
-namespace glint::app {
+namespace glint::report {
 
 struct SweepLimits {
     int repeats = 5;
@@ -24,9 +27,10 @@ struct SweepLimits {
 
 class SceneSweep {
   public:
-    // `path`: of the scene; `width`: of the pictures, in pixels, the height follows the scene's proportions.
-    SceneSweep(const gpu::Device& device, const std::filesystem::path& path, int width, SweepLimits limits,
-               std::ostream& err);
+    // `path`: the scene's, for its name and hash; `width`: of the pictures, in pixels, the height follows the
+    // scene's proportions.
+    SceneSweep(const gpu::Device& device, const std::filesystem::path& path, LoadedScene loaded, int width,
+               SweepLimits limits);
     ~SceneSweep();
 
     const std::vector<Batch>& batches() const { return batches_; }
@@ -64,4 +68,4 @@ class SceneSweep {
     std::map<std::string, std::unique_ptr<Machine>> machines_;
 };
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/report_front.h"
-#include "app/report_write.h"
+#include "report/front.h"
+#include "report/write.h"
 #include "verify/stiffness.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -107,7 +107,7 @@ std::string truncationTable(const SceneReport& scene) {
     return "\n" + out;
 }
 
-std::string stabilityTable(const ReportData& data) {
+std::string stabilityTable(const Report& data) {
     std::string out =
         header({"scene", "kappa", "class", "expected kappa u", "measured p99", "RMSE, same path"});
     for (const SceneReport& scene : data.scenes) {
@@ -181,7 +181,7 @@ std::string conclusionOf(const SceneReport& scene) {
     return out + "The front by medians: " + front + ".";
 }
 
-std::string toMarkdown(const ReportData& data) {
+std::string toMarkdown(const Report& data) {
     std::string out = "device: " + data.device + ", " + data.driver + ", Vulkan " + data.api + "; " +
                       std::to_string(data.cores) + " cores; glint " + data.version + "\n";
     out += "converged pictures: " + data.truthBackend + ", " + std::to_string(data.truthSamples) +
@@ -201,4 +201,4 @@ std::string toMarkdown(const ReportData& data) {
            stabilityTable(data);
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

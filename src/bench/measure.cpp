@@ -1,19 +1,21 @@
+#include "bench/measure.h"
+
 #include <sys/resource.h>
 
 #include <cmath>
+#include <memory>
 #include <mutex>
 
-#include "app/bench.h"
-#include "app/hash.h"
-#include "app/reference_picture.h"
 #include "core/error.h"
-#include "core/interrupt.h"
+#include "core/hash.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "core/wording.h"
 #include "reference/sampling.h"
 #include "shared/dispatch.h"
+#include "verify/reference_picture.h"
 
-namespace glint::app {
+namespace glint::bench {
 
 namespace {
 
@@ -26,17 +28,6 @@ constexpr int kApartRepeats = 3;
 
 [[noreturn]] void stop() {
     throw Error(ErrorKind::Interrupted, "interrupted");
-}
-
-SceneFeatures featuresNamed(const std::vector<std::string>& names) {
-    SceneFeatures features;
-    for (const std::string& name : names) {
-#define GLINT_SET(ID, NAME, field) \
-    if (name == #field) features.field = true;
-        GLINT_FEATURES(GLINT_SET)
-#undef GLINT_SET
-    }
-    return features;
 }
 
 std::vector<std::string> namesOf(const SceneFeatures& features) {
@@ -71,7 +62,7 @@ std::string pictureHash(const Picture& picture) {
     return hash.text();
 }
 
-void describe(const LoadedScene& loaded, BenchResult& result) {
+void describe(const LoadedScene& loaded, Result& result) {
     const PackedScene& packed = loaded.packed;
     result.width = loaded.scene.image.width;
     result.height = loaded.scene.image.height;
@@ -88,21 +79,42 @@ void describe(const LoadedScene& loaded, BenchResult& result) {
     result.threads = defaultThreadCount();
 }
 
+// One scene's work: what all ways of measuring have in common.
+struct Task {
+    const LoadedScene& loaded;
+    const Options& options;
+    shared::Camera camera;
+    render::RenderSettings settings;
+};
+
+Task taskOf(const LoadedScene& loaded, const Options& options) {
+    ImageSettings image = loaded.scene.image;
+    image.adaptive.reset();
+    Task task = {loaded, options, cameraOf(loaded), {}};
+    render::RenderSettings& settings = task.settings;
+    settings.width = image.width;
+    settings.height = image.height;
+    settings.samples = packSamples(image, loaded.scene.camera.lensRadius > 0);
+    // As `glint render` without --stats.
+    settings.ledger = loaded.packed.features.transmission || loaded.packed.environment.minContribution > 0;
+    settings.cancelled = options.cancelled;
+    return task;
+}
+
 // The reference's rays of every `stride`-th pixel in either direction.
-void countRays(const LoadedScene& loaded, int stride, uint32_t samples, BenchResult& result) {
-    const shared::Camera camera = cameraOf(loaded);
-    const PackedSamples packed = samplesOf(loaded);
-    const reference::Tracer tracer(loaded.packed);
+void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
+    const reference::Tracer tracer(task.loaded.packed);
+    const auto cancelled = [&] { return task.options.cancelled(); };
     const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
     std::mutex mutex;
     parallelFor(static_cast<size_t>(rows), [&](size_t row) {
         std::array<reference::RayTally, reference::kRayClasses> sums;
         const int y = static_cast<int>(row) * stride;
-        for (int x = 0; x < result.width && !interrupted(); x += stride) {
+        for (int x = 0; x < result.width && !cancelled(); x += stride) {
             for (uint32_t i = 0; i < samples; ++i) {
-                const reference::FilmSample s =
-                    reference::filmSample(packed, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-                const auto ray = tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens);
+                const reference::FilmSample s = reference::filmSample(
+                    *task.settings.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+                const auto ray = tracer.cameraRay(task.camera, x + s.offset.x, y + s.offset.y, s.lens);
                 const reference::PixelRecord record = tracer.trace(ray);
                 for (size_t k = 0; k < sums.size(); ++k) {
                     sums[k].rays += record.tally[k].rays;
@@ -116,19 +128,8 @@ void countRays(const LoadedScene& loaded, int stride, uint32_t samples, BenchRes
             result.counted[k].tests += sums[k].tests;
         }
     });
-    if (interrupted()) stop();
+    if (cancelled()) stop();
     result.countedPixels = static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
-}
-
-render::RenderSettings settingsOf(const LoadedScene& loaded, const SceneOptions& options) {
-    render::RenderSettings settings;
-    settings.width = loaded.scene.image.width;
-    settings.height = loaded.scene.image.height;
-    settings.samples = samplesOf(loaded);
-    // As `glint render` without --stats.
-    settings.ledger = loaded.packed.features.transmission || options.minContribution > 0;
-    settings.cancelled = interrupted;
-    return settings;
 }
 
 // The seconds of some pictures, one list for each time.
@@ -145,7 +146,7 @@ struct Series {
         trace.push_back(after.trace - before.trace);
         readback.push_back(after.readback - before.readback);
     }
-    void summarize(BenchResult& result) const {
+    void summarize(Result& result) const {
         result.generate = quartilesOf(generate);
         result.primary = quartilesOf(primary);
         result.shadow = quartilesOf(shadow);
@@ -159,7 +160,7 @@ struct Series {
 
 // The rays of a picture, and where they are of both kinds, what each takes for itself.
 void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, render::RenderSettings settings,
-                   BenchResult& result) {
+                   Result& result) {
     settings.tally = true;
     std::vector<double> mirrored, refracted;
     for (int i = 0; i <= kApartRepeats; ++i) {
@@ -179,11 +180,11 @@ void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, ren
 // A renderer whose pictures are timed.
 class Contestant {
   public:
-    Contestant(const gpu::Device& device, const LoadedScene& loaded, const render::Options& options,
-               const render::RenderSettings& settings, const BenchResult& described)
-        : renderer_(device, loaded.packed, options),
-          camera_(cameraOf(loaded)),
-          settings_(settings),
+    Contestant(const gpu::Device& device, const Task& task, const render::Options& options,
+               const Result& described)
+        : renderer_(device, task.loaded.packed, options),
+          camera_(task.camera),
+          settings_(task.settings),
           result_(described) {
         result_.device = device.info().name;
         result_.driver = device.info().driver;
@@ -211,7 +212,7 @@ class Contestant {
         result_.livePaths = after.pathRays - before.pathRays;
         result_.invocations = after.invocations - before.invocations;
     }
-    BenchResult finish() {
+    Result finish() {
         series_.summarize(result_);
         countOnDevice(renderer_, camera_, settings_, result_);
         result_.upload = renderer_.times().upload;
@@ -229,27 +230,20 @@ class Contestant {
     render::Renderer renderer_;
     shared::Camera camera_;
     render::RenderSettings settings_;
-    BenchResult result_;
+    Result result_;
     Series series_;
 };
 
-render::Options optionsOf(const BenchCommand& command) {
-    render::Options options;
-    options.traversal = command.device.traversal;
-    options.leaveOut = !command.full;
-    options.also = featuresNamed(command.with);
+render::Options profiled(render::Options options) {
     options.profile = true;
-    options.compaction = command.compaction;
     return options;
 }
 
-BenchResult measureOnDevice(const BenchCommand& command, const LoadedScene& loaded, const gpu::Device& device,
-                            const render::RenderSettings& settings,
-                            const std::function<void(double)>& progress, const BenchResult& described) {
-    Contestant contestant(device, loaded, optionsOf(command), settings, described);
+Result measureOnDevice(const Task& task, const gpu::Device& device, const Result& described) {
+    Contestant contestant(device, task, profiled(task.options.renderer), described);
     contestant.warmUp();
-    for (int i = 0; i < command.repeats; ++i) {
-        progress((i + 1.0) / (command.repeats + 2));
+    for (int i = 0; i < task.options.repeats; ++i) {
+        task.options.progress((i + 1.0) / (task.options.repeats + 2));
         contestant.timeOne();
     }
     return contestant.finish();
@@ -257,10 +251,7 @@ BenchResult measureOnDevice(const BenchCommand& command, const LoadedScene& load
 
 // Each way to find hits that the device and the scene have, a picture each in turns, so that what else the
 // machine does meets all alike.
-std::vector<BenchResult> measureWalks(const BenchCommand& command, const LoadedScene& loaded,
-                                      const gpu::Device& device, const render::RenderSettings& settings,
-                                      const std::function<void(double)>& progress,
-                                      const BenchResult& described) {
+std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, const Result& described) {
     using enum render::Traversal;
     const struct {
         render::Traversal traversal;
@@ -274,33 +265,32 @@ std::vector<BenchResult> measureWalks(const BenchCommand& command, const LoadedS
     std::vector<std::unique_ptr<Contestant>> contestants;
     for (const auto& way : ways) {
         if (way.traversal == Packet && !render::runsPackets(device.info())) continue;
-        if (nameOf(chooseTraversal(way.traversal, device.info(), loaded.packed)) != std::string(way.name))
+        if (nameOf(chooseTraversal(way.traversal, device.info(), task.loaded.packed)) !=
+            std::string(way.name))
             continue;
-        render::Options options = optionsOf(command);
+        render::Options options = profiled(task.options.renderer);
         options.traversal = way.traversal;
         options.stack = way.stack;
-        BenchResult base = described;
+        Result base = described;
         base.stack = way.stack == render::StackPlace::Shared ? "shared" : "private";
-        contestants.push_back(std::make_unique<Contestant>(device, loaded, options, settings, base));
+        contestants.push_back(std::make_unique<Contestant>(device, task, options, base));
         contestants.back()->warmUp();
     }
-    for (int i = 0; i < command.repeats; ++i) {
-        progress((i + 1.0) / (command.repeats + 2));
+    for (int i = 0; i < task.options.repeats; ++i) {
+        task.options.progress((i + 1.0) / (task.options.repeats + 2));
         for (const auto& contestant : contestants) contestant->timeOne();
     }
-    std::vector<BenchResult> walks;
+    std::vector<Result> walks;
     for (const auto& contestant : contestants) walks.push_back(contestant->finish());
     return walks;
 }
 
-void measureOnHost(const BenchCommand& command, const LoadedScene& loaded,
-                   const render::RenderSettings& settings, const std::function<void(double)>& progress,
-                   BenchResult& result) {
+void measureOnHost(const Task& task, Result& result) {
     std::vector<double> seconds;
-    for (int i = 0; i <= command.repeats; ++i) {
-        progress(i / (command.repeats + 1.0));
+    for (int i = 0; i <= task.options.repeats; ++i) {
+        task.options.progress(i / (task.options.repeats + 1.0));
         const Stopwatch watch;
-        const Picture picture = renderReference(loaded.packed, cameraOf(loaded), settings);
+        const Picture picture = verify::renderReference(task.loaded.packed, task.camera, task.settings);
         if (!picture.complete) stop();
         if (i == 0) {
             result.picture = pictureHash(picture);
@@ -315,31 +305,25 @@ void measureOnHost(const BenchCommand& command, const LoadedScene& loaded,
 
 }  // namespace
 
-BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene, const gpu::Device* device,
-                         double openSeconds, const std::function<void(double)>& progress, std::ostream& err) {
-    SceneOptions options = scene;
-    LoadedScene loaded = loadAndPack(options, err);
-    // Every pixel takes the same samples: rays a second of pixels that stop say nothing about the kernels.
-    loaded.scene.image.adaptive.reset();
-    BenchResult result;
-    result.scene = options.scene.string();
-    result.backend = command.backend;
-    result.repeats = command.repeats;
-    result.also = command.full ? namesOf(allFeatures()) : command.with;
-    result.open = openSeconds;
+Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::Device* device,
+               const Options& options) {
+    const Task task = taskOf(loaded, options);
+    Result result;
+    result.scene = scene;
+    result.backend = device == nullptr ? Backend::Cpu : Backend::Gpu;
+    result.repeats = options.repeats;
+    result.also = namesOf(options.renderer.leaveOut ? options.renderer.also : allFeatures());
     describe(loaded, result);
-    const BenchResult described = result;
-    const render::RenderSettings settings = settingsOf(loaded, options);
-    const double pixels = static_cast<double>(result.width) * result.height;
-    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kCountedPixels))));
     if (device != nullptr) {
-        result = measureOnDevice(command, loaded, *device, settings, progress, result);
-        if (command.everyWalk)
-            result.walks = measureWalks(command, loaded, *device, settings, progress, described);
-        countRays(loaded, stride, 1, result);
+        const Result described = result;
+        result = measureOnDevice(task, *device, described);
+        if (options.everyWalk) result.walks = measureWalks(task, *device, described);
+        const double pixels = static_cast<double>(result.width) * result.height;
+        const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kCountedPixels))));
+        countRays(task, stride, 1, result);
     } else {
-        measureOnHost(command, loaded, settings, progress, result);
-        countRays(loaded, 1, settings.samples->count(), result);
+        measureOnHost(task, result);
+        countRays(task, 1, task.settings.samples->count(), result);
         const auto rays = [&](reference::RayClass k) { return result.counted[static_cast<size_t>(k)].rays; };
         result.rays = {rays(reference::RayClass::Primary), rays(reference::RayClass::Shadow),
                        rays(reference::RayClass::Mirrored), rays(reference::RayClass::Refracted)};
@@ -348,4 +332,4 @@ BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene,
     return result;
 }
 
-}  // namespace glint::app
+}  // namespace glint::bench

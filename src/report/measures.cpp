@@ -1,11 +1,11 @@
-#include "app/report_measures.h"
+#include "report/measures.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "verify/stiffness.h"
 
-namespace glint::app {
+namespace glint::report {
 
 ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> truth,
                            std::span<const uint8_t> counts) {
@@ -62,4 +62,4 @@ ArithmeticError measureArithmetic(const Image& picture, std::span<const uint32_t
             measureError(picture, truth, other)};
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -8,7 +8,7 @@
 
 #include "core/image.h"
 
-namespace glint::app {
+namespace glint::report {
 
 // Over the pixels that count and are finite in both; all 0 if there is none. Differences are picture - truth.
 struct ErrorMeasures {
@@ -39,4 +39,4 @@ struct ArithmeticError {
 ArithmeticError measureArithmetic(const Image& picture, std::span<const uint32_t> paths,
                                   std::span<const glm::dvec3> truth, std::span<const uint32_t> truthPaths);
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -1,9 +1,9 @@
 // One page with everything in it: opens without a network and runs no script.
 #include <sstream>
 
-#include "app/report_write.h"
+#include "report/write.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -27,7 +27,7 @@ std::string cells(const std::string& line, const char* tag) {
     return out + "</tr>\n";
 }
 
-const SceneReport* sceneNamed(const ReportData& data, const std::string& name) {
+const SceneReport* sceneNamed(const Report& data, const std::string& name) {
     for (const SceneReport& scene : data.scenes)
         if (scene.name == name) return &scene;
     return nullptr;
@@ -36,7 +36,7 @@ const SceneReport* sceneNamed(const ReportData& data, const std::string& name) {
 // The Markdown that toMarkdown writes: headings, tables, lists, plain lines.
 class Page {
   public:
-    explicit Page(const ReportData& data) : data_(data) {}
+    explicit Page(const Report& data) : data_(data) {}
 
     std::string write() {
         std::istringstream lines(toMarkdown(data_));
@@ -68,7 +68,7 @@ class Page {
         }
     }
 
-    const ReportData& data_;
+    const Report& data_;
     std::string out_;
     int rows_ = 0;
 };
@@ -101,10 +101,10 @@ std::string escapeMarkup(const std::string& text) {
     return out;
 }
 
-std::string toHtml(const ReportData& data) {
+std::string toHtml(const Report& data) {
     std::string out = kHead;
     if (!data.complete) out += "<p><b>Interrupted: what was finished.</b></p>\n";
     return out + Page(data).write() + "</body></html>\n";
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

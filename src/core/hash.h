@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace glint::app {
+namespace glint {
 
 // FNV-1a, 64 bits (Fowler, Noll, Vo): tells apart what was changed, not what was forged.
 class Hash {
@@ -28,4 +28,4 @@ class Hash {
     uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-}  // namespace glint::app
+}  // namespace glint

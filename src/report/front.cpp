@@ -1,9 +1,9 @@
-#include "app/report_front.h"
+#include "report/front.h"
 
-#include "app/report_write.h"
+#include "report/write.h"
 #include "scene/sampling.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -135,7 +135,7 @@ std::string defaultTable(const SceneReport& scene) {
            rows;
 }
 
-std::string defaultSummary(const ReportData& data) {
+std::string defaultSummary(const Report& data) {
     std::string out =
         "| scene | sampler, spp: on the front? | methods, spp: on the front? |\n|---|---|---|\n";
     for (const SceneReport& scene : data.scenes)
@@ -144,4 +144,4 @@ std::string defaultSummary(const ReportData& data) {
     return out;
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

@@ -1,20 +1,20 @@
-// What `glint bench` measures of one scene, and how it is written.
+// What was measured of one scene.
 #pragma once
 
 #include <array>
-#include <functional>
-#include <memory>
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "app/common.h"
-#include "app/report_statistics.h"
+#include "core/quartiles.h"
 #include "reference/tracer.h"
+#include "render/renderer.h"
+#include "trace/backend.h"
 
-namespace glint::app {
+namespace glint::bench {
 
 // Seconds unless said otherwise.
-struct BenchResult {
+struct Result {
     std::string scene;
     Backend backend = Backend::Gpu;
     std::string device, driver, traversal, access;  // the last two empty on the host
@@ -44,29 +44,17 @@ struct BenchResult {
     uint64_t codeBytes = 0;  // SPIR-V that the driver was given
     std::string picture;     // hash of the colours
     // With --traversal all: each way to find hits that device and scene have, measured in turns.
-    std::vector<BenchResult> walks;
+    std::vector<Result> walks;
 };
 
 // Rays cast and the time they took, in the order that they are shown.
-struct BenchRate {
+struct Rate {
     const char* key;   // in JSON
     const char* name;  // in the table
     uint64_t rays = 0;
     Quartiles seconds;       // all 0: not measured apart
     double testsPerRay = 0;  // boxes and primitives
 };
-std::vector<BenchRate> ratesOf(const BenchResult& result);
+std::vector<Rate> ratesOf(const Result& result);
 
-// Throws Error(Interrupted) when `cancelled`. `device`: null for the host.
-BenchResult measureScene(const BenchCommand& command, const SceneOptions& scene, const gpu::Device* device,
-                         double openSeconds, const std::function<void(double)>& progress, std::ostream& err);
-
-std::string benchTable(const BenchResult& result);
-std::string walkTable(const std::vector<BenchResult>& walks);
-// One document for all scenes.
-std::string benchJson(const std::vector<BenchResult>& results);
-
-// The commit that the program was built from, as git describes it ("unknown" outside a repository).
-const char* builtCommit();
-
-}  // namespace glint::app
+}  // namespace glint::bench

@@ -1,11 +1,11 @@
-#include "app/report_plan.h"
+#include "report/plan.h"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "scene/sampling.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -143,4 +143,4 @@ const Measured* SceneReport::find(const std::string& key) const {
     return found == measured.end() ? nullptr : &*found;
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

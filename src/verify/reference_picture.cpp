@@ -1,11 +1,11 @@
-#include "app/reference_picture.h"
+#include "verify/reference_picture.h"
 
 #include <algorithm>
 
 #include "core/parallel.h"
 #include "reference/render.h"
 
-namespace glint::app {
+namespace glint::verify {
 
 namespace {
 
@@ -94,4 +94,4 @@ Picture renderReference(const PackedScene& scene, const shared::Camera& camera,
     return picture;
 }
 
-}  // namespace glint::app
+}  // namespace glint::verify

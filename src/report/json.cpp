@@ -1,11 +1,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/report_front.h"
-#include "app/report_write.h"
 #include "core/error.h"
+#include "report/front.h"
+#include "report/write.h"
 
-namespace glint::app {
+namespace glint::report {
 
 namespace {
 
@@ -77,7 +77,7 @@ void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_
 }
 
 template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& d) requires std::is_same_v<std::remove_const_t<T>, ReportData> {
+void visitFields(Visit&& visit, T& d) requires std::is_same_v<std::remove_const_t<T>, Report> {
     visit("glint", d.version);
     visit("device", d.device);
     visit("driver", d.driver);
@@ -203,13 +203,13 @@ std::string csvLine(const SceneReport& scene, const Measured& m) {
 
 }  // namespace
 
-std::string toJson(const ReportData& data) {
+std::string toJson(const Report& data) {
     // A file name need not be UTF-8; JSON must be.
     return Writer::write(data).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-ReportData fromJson(const std::string& text, const std::string& name) {
-    ReportData data;
+Report fromJson(const std::string& text, const std::string& name) {
+    Report data;
     try {
         Reader::read(Json::parse(text), data);
     } catch (const Json::exception&) {
@@ -219,11 +219,11 @@ ReportData fromJson(const std::string& text, const std::string& name) {
     return data;
 }
 
-std::string toCsv(const ReportData& data) {
+std::string toCsv(const Report& data) {
     std::string text = csvHeader();
     for (const SceneReport& scene : data.scenes)
         for (const Measured& m : scene.measured) text += csvLine(scene, m);
     return text;
 }
 
-}  // namespace glint::app
+}  // namespace glint::report

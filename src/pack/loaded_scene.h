@@ -1,0 +1,22 @@
+// A scene as it was read, with the arrays that were packed from it.
+#pragma once
+
+#include "pack/pack_samples.h"
+#include "pack/packed_scene.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+struct LoadedScene {
+    Scene scene;
+    PackedScene packed;
+    double loadSeconds = 0, packSeconds = 0;
+};
+
+// The camera of the scene's picture.
+shared::Camera cameraOf(const LoadedScene& loaded);
+
+// The samples of the scene's picture.
+PackedSamples samplesOf(const LoadedScene& loaded);
+
+}  // namespace glint

@@ -1,0 +1,151 @@
+#include "report/run.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <tuple>
+
+#include "core/file_io.h"
+#include "core/parallel.h"
+#include "report/front.h"
+#include "report/sweep.h"
+#include "report/write.h"
+
+namespace glint::report {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
+    Report report;
+    report.version = options.version;
+    report.device = device.name;
+    report.driver = device.driver;
+    report.api = device.api;
+    report.cores = defaultThreadCount();
+    report.repeats = options.repeats;
+    report.truthSamples = options.truthSamples;
+    report.truthBackend = options.truth == Backend::Cpu ? "reference" : "device";
+    return report;
+}
+
+// What is there of this scene, of the same bytes and size.
+SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earlier) {
+    if (!earlier) return empty;
+    for (const SceneReport& scene : earlier->scenes) {
+        if (std::tie(scene.path, scene.hash, scene.width, scene.height) !=
+            std::tie(empty.path, empty.hash, empty.width, empty.height))
+            continue;
+        SceneReport report = scene;
+        report.name = empty.name;
+        report.leftOut.clear();
+        return report;
+    }
+    return empty;
+}
+
+// Scenes of the folder's report that this command does not name stay in it, behind those that it does.
+void keepOtherScenes(const Report& earlier, Report& data) {
+    for (const SceneReport& scene : earlier.scenes) {
+        const bool named = std::any_of(data.scenes.begin(), data.scenes.end(),
+                                       [&](const SceneReport& s) { return s.path == scene.path; });
+        if (named) continue;
+        data.scenes.push_back(scene);
+        data.scenes.back().name = fs::path(scene.path).stem().string();
+    }
+}
+
+// knot, knot-2: the diagrams' names.
+void makeNamesUnique(std::vector<SceneReport>& scenes) {
+    std::map<std::string, int> uses;
+    for (SceneReport& scene : scenes) {
+        const int use = ++uses[scene.name];
+        if (use > 1) scene.name += "-" + std::to_string(use);
+    }
+}
+
+void writeReport(const fs::path& folder, Report& report) {
+    for (SceneReport& scene : report.scenes) markFront(scene);
+    std::vector<OutputFile> files;
+    const auto add = [&](const std::string& name, const std::string& text) {
+        if (!text.empty()) files.push_back({folder / name, {text.begin(), text.end()}});
+    };
+    add("report.json", toJson(report));
+    add("report.csv", toCsv(report));
+    add("report.html", toHtml(report));
+    for (const SceneReport& scene : report.scenes) {
+        add(scene.name + ".precision.svg", precisionDiagram(scene));
+        add(scene.name + ".truncation.svg", truncationDiagram(scene));
+    }
+    writeFiles(files);
+}
+
+// True if all scenes are through.
+bool measureAll(const fs::path& folder, std::vector<std::unique_ptr<SceneSweep>>& sweeps, Report& report) {
+    constexpr size_t kBatches = 3;  // see planScene
+    for (size_t batch = 0; batch < kBatches; ++batch) {
+        for (size_t i = 0; i < sweeps.size(); ++i) {
+            if (!sweeps[i]->measure(sweeps[i]->batches()[batch], report.scenes[i])) return false;
+            writeReport(folder, report);
+        }
+    }
+    return true;
+}
+
+SweepLimits limitsOf(const Options& options) {
+    SweepLimits limits;
+    limits.repeats = options.repeats;
+    limits.truthSamples = options.truthSamples;
+    limits.truth = options.truth;
+    limits.late = options.late;
+    limits.cancelled = options.cancelled;
+    limits.wanted = [&options](const Configuration& c) {
+        return options.only.empty() ||
+               std::any_of(options.only.begin(), options.only.end(),
+                           [&](const std::string& start) { return c.family.starts_with(start); });
+    };
+    return limits;
+}
+
+}  // namespace
+
+std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInfo& device,
+                                    std::string& warning) {
+    const fs::path path = options.folder / "report.json";
+    if (!fs::exists(path)) return std::nullopt;
+    const std::vector<uint8_t> bytes = readFile(path);
+    Report report = fromJson(std::string(bytes.begin(), bytes.end()), path.string());
+    const auto made = [](const Report& r) {
+        return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.repeats, r.truthSamples,
+                        r.truthBackend);
+    };
+    if (made(report) == made(freshReport(options, device))) return report;
+    warning = path.string() +
+              ": made by another version, device, driver, number of cores, number of runs or kind of "
+              "converged picture: all of it is measured anew, scenes that are not named are dropped";
+    return std::nullopt;
+}
+
+Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::optional<Report>& earlier,
+           const Options& options) {
+    Report report = freshReport(options, device.info());
+    double work = 0, worked = 0;
+    SweepLimits limits = limitsOf(options);
+    limits.worked = [&](double amount) { options.progress(std::min(1.0, (worked += amount) / work)); };
+    std::vector<std::unique_ptr<SceneSweep>> sweeps;
+    for (Subject& subject : subjects) {
+        sweeps.push_back(std::make_unique<SceneSweep>(device, subject.path, std::move(subject.loaded),
+                                                      options.width, limits));
+        report.scenes.push_back(resumed(sweeps.back()->emptyReport(), earlier));
+        for (const Batch& batch : sweeps.back()->batches())
+            work += sweeps.back()->work(batch, report.scenes.back());
+    }
+    if (earlier) keepOtherScenes(*earlier, report);
+    makeNamesUnique(report.scenes);
+    report.complete = measureAll(options.folder, sweeps, report);
+    writeReport(options.folder, report);
+    return report;
+}
+
+}  // namespace glint::report

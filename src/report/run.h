@@ -1,0 +1,46 @@
+// Measures scenes, keeps what is done, writes it out.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+#include "pack/loaded_scene.h"
+#include "report/plan.h"
+#include "trace/backend.h"
+
+namespace glint::report {
+
+struct Options {
+    std::filesystem::path folder;   // that exists and can be written to
+    std::string version;            // of the program; a report of another one is not gone on with
+    int width = 160;                // of the pictures, in pixels
+    int repeats = 5;                // runs of each setting
+    int truthSamples = 256;         // of each pixel of the converged picture
+    Backend truth = Backend::Cpu;   // who draws it
+    std::vector<std::string> only;  // how the names of families start; empty: all
+    std::function<bool()> late = [] { return false; };       // no setting is started any more
+    std::function<bool()> cancelled = [] { return false; };  // the report is left incomplete
+    std::function<void(double)> progress = [](double) {};    // 0..1
+};
+
+struct Subject {
+    std::filesystem::path path;
+    LoadedScene loaded;
+};
+
+// report.json in the folder, if it was made in the same way as the report that is asked for, so that this one
+// goes on with it. Otherwise nothing, and `warning` says why if there was one. Throws Error(Failed) for a
+// file that is no report.
+std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInfo& device,
+                                    std::string& warning);
+
+// Measures what `earlier` lacks, most important first, and writes report.json, report.csv, report.html and
+// the diagrams after each part. Scenes of `earlier` that are not among the subjects stay in the report.
+Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::optional<Report>& earlier,
+           const Options& options);
+
+}  // namespace glint::report
