@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -38,16 +39,43 @@ struct ExrChannel {
     std::vector<float> samples;  // row 0 at the top
 };
 
-// 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample is kept.
+// By OpenEXR. 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample
+// is kept.
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels);
 
-// 8 and 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
+// The largest picture that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
+inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 28;
+inline constexpr uint64_t kMostPictureSide = 65536;
+
+// For decoders, before memory is taken: refuses a size of nothing, beyond the limits above, or of which the
+// file's bytes, each of which stands for at most `pixelsPerByte` pixels, cannot hold the pixels.
+void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte);
+
+// Memory that is taken only as rows arrive: a file that ends early costs what it held.
+class RowCollector {
+  public:
+    RowCollector(int width, int height, int channels);
+    // Space for the samples of the next `count` rows.
+    float* next(int count = 1);
+    Image take() { return std::move(image_); }
+
+  private:
+    Image image_;
+    size_t rowSamples_;
+};
+
+// The linear value of each of the `count` codes of sRGB samples.
+std::vector<float> linearOfCodes(size_t count);
+
+// By libpng. 1 to 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
 Image decodePng(ByteView file);
+// By libjpeg-turbo. Grey, or RGB of whatever colour space.
 Image decodeJpeg(ByteView file);
 Image decodeHdr(ByteView file);
 Image decodePfm(ByteView file);
 
-// The channels R, G, B and A if there is colour, else Y, else the channels of the file's only layer.
+// By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
+// the only layer. Tiles, scanlines and every compression; no deep pixels.
 Image decodeExr(ByteView file);
 
 }  // namespace glint

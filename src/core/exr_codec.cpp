@@ -1,13 +1,19 @@
-// OpenEXR files by tinyexr.
-#include <tinyexr.h>
+// OpenEXR files by the library of that name.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfTileDescription.h>
+#include <ImfVersion.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <optional>
+#include <string_view>
 
 #include "core/codecs.h"
 
@@ -22,254 +28,260 @@ namespace {
 //   PIZ     381, 448, 258 ms     9.1, 12.0,  5.4 MiB
 // Full float pictures hardly shrink, and a file with every layer has some 20 channels: RLE takes what is to
 // be had (flat background, indices) for little time.
-constexpr int kCompression = TINYEXR_COMPRESSIONTYPE_RLE;
+constexpr Imf::Compression kCompression = Imf::RLE_COMPRESSION;
 
-struct HeaderGuard {
-    EXRHeader header;
-    HeaderGuard() { InitEXRHeader(&header); }
-    ~HeaderGuard() { FreeEXRHeader(&header); }
-    HeaderGuard(const HeaderGuard&) = delete;
-    HeaderGuard& operator=(const HeaderGuard&) = delete;
+// Deflate makes at most 1032 bytes of one, PXR24 packs 4 bytes into 3 before; runs and Huffman codes do less.
+constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
+// DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
+constexpr double kNoBound = 1e30;
+constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
+constexpr size_t kMostParts = 1000;
+constexpr size_t kFirstHeader = 8;  // behind magic number and version
+constexpr int kBand = 64;           // rows that are asked for at once
+
+class MemoryReader : public Imf::IStream {
+  public:
+    explicit MemoryReader(ByteView file) : IStream("the file"), file_(file) {}
+
+    bool read(char bytes[], int count) override {
+        const size_t left = position_ < file_.size() ? file_.size() - position_ : 0;
+        if (count < 0 || static_cast<size_t>(count) > left) throw CodecError("the file is truncated");
+        std::memcpy(bytes, file_.data() + position_, static_cast<size_t>(count));
+        position_ += static_cast<size_t>(count);
+        return position_ < file_.size();
+    }
+    uint64_t tellg() override { return position_; }
+    void seekg(uint64_t position) override { position_ = position; }
+
+  private:
+    ByteView file_;
+    uint64_t position_ = 0;
 };
 
-struct ImageGuard {
-    EXRImage image;
-    bool loaded = false;
-    ImageGuard() { InitEXRImage(&image); }
-    ~ImageGuard() {
-        if (loaded) {
-            FreeEXRImage(&image);
-        }
+class MemoryWriter : public Imf::OStream {
+  public:
+    MemoryWriter() : OStream("the file") {}
+
+    // Where offsets are known late, the library goes back and fills them in.
+    void write(const char bytes[], int count) override {
+        const size_t end = position_ + static_cast<size_t>(count);
+        if (end > file.size()) file.resize(end);
+        std::memcpy(file.data() + position_, bytes, static_cast<size_t>(count));
+        position_ = end;
     }
-    ImageGuard(const ImageGuard&) = delete;
-    ImageGuard& operator=(const ImageGuard&) = delete;
+    uint64_t tellp() override { return position_; }
+    void seekp(uint64_t position) override { position_ = position; }
+
+    Bytes file;
+
+  private:
+    uint64_t position_ = 0;
 };
 
-std::string takeMessage(const char* message) {
-    std::string text = message == nullptr ? "no reason given" : message;
-    FreeEXRErrorMessage(message);
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    while (!text.empty() && (text.back() == ' ' || text.back() == '.')) {
-        text.pop_back();
-    }
+// The text at `position` up to its zero byte, which `position` then stands behind.
+std::string_view readString(ByteView file, size_t& position) {
+    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(position);
+    const auto end = std::find(begin, file.end(), uint8_t{0});
+    if (end == file.end()) throw CodecError("the file is truncated");
+    const std::string_view text(reinterpret_cast<const char*>(&*begin), static_cast<size_t>(end - begin));
+    position += text.size() + 1;
     return text;
 }
 
-float sampleAsFloat(const unsigned char* plane, int pixelType, size_t index) {
-    uint32_t bits = 0;
-    std::memcpy(&bits, plane + index * sizeof(bits), sizeof(bits));
-    return pixelType == TINYEXR_PIXELTYPE_UINT ? static_cast<float>(bits) : std::bit_cast<float>(bits);
-}
-
-// Copies one plane, stored by scanlines or by tiles, into channel `channel` of the picture.
-void copyPlane(const EXRHeader& header, const EXRImage& source, int plane, int channel, Image& target) {
-    const int type = header.requested_pixel_types[plane];
-    if (source.images != nullptr) {
-        for (int y = 0; y < target.height; ++y) {
-            for (int x = 0; x < target.width; ++x) {
-                const size_t index = static_cast<size_t>(y) * target.width + x;
-                target.at(x, y, channel) = sampleAsFloat(source.images[plane], type, index);
-            }
+// A header is a list of name, type, size and value that an empty name ends; several parts have as many, and
+// an empty one at the end (OpenEXR, "File Layout"). The library takes memory for a value before it reads it.
+void checkAttributeSizes(ByteView file, bool severalParts) {
+    size_t position = kFirstHeader, parts = 0;
+    while (parts < kMostParts) {
+        size_t attributes = 0;
+        for (; !readString(file, position).empty(); ++attributes) {
+            readString(file, position);
+            uint32_t size = 0;
+            if (file.size() - position < sizeof(size)) throw CodecError("the file is truncated");
+            std::memcpy(&size, file.data() + position, sizeof(size));
+            position += sizeof(size);
+            if (size > file.size() - position) throw CodecError("the file is truncated");
+            position += size;
         }
-        return;
+        ++parts;
+        if (!severalParts || attributes == 0) return;
     }
-    for (int t = 0; t < source.num_tiles; ++t) {
-        const EXRTile& tile = source.tiles[t];
-        const int left = tile.offset_x * header.tile_size_x;
-        const int top = tile.offset_y * header.tile_size_y;
-        for (int y = 0; y < std::min(tile.height, target.height - top); ++y) {
-            for (int x = 0; x < std::min(tile.width, target.width - left); ++x) {
-                const size_t index = static_cast<size_t>(y) * header.tile_size_x + x;
-                target.at(left + x, top + y, channel) = sampleAsFloat(tile.images[plane], type, index);
-            }
-        }
+    throw CodecError("the EXR file has more than " + std::to_string(kMostParts) + " parts");
+}
+
+struct ChunkShape {
+    double bytesPerByte;
+    int rows;  // of a chunk of scanlines
+};
+
+ChunkShape chunkShape(Imf::Compression compression) {
+    switch (compression) {
+        case Imf::NO_COMPRESSION:
+            return {1, 1};
+        case Imf::RLE_COMPRESSION:
+        case Imf::ZIPS_COMPRESSION:
+            return {kMostBytesPerByte, 1};
+        case Imf::ZIP_COMPRESSION:
+        case Imf::PXR24_COMPRESSION:
+            return {kMostBytesPerByte, 16};
+        case Imf::DWAB_COMPRESSION:
+            return {kNoBound, 256};
+        case Imf::DWAA_COMPRESSION:
+            return {kNoBound, 32};
+        default:  // PIZ and B44
+            return {kMostBytesPerByte, 32};
     }
 }
 
-int findPlane(const EXRHeader& header, const std::string& name) {
-    for (int i = 0; i < header.num_channels; ++i) {
-        if (name == header.channels[i].name) {
-            return i;
-        }
+// Sizes, before the library takes memory for tables and buffers of them.
+void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes) {
+    const auto& window = header.dataWindow();
+    const auto width = static_cast<int64_t>(window.max.x) - window.min.x + 1;
+    const auto height = static_cast<int64_t>(window.max.y) - window.min.y + 1;
+    if (width <= 0 || height <= 0) throw CodecError("the EXR file is damaged (no pixels)");
+    double pixelBytes = 0;
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+        pixelBytes += channel.channel().type == Imf::HALF ? 2 : 4;
+    const ChunkShape shape = chunkShape(header.compression());
+    checkDeclaredSize(static_cast<uint64_t>(width), static_cast<uint64_t>(height), fileBytes,
+                      shape.bytesPerByte / std::max(pixelBytes, 1.0));
+    double chunkBytes = pixelBytes * static_cast<double>(width) * shape.rows;
+    double chunks = std::ceil(static_cast<double>(height) / shape.rows);
+    if (tiled) {
+        const Imf::TileDescription& tile = header.tileDescription();
+        if (tile.xSize == 0 || tile.ySize == 0)
+            throw CodecError("the EXR file is damaged (tiles of no size)");
+        chunkBytes = pixelBytes * std::max<double>(static_cast<double>(width), tile.xSize) * tile.ySize;
+        chunks = std::ceil(static_cast<double>(width) / tile.xSize) *
+                 std::ceil(static_cast<double>(height) / tile.ySize);
     }
-    return -1;
+    if (header.hasChunkCount()) chunks = std::max<double>(chunks, header.chunkCount());
+    if (chunkBytes > kMostChunkBytes) throw CodecError("the EXR file has blocks of more than 512 MiB");
+    // A table at the start has the offset of each chunk.
+    if (chunks * sizeof(uint64_t) > static_cast<double>(fileBytes)) throw CodecError("the file is truncated");
 }
 
-std::string layerOf(const char* channel) {
-    const std::string name = channel;
-    return name.substr(0, name.rfind('.') == std::string::npos ? 0 : name.rfind('.'));
+void checkHeaders(ByteView file) {
+    uint32_t version = 0;
+    if (file.size() <= kFirstHeader) throw CodecError("the file is truncated");
+    std::memcpy(&version, file.data() + 4, sizeof(version));
+    const int flags = static_cast<int>(version);
+    if (Imf::isNonImage(flags)) throw CodecError("EXR files with deep pixels are not supported");
+    checkAttributeSizes(file, Imf::isMultiPart(flags));
+    MemoryReader stream(file);
+    stream.seekg(kFirstHeader);
+    do {
+        Imf::Header header;
+        int part = flags;
+        header.readFrom(stream, part);
+        if (header.readsNothing()) break;
+        const bool tiled = Imf::isTiled(flags) || (header.hasType() && header.type() == Imf::TILEDIMAGE);
+        checkPart(header, tiled, file.size());
+    } while (Imf::isMultiPart(flags));
 }
 
-// The planes of the file's only layer in the order X,Y,Z or U,V; nothing if there are several layers.
-std::optional<std::vector<int>> onlyLayer(const EXRHeader& header) {
-    std::vector<int> planes;
-    for (int i = 0; i < header.num_channels; ++i) {
-        if (layerOf(header.channels[i].name) != layerOf(header.channels[0].name)) {
-            return std::nullopt;
-        }
-        planes.push_back(i);  // sorted by name in the file, which is that order
-    }
-    const bool supported = planes.size() == 1 || planes.size() == 3;
-    return supported ? std::optional(planes) : std::nullopt;
-}
-
-// Which planes become the channels of the picture.
-std::vector<int> choosePlanes(const EXRHeader& header) {
-    const int r = findPlane(header, "R");
-    const int g = findPlane(header, "G");
-    const int b = findPlane(header, "B");
-    const int a = findPlane(header, "A");
-    if (r >= 0 && g >= 0 && b >= 0) {
-        return a >= 0 ? std::vector{r, g, b, a} : std::vector{r, g, b};
-    }
-    if (const int y = findPlane(header, "Y"); y >= 0) {
-        return a >= 0 ? std::vector{y, y, y, a} : std::vector{y};
-    }
-    if (auto planes = onlyLayer(header)) {
-        return *planes;
-    }
-    std::string names;
-    for (int i = 0; i < header.num_channels; ++i) {
-        names += (i > 0 ? ", " : "") + std::string(header.channels[i].name);
-    }
-    throw CodecError("the EXR file has neither R, G, B nor Y, and more than one layer (channels " + names +
-                     ")");
-}
-
-// The text at `position` up to its zero byte, which `position` then stands behind; nothing if there is no
-// zero byte.
-std::optional<std::string> readString(ByteView file, size_t& position) {
-    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(std::min(position, file.size()));
-    const auto end = std::find(begin, file.end(), uint8_t{0});
-    if (end == file.end()) {
-        return std::nullopt;
-    }
-    position = static_cast<size_t>(end - file.begin()) + 1;
-    return std::string(begin, end);
-}
-
-// tinyexr 1.0.1 ends the process (assert) for a "type" or "tiles" attribute that does not fit the version's
-// flags. The header is a list of name, type, size and value that an empty name ends (OpenEXR, "File Layout",
-// "Header").
-void checkPartType(ByteView file, bool tiled) {
-    constexpr size_t kTilesSize = 9;  // two 32-bit sizes and a mode
-    const std::string expected = tiled ? "tiledimage" : "scanlineimage";
-    bool hasTiles = false;
-    size_t position = 8;  // behind magic number and version
-    for (;;) {
-        const auto name = readString(file, position);
-        const auto valueType = name && !name->empty() ? readString(file, position) : std::nullopt;
-        uint32_t size = 0;
-        if (!valueType || file.size() - position < sizeof(size)) {
-            break;  // the end, or damage that tinyexr finds
-        }
-        std::memcpy(&size, file.data() + position, sizeof(size));
-        position += sizeof(size);
-        if (size > file.size() - position) {
-            break;
-        }
-        const ByteView value = file.subspan(position, size);
-        const std::string text(value.begin(), std::find(value.begin(), value.end(), uint8_t{0}));
-        if ((*name == "type" && !text.empty() && text != expected) ||
-            (*name == "tiles" && tiled && size != kTilesSize)) {
-            throw CodecError("the EXR file is damaged, or something other than a " + expected);
-        }
-        hasTiles = hasTiles || *name == "tiles";
-        position += size;
-    }
-    if (tiled && !hasTiles) {
-        throw CodecError("the EXR file is truncated or damaged (tiles of no size)");
-    }
-}
-
-void parseHeader(ByteView file, EXRHeader& header) {
-    EXRVersion version{};
-    if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS) {
-        throw CodecError("the EXR file is truncated or damaged");
-    }
-    if (version.multipart != 0 || version.non_image != 0) {
-        throw CodecError("EXR files with several parts or deep pixels are not supported");
-    }
-    checkPartType(file, version.tiled != 0);
-    const char* message = nullptr;
-    if (ParseEXRHeaderFromMemory(&header, &version, file.data(), file.size(), &message) != TINYEXR_SUCCESS) {
-        throw CodecError("the EXR file is truncated or damaged (" + takeMessage(message) + ")");
-    }
-    for (int i = 0; i < header.num_channels; ++i) {
-        if (header.channels[i].x_sampling != 1 || header.channels[i].y_sampling != 1) {
+// Which of the file's channels become those of the picture.
+std::vector<std::string> chooseChannels(const Imf::Header& header) {
+    const Imf::ChannelList& list = header.channels();
+    std::vector<std::string> names;
+    bool oneLayer = true;
+    const auto layerOf = [](const std::string& name) {
+        const size_t dot = name.rfind('.');
+        return name.substr(0, dot == std::string::npos ? 0 : dot);
+    };
+    for (auto channel = list.begin(); channel != list.end(); ++channel) {
+        if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
             throw CodecError("EXR files with subsampled channels are not supported");
-        }
-        if (header.requested_pixel_types[i] == TINYEXR_PIXELTYPE_HALF) {
-            header.requested_pixel_types[i] = TINYEXR_PIXELTYPE_FLOAT;
-        }
+        names.emplace_back(channel.name());
+        oneLayer = oneLayer && layerOf(names.back()) == layerOf(names.front());
     }
+    const auto has = [&](const char* name) { return list.findChannel(name) != nullptr; };
+    if (has("R") && has("G") && has("B"))
+        return has("A") ? std::vector<std::string>{"R", "G", "B", "A"}
+                        : std::vector<std::string>{"R", "G", "B"};
+    if (has("Y"))
+        return has("A") ? std::vector<std::string>{"Y", "", "", "A"} : std::vector<std::string>{"Y"};
+    // Sorted by name, which is the order X, Y, Z and U, V.
+    if (oneLayer && (names.size() == 1 || names.size() == 3)) return names;
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+    throw CodecError("the EXR file has neither R, G, B nor Y, and more than one layer (channels " +
+                     all.substr(0, 500) + ")");
 }
 
-void loadPlanes(ByteView file, const EXRHeader& header, ImageGuard& target) {
-    // When it fails, tinyexr 1.0.1 frees the image itself and leaves dangling pointers in it, and it frees
-    // only as many planes as num_channels says, which it sets at the very end.
-    target.image.num_channels = header.tiled == 0 ? header.num_channels : 0;
-    const char* message = nullptr;
-    if (LoadEXRImageFromMemory(&target.image, &header, file.data(), file.size(), &message) !=
-        TINYEXR_SUCCESS) {
-        throw CodecError("the EXR file is truncated or damaged (" + takeMessage(message) + ")");
+Image readPart(Imf::InputPart& part) {
+    const Imf::Header& header = part.header();
+    if (header.hasType() && Imf::isDeepData(header.type()))
+        throw CodecError("EXR files with deep pixels are not supported");
+    const std::vector<std::string> names = chooseChannels(header);
+    const auto& window = header.dataWindow();
+    const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+    const size_t channels = names.size();
+    RowCollector rows(width, height, static_cast<int>(channels));
+    const size_t xStride = channels * sizeof(float), yStride = xStride * static_cast<size_t>(width);
+    Imf::FrameBuffer target;
+    for (size_t c = 0; c < channels; ++c) {
+        // Addresses are counted from pixel 0, 0, which may lie outside.
+        const auto first = reinterpret_cast<intptr_t>(rows.next(0) + c);
+        const auto origin = first - window.min.x * static_cast<intptr_t>(xStride) -
+                            window.min.y * static_cast<intptr_t>(yStride);
+        if (!names[c].empty())
+            target.insert(names[c],
+                          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), xStride, yStride));
     }
-    target.loaded = true;
+    part.setFrameBuffer(target);
+    const int band = header.hasTileDescription() ? static_cast<int>(header.tileDescription().ySize) : kBand;
+    for (int y = 0; y < height; y += std::max(band, kBand)) {
+        const int count = std::min(std::max(band, kBand), height - y);
+        float* const samples = rows.next(count);
+        part.readPixels(window.min.y + y, window.min.y + y + count - 1);
+        if (channels != 4 || !names[1].empty()) continue;
+        for (size_t i = 0; i < static_cast<size_t>(count) * static_cast<size_t>(width); ++i)
+            samples[4 * i + 1] = samples[4 * i + 2] = samples[4 * i];
+    }
+    return rows.take();
 }
 
 }  // namespace
 
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels) {
-    std::sort(channels.begin(), channels.end(),
-              [](const ExrChannel& a, const ExrChannel& b) { return a.name < b.name; });
-    const size_t count = channels.size();
-    std::vector<EXRChannelInfo> infos(count);
-    std::vector<int> types(count, TINYEXR_PIXELTYPE_FLOAT);
-    std::vector<unsigned char*> planes(count);
-    for (size_t i = 0; i < count; ++i) {
-        infos[i] = EXRChannelInfo{};
-        if (channels[i].name.size() >= sizeof(infos[i].name)) {
-            throw CodecError("the layer name " + channels[i].name + " is too long for EXR");
-        }
-        std::copy(channels[i].name.begin(), channels[i].name.end(), infos[i].name);
-        planes[i] = reinterpret_cast<unsigned char*>(channels[i].samples.data());
+    Imf::Header header(width, height);
+    header.compression() = kCompression;
+    Imf::FrameBuffer source;
+    for (ExrChannel& channel : channels) {
+        if (channel.name.size() >= 256)
+            throw CodecError("the layer name " + channel.name + " is too long for EXR");
+        header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+        source.insert(channel.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data()),
+                                               sizeof(float), sizeof(float) * static_cast<size_t>(width)));
     }
-    // The arrays belong to the vectors above, so neither struct is handed to tinyexr's Free functions.
-    EXRHeader header;
-    InitEXRHeader(&header);
-    header.num_channels = static_cast<int>(count);
-    header.channels = infos.data();
-    header.pixel_types = types.data();
-    header.requested_pixel_types = types.data();
-    header.compression_type = kCompression;
-    EXRImage image;
-    InitEXRImage(&image);
-    image.num_channels = static_cast<int>(count);
-    image.images = planes.data();
-    image.width = width;
-    image.height = height;
-
-    unsigned char* memory = nullptr;
-    const char* message = nullptr;
-    const size_t size = SaveEXRImageToMemory(&image, &header, &memory, &message);
-    const std::unique_ptr<unsigned char, decltype(&std::free)> owner(memory, &std::free);
-    if (size == 0) {
-        throw CodecError("cannot encode EXR (" + takeMessage(message) + ")");
+    MemoryWriter stream;
+    try {
+        Imf::OutputFile file(stream, header, 0);
+        file.setFrameBuffer(source);
+        file.writePixels(height);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw CodecError(std::string("cannot encode EXR (") + error.what() + ")");
     }
-    return Bytes(memory, memory + size);
+    return std::move(stream.file);
 }
 
 Image decodeExr(ByteView file) {
-    HeaderGuard header;
-    parseHeader(file, header.header);
-    const std::vector<int> planes = choosePlanes(header.header);
-    ImageGuard source;
-    loadPlanes(file, header.header, source);
-    Image image(source.image.width, source.image.height, static_cast<int>(planes.size()));
-    for (size_t i = 0; i < planes.size(); ++i) {
-        copyPlane(header.header, source.image, planes[i], static_cast<int>(i), image);
+    try {
+        checkHeaders(file);
+        MemoryReader stream(file);
+        Imf::MultiPartInputFile parts(stream, 0, false);
+        Imf::InputPart part(parts, 0);
+        return readPart(part);
+    } catch (const CodecError&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw CodecError(std::string("the EXR file is truncated or damaged (") + error.what() + ")");
     }
-    return image;
 }
 
 }  // namespace glint

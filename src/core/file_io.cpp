@@ -154,17 +154,23 @@ class StagedFile {
 }  // namespace
 
 std::vector<uint8_t> readFile(const fs::path& path) {
-    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    // Without O_NONBLOCK the opening of a pipe waits for whoever writes to it.
+    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     struct stat status {};
     if (!file.isOpen() || ::fstat(file.get(), &status) != 0) {
         fail(path, "read", errno);
     }
+    if (S_ISDIR(status.st_mode)) {
+        fail(path, "read", EISDIR);
+    }
+    if (!S_ISREG(status.st_mode)) {
+        throw Error(ErrorKind::Failed, path.string() + ": cannot read: not a regular file");
+    }
     std::vector<uint8_t> bytes;
     size_t size = 0;
     for (;;) {
-        // The size is a hint only: pipes and /proc have none.
-        const size_t hint = S_ISREG(status.st_mode) ? static_cast<size_t>(status.st_size) + 1 : 0;
-        bytes.resize(std::max({hint, size + size / 2, size + 65536}));
+        // One byte more shows the end. The files of /proc have size 0, whatever they hold.
+        bytes.resize(std::max({static_cast<size_t>(status.st_size) + 1, size + size / 2, size_t{4096}}));
         const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
         if (count < 0 && errno != EINTR) {
             fail(path, "read", errno);

@@ -8,7 +8,8 @@
 
 namespace glint {
 
-// Throws Error(Failed), e.g. "sky.hdr: cannot read: No such file or directory".
+// Throws Error(Failed), e.g. "sky.hdr: cannot read: No such file or directory". Pipes and devices, which may
+// wait or go on for ever, are refused.
 std::vector<uint8_t> readFile(const std::filesystem::path& path);
 
 struct OutputFile {

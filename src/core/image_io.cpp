@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/quantize.h"
+#include "core/text_file.h"
 
 namespace glint {
 namespace {
@@ -46,7 +47,7 @@ auto withPath(const fs::path& path, Function function) {
     try {
         return function();
     } catch (const CodecError& error) {
-        throw Error(ErrorKind::Failed, path.string() + ": " + error.what());
+        throw Error(ErrorKind::Failed, printable(path.string() + ": " + error.what()));
     } catch (const std::bad_alloc&) {
         throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the picture");
     }

@@ -1,5 +1,8 @@
 // Several layers of one picture: channels of an EXR file, files of the other formats.
-#include <tinyexr.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
 
 #include <bit>
 #include <limits>
@@ -33,30 +36,26 @@ Layer layer(const std::string& name, int channels, float base) {
 struct ExrFile {
     std::vector<std::string> order;  // channels as they stand in the file
     std::map<std::string, std::vector<float>> planes;
-    std::vector<int> types;
+    std::vector<Imf::PixelType> types;
 };
 
 ExrFile readExr(const std::filesystem::path& path) {
     ExrFile result;
-    const std::string name = path.string();
-    EXRVersion version{};
-    EXRHeader header;
-    EXRImage image;
-    InitEXRHeader(&header);
-    InitEXRImage(&image);
-    const char* message = nullptr;
-    EXPECT_EQ(ParseEXRVersionFromFile(&version, name.c_str()), TINYEXR_SUCCESS);
-    EXPECT_EQ(ParseEXRHeaderFromFile(&header, &version, name.c_str(), &message), TINYEXR_SUCCESS);
-    EXPECT_EQ(LoadEXRImageFromFile(&image, &header, name.c_str(), &message), TINYEXR_SUCCESS);
-    for (int i = 0; i < image.num_channels; ++i) {
-        const std::string channel = header.channels[i].name;
-        const auto* samples = reinterpret_cast<const float*>(image.images[i]);
-        result.order.push_back(channel);
-        result.types.push_back(header.pixel_types[i]);
-        result.planes[channel].assign(samples, samples + static_cast<size_t>(image.width) * image.height);
+    Imf::InputFile file(path.c_str());
+    const auto& window = file.header().dataWindow();
+    const auto width = static_cast<size_t>(window.max.x + 1), height = static_cast<size_t>(window.max.y + 1);
+    Imf::FrameBuffer target;
+    const Imf::ChannelList& channels = file.header().channels();
+    for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+        result.order.emplace_back(channel.name());
+        result.types.push_back(channel.channel().type);
+        std::vector<float>& plane = result.planes[channel.name()];
+        plane.resize(width * height);
+        target.insert(channel.name(), Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data()),
+                                                 sizeof(float), sizeof(float) * width));
     }
-    FreeEXRImage(&image);
-    FreeEXRHeader(&header);
+    file.setFrameBuffer(target);
+    file.readPixels(window.min.y, window.max.y);
     return result;
 }
 
@@ -70,7 +69,7 @@ TEST_F(Layers, ExrChannelNames) {
     const std::vector<std::string> order = {"A",        "B",        "G",        "R",    "depth.Y",
                                             "normal.X", "normal.Y", "normal.Z", "uv.U", "uv.V"};
     EXPECT_EQ(exr.order, order);
-    EXPECT_EQ(exr.types, std::vector<int>(order.size(), TINYEXR_PIXELTYPE_FLOAT));
+    EXPECT_EQ(exr.types, std::vector<Imf::PixelType>(order.size(), Imf::FLOAT));
     const std::map<std::string, std::vector<float>> planes = {{"R", {0, 1}},
                                                               {"G", {10, 11}},
                                                               {"B", {20, 21}},
