@@ -14,9 +14,9 @@
 #include "core/interrupt.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "reference/render.h"
 #include "render/renderer.h"
 #include "scene/sampling.h"
-#include "verify/reference_picture.h"
 
 namespace glint::app {
 
@@ -64,42 +64,42 @@ uint64_t bytesPerPixel(const RenderCommand& command) {
     return 4 * sizeof(float) + 1 + (needsData(command) ? sizeof(PixelData) : 0) + layers * 3 * sizeof(float);
 }
 
-render::RenderSettings settingsOf(const RenderCommand& command, const LoadedScene& loaded,
-                                  const Region& region, Progress& progress) {
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
+                  Progress& progress) {
     const Scene& scene = loaded.scene;
-    render::RenderSettings settings;
-    settings.width = scene.image.width;
-    settings.height = scene.image.height;
-    settings.region = region;
-    settings.samples = packSamples(scene.image, scene.camera.lensRadius > 0);
-    settings.data = needsData(command);
-    settings.cost = wants(command, "cost");
-    settings.ledger =
+    Request request;
+    request.width = scene.image.width;
+    request.height = scene.image.height;
+    request.region = region;
+    request.samples = samplesOf(loaded);
+    request.data = needsData(command);
+    request.cost = wants(command, "cost");
+    request.ledger =
         loaded.packed.features.transmission || command.scene.minContribution > 0 || !command.stats.empty();
-    settings.progress = [&progress](double fraction) { progress.update(fraction); };
-    settings.cancelled = interrupted;
-    return settings;
+    request.progress = [&progress](double fraction) { progress.update(fraction); };
+    request.cancelled = interrupted;
+    return request;
 }
 
 // Faults that the validation layer finds are reported once the picture is written.
-void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded,
-                    const render::RenderSettings& settings, render::Traversal traversal, Outcome& outcome) {
+void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded, const Request& request,
+                    render::Traversal traversal, Outcome& outcome) {
     outcome.device = device.info().name;
     outcome.driver = device.info().driver;
     render::Options options;
     options.traversal = traversal;
-    options.expected = &settings;
+    options.expected = &request;
     render::Renderer renderer(device, loaded.packed, options);
     outcome.traversal = render::nameOf(renderer.traversal());
-    outcome.picture = renderer.render(cameraOf(loaded), settings);
+    outcome.picture = renderer.render(cameraOf(loaded), request);
     outcome.times = renderer.times();
 }
 
-void renderOnHost(const LoadedScene& loaded, const render::RenderSettings& settings, Outcome& outcome) {
+void renderOnHost(const LoadedScene& loaded, const Request& request, Outcome& outcome) {
     const Stopwatch watch;
     outcome.device = "CPU reference (double precision)";
     outcome.driver = counted(defaultThreadCount(), "thread");
-    outcome.picture = verify::renderReference(loaded.packed, cameraOf(loaded), settings);
+    outcome.picture = reference::render(loaded.packed, cameraOf(loaded), request);
     outcome.times.trace = watch.seconds();
 }
 
@@ -252,12 +252,12 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     {
         Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
                           isTerminal(err));
-        const render::RenderSettings settings = settingsOf(command, loaded, region, progress);
+        const Request request = requestOf(command, loaded, region, progress);
         if (command.backend == Backend::Cpu) {
-            renderOnHost(loaded, settings, outcome);
+            renderOnHost(loaded, request, outcome);
         } else {
             device.emplace(opening.get());
-            renderOnDevice(*device, loaded, settings, command.device.traversal, outcome);
+            renderOnDevice(*device, loaded, request, command.device.traversal, outcome);
         }
     }
     if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);

@@ -148,16 +148,16 @@ void checkPixel(const LoadedScene& loaded, std::pair<int, int> pixel) {
 void tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out,
                         std::ostream& err) {
     const gpu::Device device({command.device.selector, command.device.validation});
-    render::RenderSettings settings;
-    settings.width = loaded.scene.image.width;
-    settings.height = loaded.scene.image.height;
+    Request wanted;
+    wanted.width = loaded.scene.image.width;
+    wanted.height = loaded.scene.image.height;
     const auto [x, y] = *command.pixel;
-    settings.region = {x, y, x + 1, y + 1};
-    settings.data = true;
+    wanted.region = {x, y, x + 1, y + 1};
+    wanted.data = true;
     PixelData data;
     {
         render::Renderer renderer(device, loaded.packed, optionsOf(command));
-        data = renderer.render(cameraOf(loaded), settings).data[0];
+        data = renderer.render(cameraOf(loaded), wanted).data[0];
     }
     out << kHeader;
     const bool hit = data.object != PixelData::kNoIndex;

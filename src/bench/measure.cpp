@@ -11,9 +11,9 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/wording.h"
+#include "reference/render.h"
 #include "reference/sampling.h"
 #include "shared/dispatch.h"
-#include "verify/reference_picture.h"
 
 namespace glint::bench {
 
@@ -84,14 +84,14 @@ struct Task {
     const LoadedScene& loaded;
     const Options& options;
     shared::Camera camera;
-    render::RenderSettings settings;
+    Request settings;
 };
 
 Task taskOf(const LoadedScene& loaded, const Options& options) {
     ImageSettings image = loaded.scene.image;
     image.adaptive.reset();
     Task task = {loaded, options, cameraOf(loaded), {}};
-    render::RenderSettings& settings = task.settings;
+    Request& settings = task.settings;
     settings.width = image.width;
     settings.height = image.height;
     settings.samples = packSamples(image, loaded.scene.camera.lensRadius > 0);
@@ -113,7 +113,7 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
         for (int x = 0; x < result.width && !cancelled(); x += stride) {
             for (uint32_t i = 0; i < samples; ++i) {
                 const reference::FilmSample s = reference::filmSample(
-                    *task.settings.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+                    task.settings.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
                 const auto ray = tracer.cameraRay(task.camera, x + s.offset.x, y + s.offset.y, s.lens);
                 const reference::PixelRecord record = tracer.trace(ray);
                 for (size_t k = 0; k < sums.size(); ++k) {
@@ -159,7 +159,7 @@ struct Series {
 };
 
 // The rays of a picture, and where they are of both kinds, what each takes for itself.
-void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, render::RenderSettings settings,
+void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request settings,
                    Result& result) {
     settings.tally = true;
     std::vector<double> mirrored, refracted;
@@ -229,7 +229,7 @@ class Contestant {
 
     render::Renderer renderer_;
     shared::Camera camera_;
-    render::RenderSettings settings_;
+    Request settings_;
     Result result_;
     Series series_;
 };
@@ -290,7 +290,7 @@ void measureOnHost(const Task& task, Result& result) {
     for (int i = 0; i <= task.options.repeats; ++i) {
         task.options.progress(i / (task.options.repeats + 1.0));
         const Stopwatch watch;
-        const Picture picture = verify::renderReference(task.loaded.packed, task.camera, task.settings);
+        const Picture picture = reference::render(task.loaded.packed, task.camera, task.settings);
         if (!picture.complete) stop();
         if (i == 0) {
             result.picture = pictureHash(picture);
@@ -323,7 +323,7 @@ Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::D
         countRays(task, stride, 1, result);
     } else {
         measureOnHost(task, result);
-        countRays(task, 1, task.settings.samples->count(), result);
+        countRays(task, 1, task.settings.samples.count(), result);
         const auto rays = [&](reference::RayClass k) { return result.counted[static_cast<size_t>(k)].rays; };
         result.rays = {rays(reference::RayClass::Primary), rays(reference::RayClass::Shadow),
                        rays(reference::RayClass::Mirrored), rays(reference::RayClass::Refracted)};

@@ -8,7 +8,6 @@
 #include "pack/filter_table.h"
 #include "pack/sample_points.h"
 #include "scene/sampling.h"
-#include "trace/picture.h"
 
 namespace glint {
 
@@ -117,28 +116,6 @@ class SampleMaker {
 };
 
 }  // namespace
-
-uint32_t PackedSamples::count() const {
-    return static_cast<uint32_t>(scattered() ? rows.size() - shared::kFirstSample : offsets.size());
-}
-
-PackedSamples PackedSamples::only(uint32_t index) const {
-    PackedSamples one;
-    if (scattered()) {
-        one.rows.assign(rows.begin(), rows.begin() + shared::kFirstSample);
-        one.rows.push_back(rows[shared::kFirstSample + index]);
-    } else {
-        one.offsets = {offsets[index]};
-    }
-    return one;
-}
-
-PackedSamples PackedSamples::fixed(std::vector<glm::dvec2> offsets) {
-    PackedSamples samples;
-    samples.round = static_cast<uint32_t>(offsets.size());
-    samples.offsets = std::move(offsets);
-    return samples;
-}
 
 PackedSamples packSamples(const ImageSettings& image, bool lens) {
     const bool everywhere = samplerOf(image) == Sampler::Grid && image.filter == Filter::Box &&

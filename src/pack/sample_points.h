@@ -23,7 +23,7 @@ FixedPoint sobolPoint(uint32_t index);
 // columns; each with another one on the lens, paired at random for a `seed`.
 std::vector<FixedCell> stratifiedCells(uint32_t count, uint32_t seed);
 
-// The fixed-point pattern of trace/picture.h's sampleOffsets on the film, paired with its own points in
+// The fixed-point pattern of scene/sampling.h's sampleOffsets on the film, paired with its own points in
 // another order on the lens, at random for a `seed`; the first one is paired with the lens's centre if count
 // is 1.
 std::vector<FixedPoint> gridPoints(uint32_t count, uint32_t seed);

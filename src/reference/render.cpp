@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <mutex>
 
 #include "core/parallel.h"
 #include "reference/sampling.h"
+#include "reference/tracer.h"
 
 namespace glint::reference {
 namespace {
@@ -15,21 +17,24 @@ using glm::dvec3;
 constexpr int kPixelsPerPoll =
     64;  // between two looks at `cancelled`: 64 pixels take well below a tenth of a second
 
-void keepAovs(const PackedScene& scene, const PixelRecord& record, PixelResult& pixel) {
-    pixel.bounces = record.bounces;
-    pixel.cost = record.cost;
-    pixel.pathHash = record.pathHash;
-    pixel.shadowBits = record.shadowBits;
-    pixel.hit = record.hit;
-    if (!record.hit) return;
-    pixel.depth = record.hit->t;
-    pixel.u = record.hit->u;
-    pixel.v = record.hit->v;
-    pixel.position = scene.origin + record.surface->position;
-    pixel.normal = record.surface->shadingNormal;
-    pixel.object = static_cast<int32_t>(record.surface->object);
-    pixel.primitive = static_cast<int32_t>(record.surface->primitive);
-    pixel.material = static_cast<int32_t>(record.surface->material);
+PixelData dataOf(const PackedScene& scene, const PixelRecord& record) {
+    PixelData data;
+    data.bounces = record.bounces;
+    data.cost = static_cast<uint32_t>(
+        std::min<uint64_t>(record.cost, std::numeric_limits<decltype(data.cost)>::max()));
+    data.pathHash = record.pathHash;
+    data.shadowBits = record.shadowBits;
+    if (!record.hit) return data;
+    data.depth = record.hit->t;
+    data.u = static_cast<float>(record.hit->u);
+    data.v = static_cast<float>(record.hit->v);
+    data.position = scene.origin + record.surface->position;
+    data.normal = glm::vec3(record.surface->shadingNormal);
+    data.geometricNormal = glm::vec3(record.surface->geometricNormal);
+    data.object = record.surface->object;
+    data.primitive = record.surface->primitive;
+    data.material = record.surface->material;
+    return data;
 }
 
 void addLosses(const Losses& sample, Losses& pixel) {
@@ -40,71 +45,116 @@ void addLosses(const Losses& sample, Losses& pixel) {
     pixel.crowdedMedia += sample.crowdedMedia;
 }
 
-PixelResult renderPixel(const PackedScene& scene, const Tracer& tracer, const shared::Camera& camera, int x,
-                        int y, const PackedSamples& samples, bool aovs) {
-    PixelResult pixel;
-    std::vector<dvec3> colors;  // of an adaptive pixel
-    const uint32_t most = samples.count();
-    while (pixel.samples < most) {
-        const FilmSample s =
-            filmSample(samples, pixel.samples, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-        const PixelRecord record =
-            tracer.trace(tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens));
-        pixel.color += s.weight * record.color;
-        pixel.alpha += s.weight * record.alpha;
-        addLosses(record.lost, pixel.lost);
-        if (pixel.samples == 0 && aovs) keepAovs(scene, record, pixel);
-        ++pixel.samples;
-        if (!samples.threshold) continue;
-        colors.push_back(record.color);
-        if (pixel.samples % samples.round == 0 && !needsMore(colors, *samples.threshold)) break;
+// Bounds are of the mean of the samples.
+TreeLosses lossesOf(const Losses& pixel, double taken) {
+    TreeLosses losses;
+    losses.cut.add(pixel.cut.count, pixel.cut.bound / taken);
+    losses.depth.add(pixel.depth.count, pixel.depth.bound / taken);
+    losses.room.add(pixel.room.count, pixel.room.bound / taken);
+    losses.crowdedMedia = pixel.crowdedMedia;
+    return losses;
+}
+
+// Fills the pictures' rows, which any thread may do.
+class RowRenderer {
+  public:
+    RowRenderer(const PackedScene& scene, const shared::Camera& camera, const Request& request,
+                Picture& picture)
+        : scene_(scene), tracer_(scene), camera_(camera), samples_(request.samples), picture_(picture) {}
+
+    // Everything but colour, alpha and the losses comes from the first sample.
+    TreeLosses pixel(int x, int y) const {
+        const size_t index = picture_.indexOf(x, y);
+        dvec3 color(0);
+        double alpha = 0;
+        Losses lost;
+        std::vector<dvec3> colors;  // of an adaptive pixel
+        uint32_t taken = 0;
+        while (taken < samples_.count()) {
+            const FilmSample s =
+                filmSample(samples_, taken, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+            const PixelRecord record =
+                tracer_.trace(tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens));
+            color += s.weight * record.color;
+            alpha += s.weight * record.alpha;
+            addLosses(record.lost, lost);
+            if (taken == 0 && !picture_.data.empty()) picture_.data[index] = dataOf(scene_, record);
+            ++taken;
+            if (!samples_.threshold) continue;
+            colors.push_back(record.color);
+            if (taken % samples_.round == 0 && !needsMore(colors, *samples_.threshold)) break;
+        }
+        const double count = std::max(taken, 1u);
+        const glm::dvec4 mean(color / count, alpha / count);
+        for (int c = 0; c < 4; ++c) picture_.color.pixels[index * 4 + c] = static_cast<float>(mean[c]);
+        if (!picture_.exact.empty()) picture_.exact[index] = mean;
+        if (!picture_.samples.empty()) picture_.samples[index] = taken;
+        return lossesOf(lost, count);
     }
-    const double taken = std::max(pixel.samples, 1u);
-    pixel.color /= taken;
-    pixel.alpha /= taken;
-    for (const auto kind : {&Losses::cut, &Losses::depth, &Losses::room}) (pixel.lost.*kind).bound /= taken;
-    return pixel;
+
+  private:
+    const PackedScene& scene_;
+    Tracer tracer_;
+    const shared::Camera& camera_;
+    const PackedSamples& samples_;
+    Picture& picture_;
+};
+
+// What a cancelled render had begun of a row is taken back.
+void clearRow(Picture& picture, int y) {
+    const auto first = static_cast<std::ptrdiff_t>(picture.indexOf(picture.region.x0, y));
+    const std::ptrdiff_t width = picture.region.width();
+    std::fill_n(picture.color.pixels.begin() + first * 4, width * 4, 0.0f);
+    if (!picture.data.empty()) std::fill_n(picture.data.begin() + first, width, PixelData());
+    if (!picture.exact.empty()) std::fill_n(picture.exact.begin() + first, width, glm::dvec4(0));
+    if (!picture.samples.empty()) std::fill_n(picture.samples.begin() + first, width, 0u);
+}
+
+// Row after row, so that sums do not depend on the threads.
+void sumUp(const std::vector<TreeLosses>& rows, Picture& picture) {
+    const Region& region = picture.region;
+    for (int y = region.y0; y < region.y1; ++y) {
+        if (!picture.done[picture.indexOf(region.x0, y)]) {
+            picture.complete = false;
+            clearRow(picture, y);
+            continue;
+        }
+        picture.losses.add(rows[static_cast<size_t>(y - region.y0)]);
+        for (int x = region.x0; x < region.x1; ++x) picture.checkFinite(x, y);
+    }
 }
 
 }  // namespace
 
-RenderResult render(const PackedScene& scene, const shared::Camera& camera, int width, int height,
-                    const RenderOptions& options) {
-    RenderResult result;
-    result.x0 = std::clamp(options.x0, 0, width);
-    result.y0 = std::clamp(options.y0, 0, height);
-    const int x1 = options.x1 < 0 ? width : std::clamp(options.x1, result.x0, width);
-    const int y1 = options.y1 < 0 ? height : std::clamp(options.y1, result.y0, height);
-    result.width = std::max(x1 - result.x0, 0);
-    result.height = std::max(y1 - result.y0, 0);
-    result.pixels.resize(static_cast<size_t>(result.width) * result.height);
-    result.rowsDone.resize(result.height, 0);
-
-    const Tracer tracer(scene);
-    const PackedSamples samples =
-        options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
+Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
+               unsigned threads) {
+    Picture picture = blankPicture(request);
+    const Region region = picture.region;
+    if (region.width() == 0) return picture;
+    const RowRenderer renderer(scene, camera, request, picture);
+    std::vector<TreeLosses> rows(static_cast<size_t>(region.height()));
     std::atomic<bool> stop{false};
     std::mutex progressMutex;
     int rowsFinished = 0;
     parallelFor(
-        static_cast<size_t>(result.height),
+        rows.size(),
         [&](size_t row) {
-            PixelResult* pixels = result.pixels.data() + row * result.width;
-            for (int x = 0; x < result.width; ++x) {
-                if (x % kPixelsPerPoll == 0 && options.cancelled && !stop && options.cancelled()) stop = true;
+            const int y = region.y0 + static_cast<int>(row);
+            for (int x = region.x0; x < region.x1; ++x) {
+                const bool poll = (x - region.x0) % kPixelsPerPoll == 0;
+                if (poll && request.cancelled && !stop && request.cancelled()) stop = true;
                 if (stop) return;
-                pixels[x] = renderPixel(scene, tracer, camera, result.x0 + x,
-                                        result.y0 + static_cast<int>(row), samples, options.aovs);
+                rows[row].add(renderer.pixel(x, y));
             }
-            result.rowsDone[row] = 1;
-            if (!options.progress) return;
+            std::fill_n(picture.done.begin() + static_cast<std::ptrdiff_t>(picture.indexOf(region.x0, y)),
+                        region.width(), uint8_t{1});
+            if (!request.progress) return;
             const std::lock_guard lock(progressMutex);
-            options.progress(static_cast<double>(++rowsFinished) / result.height);
+            request.progress(static_cast<double>(++rowsFinished) / region.height());
         },
-        options.threads);
-    result.complete =
-        std::all_of(result.rowsDone.begin(), result.rowsDone.end(), [](uint8_t done) { return done; });
-    return result;
+        threads);
+    sumUp(rows, picture);
+    return picture;
 }
 
 }  // namespace glint::reference

@@ -87,7 +87,7 @@ struct Lost {
     double bound = 0;
 };
 
-// See TreeLosses in scene/picture.h.
+// See TreeLosses in trace/picture.h.
 struct Losses {
     Lost cut, depth, room;
     uint32_t crowdedMedia = 0;

@@ -84,6 +84,18 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
 
 }  // namespace
 
+TraceModes modesOf(const Request& request) {
+    TraceModes modes;
+    modes.cost = request.cost;
+    modes.aovs = request.wantsData();
+    modes.shadowless = !request.shadows;
+    modes.ledger = request.ledger;
+    modes.tally = request.tally;
+    modes.scattered = request.samples.scattered();
+    modes.adaptive = request.samples.threshold.has_value();
+    return modes;
+}
+
 uint32_t raysOfLane(KernelId id) {
     switch (id) {
         case KernelId::PacketIntersect:

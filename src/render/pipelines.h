@@ -9,6 +9,7 @@
 #include "render/kernels.h"
 #include "render/scene_buffers.h"
 #include "render/traversal_choice.h"
+#include "trace/request.h"
 
 namespace glint::render {
 
@@ -35,6 +36,7 @@ struct TraceModes {
     bool scattered = false, adaptive = false, tally = false;
     auto operator<=>(const TraceModes&) const = default;
 };
+TraceModes modesOf(const Request& request);
 
 class Pipelines {
   public:

@@ -16,7 +16,6 @@
 #include "render/path_state.h"
 #include "render/pipelines.h"
 #include "render/scene_buffers.h"
-#include "render/settings.h"
 
 namespace glint::render {
 
@@ -79,7 +78,7 @@ struct Renderer::State {
           pipelines(dev, kernelsFor(opts, access), access, features, packed.methods,
                     {traversal.nodes, opts.stack}),
           submission(dev) {
-        if (opts.expected) startTranslating(modesOf(*opts.expected, samplesOf(*opts.expected)));
+        if (opts.expected) startTranslating(modesOf(*opts.expected));
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access, traversal);
         environment = scene.environment;
@@ -105,13 +104,13 @@ struct Renderer::State {
     gpu::Kernel translated(KernelId id, const TraceModes& modes);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
     void setEnvironment(const shared::Environment& wanted);
-    shared::Environment environmentOf(const shared::Camera& camera, const RenderSettings& settings) const;
-    bool renderSlice(const Slice& slice, const RenderSettings& settings, const PackedSamples& samples,
-                     const TraceModes& modes, double progressFrom, double progressTo);
+    shared::Environment environmentOf(const shared::Camera& camera, const Request& request) const;
+    bool renderSlice(const Slice& slice, const Request& request, const TraceModes& modes, double progressFrom,
+                     double progressTo);
     // After a sample of an adaptive picture; false if no pixel goes on.
     bool adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
                const TraceModes& modes);
-    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const RenderSettings& settings,
+    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
                       const TraceModes& modes);
     void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
@@ -136,9 +135,9 @@ void Renderer::State::setEnvironment(const shared::Environment& wanted) {
 }
 
 shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
-                                                   const RenderSettings& settings) const {
+                                                   const Request& request) const {
     shared::Environment wanted = scene.environment;
-    if (settings.maxDepth) wanted.maxDepth = *settings.maxDepth;
+    if (request.maxDepth) wanted.maxDepth = *request.maxDepth;
     if (scene.features.transmission) {
         const glm::uvec4 media = mediaAt(scene, glm::dvec3(camera.eye));
         wanted.eyeMedium0 = media.x;
@@ -205,7 +204,7 @@ std::vector<KernelId> Renderer::State::kernelsOf(const TraceModes& modes) const 
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
         if (id == KernelId::Light && scene.environment.lightCount == 0) continue;
         if (traversal.packets) kernels.push_back(packetKernel(id));
-        if (!traversal.packets || scene.features.mirrors) kernels.push_back(id);
+        if (!traversal.packets || features.mirrors) kernels.push_back(id);
     }
     if (modes.adaptive) kernels.push_back(KernelId::Adapt);
     return kernels;
@@ -269,9 +268,9 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
     }
 }
 
-bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch,
-                                   const RenderSettings& settings, const TraceModes& modes) {
-    const auto cancelled = [&] { return settings.cancelled && settings.cancelled(); };
+bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
+                                   const TraceModes& modes) {
+    const auto cancelled = [&] { return request.cancelled && request.cancelled(); };
     record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
     LivePaths live(options.compaction, slice.paths());
@@ -308,9 +307,9 @@ bool Renderer::State::adapt(const Slice& slice, shared::Dispatch dispatch, const
     return counter()[shared::kCounterFlagged] != 0;
 }
 
-bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& settings,
-                                  const PackedSamples& samples, const TraceModes& modes, double progressFrom,
-                                  double progressTo) {
+bool Renderer::State::renderSlice(const Slice& slice, const Request& request, const TraceModes& modes,
+                                  double progressFrom, double progressTo) {
+    const PackedSamples& samples = request.samples;
     longestInSlice = 0;
     ++times.slices;
     shared::Dispatch dispatch = dispatchFor(slice);
@@ -318,10 +317,10 @@ bool Renderer::State::renderSlice(const Slice& slice, const RenderSettings& sett
     for (uint32_t i = 0; i < count; ++i) {
         dispatch.sampleIndex = i;
         if (!modes.scattered) dispatch.sampleOffset = glm::vec3(samples.offsets[i], 0.0);
-        if (!renderSample(slice, dispatch, settings, modes)) return false;
+        if (!renderSample(slice, dispatch, request, modes)) return false;
         if (modes.adaptive && !adapt(slice, dispatch, samples, modes)) break;
-        if (settings.progress)
-            settings.progress(progressFrom + (progressTo - progressFrom) * (i + 1.0) / count);
+        if (request.progress)
+            request.progress(progressFrom + (progressTo - progressFrom) * (i + 1.0) / count);
     }
     return true;
 }
@@ -395,25 +394,20 @@ uint64_t Renderer::codeBytes() const {
     return state_->pipelines.codeBytes();
 }
 
-Picture Renderer::render(const shared::Camera& camera, const RenderSettings& settings) {
+Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     State& s = *state_;
     const bool parallel = camera.originStepX != glm::vec3(0) || camera.originStepY != glm::vec3(0);
-    if (parallel && s.options.leaveOut && !s.scene.features.parallelCamera)
-        throw std::invalid_argument("a parallel camera, but the scene's features have none");
-    Picture picture;
-    picture.region = wholeOrGiven(settings);
-    const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();
-    picture.color = Image(picture.region.width(), picture.region.height(), 4);
-    picture.done.assign(pixels, 0);
-    const PackedSamples samples = samplesOf(settings);
-    const TraceModes modes = modesOf(settings, samples);
-    picture.samplesPerPixel = samples.count();
-    if (modes.adaptive) picture.samples.assign(pixels, 0);
-    if (modes.aovs) picture.data.resize(pixels);
+    if (parallel && !s.features.parallelCamera)
+        throw std::invalid_argument("a parallel camera, but the pipeline has no code for one");
+    Picture picture = blankPicture(request);
+    const size_t pixels = picture.done.size();
+    if (pixels == 0) return picture;
+    const PackedSamples& samples = request.samples;
+    const TraceModes modes = modesOf(request);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
-    const shared::Environment environment = s.environmentOf(camera, settings);
+    const shared::Environment environment = s.environmentOf(camera, request);
     const uint32_t rows = pathRows(s.features, modes, environment.maxDepth);
     const uint32_t limit =
         fittingPaths(s.device.info(), s.access,
@@ -436,7 +430,7 @@ Picture Renderer::render(const shared::Camera& camera, const RenderSettings& set
         const double from = static_cast<double>(first) / tiles;
         const double to = static_cast<double>(first + slice.tileCount) / tiles;
         const Stopwatch watch;
-        if (!s.renderSlice(slice, settings, samples, modes, from, to)) {
+        if (!s.renderSlice(slice, request, modes, from, to)) {
             picture.complete = false;
             return picture;
         }

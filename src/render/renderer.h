@@ -11,16 +11,14 @@
 
 #include "gpu/compute.h"
 #include "gpu/device.h"
-#include "pack/pack_samples.h"
 #include "pack/packed_scene.h"
 #include "render/kernels.h"
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "trace/picture.h"
+#include "trace/request.h"
 
 namespace glint::render {
-
-struct RenderSettings;
 
 struct Options {
     double sliceSeconds = 0.1;    // aim for the longest single submission
@@ -39,7 +37,7 @@ struct Options {
     bool doublePrecision = false;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
     // A picture that will be asked for: its kernels are translated while the arrays are uploaded.
-    const RenderSettings* expected = nullptr;
+    const Request* expected = nullptr;
 };
 
 // Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the
@@ -50,32 +48,17 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0,
                           bool alphaMask = false);
 
-struct RenderSettings {
-    int width = 0, height = 0;  // of the whole picture
-    Region region;              // the part wanted; all zero: everything
-    std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};
-    std::optional<PackedSamples> samples;  // instead of sampleOffsets; a lens needs it, or stays a pinhole
-    bool data = false;                     // fill Picture::data
-    bool cost = false;                     // count boxes and primitives (PixelData::cost); implies data
-    bool shadows = true;                   // false: lights shine through everything
-    bool ledger = false;                   // fill Picture::losses, and obey Environment::minContribution
-    bool tally = false;                    // fill Renderer::rays, which takes time on the device
-    std::optional<uint32_t> maxDepth;  // instead of the scene's; 0 if the scene was packed without mirrors
-    std::function<void(double)> progress;  // 0..1
-    std::function<bool()> cancelled;       // asked between submissions
-};
-
 // Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless
 // Options::profile; `shadow` is the kernel that also shades what its light reaches; `secondary`: reflected
 // and refracted rays together; `mirrored` and `refracted`: apart, each in dispatches of its own, of pictures
-// with RenderSettings::tally whose pipeline knows transmission.
+// with Request::tally whose pipeline knows transmission.
 struct KernelTimes {
     double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0;
     double mirrored = 0, refracted = 0;
 };
 
-// Rays that were cast, of complete pictures with RenderSettings::tally.
+// Rays that were cast, of complete pictures with Request::tally.
 struct RayCounts {
     uint64_t primary = 0, shadow = 0, mirrored = 0, refracted = 0;
 };
@@ -116,8 +99,9 @@ class Renderer {
     Renderer(Renderer&&) noexcept;
 
     // A cancelled render returns with complete = false and what was finished by then. Throws
-    // std::invalid_argument for a parallel camera if the scene's features leave it out.
-    Picture render(const shared::Camera& camera, const RenderSettings& settings);
+    // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
+    // nor Options::also have it.
+    Picture render(const shared::Camera& camera, const Request& request);
 
     // Call after changing `lights` (no more than there were at construction) or `environment` of the scene.
     void refreshLighting();

@@ -130,28 +130,30 @@ double SceneSweep::work(const Batch& batch, const SceneReport& report) const {
     return sum;
 }
 
-PackedSamples SceneSweep::samplesOf(Sampler sampler, int spp, uint32_t seed) const {
+Request SceneSweep::requestFor(Sampler sampler, int spp, uint32_t seed) const {
     ImageSettings image = loaded_.scene.image;
     image.sampler = sampler;
     image.samplesPerPixel = spp;
     image.seed = seed;
-    return packSamples(image, loaded_.scene.camera.lensRadius > 0);
+    Request request;
+    request.width = image.width;
+    request.height = image.height;
+    request.samples = packSamples(image, loaded_.scene.camera.lensRadius > 0);
+    request.cancelled = limits_.cancelled;
+    return request;
 }
 
 const SceneSweep::Truth* SceneSweep::truthOf(Sampler sampler, int spp, uint32_t seed) {
     const auto key = std::make_tuple(sampler, spp, seed);
     if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
-    const ImageSettings& image = loaded_.scene.image;
-    reference::RenderOptions options;
-    options.samples = samplesOf(sampler, spp, seed);
-    options.cancelled = limits_.cancelled;
-    const reference::RenderResult result =
-        reference::render(loaded_.packed, camera_, image.width, image.height, options);
-    if (!result.complete) return nullptr;
+    Request request = requestFor(sampler, spp, seed);
+    request.data = request.exact = true;
+    const Picture picture = reference::render(loaded_.packed, camera_, request);
+    if (!picture.complete) return nullptr;
     Truth truth;
-    for (const reference::PixelResult& pixel : result.pixels) {
-        truth.colors.push_back(pixel.color);
-        truth.paths.push_back(pixel.pathHash);
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        truth.colors.emplace_back(picture.exact[i]);
+        truth.paths.push_back(picture.data[i].pathHash);
     }
     return &truths_.emplace(key, std::move(truth)).first->second;
 }
@@ -162,12 +164,8 @@ const SceneSweep::Truth* SceneSweep::converged() {
     if (limits_.truth == Backend::Cpu) return truthOf(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
     if (deviceTruth_) return deviceTruth_.get();
     render::Renderer renderer(device_, loaded_.packed);
-    render::RenderSettings settings;
-    settings.width = loaded_.scene.image.width;
-    settings.height = loaded_.scene.image.height;
-    settings.samples = samplesOf(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
-    settings.cancelled = limits_.cancelled;
-    const Picture picture = renderer.render(camera_, settings);
+    const Request request = requestFor(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
+    const Picture picture = renderer.render(camera_, request);
     if (!picture.complete) return nullptr;
     deviceTruth_ = std::make_unique<Truth>();
     for (size_t i = 0; i < picture.done.size(); ++i) deviceTruth_->colors.push_back(colorOf(picture, i));
@@ -206,18 +204,14 @@ bool SceneSweep::judge(Run& run, const Picture& picture) {
 
 bool SceneSweep::renderOnce(Run& run, bool timed) {
     const Configuration& c = run.configuration;
-    render::RenderSettings settings;
-    settings.width = loaded_.scene.image.width;
-    settings.height = loaded_.scene.image.height;
-    settings.samples = samplesOf(c.sampler, c.spp, loaded_.scene.image.seed);
-    settings.data = true;  // the error by paths and the time come from one run
-    settings.ledger = c.minContribution > 0;
-    settings.maxDepth = c.maxDepth;
-    settings.cancelled = limits_.cancelled;
+    Request request = requestFor(c.sampler, c.spp, loaded_.scene.image.seed);
+    request.data = true;  // the error by paths and the time come from one run
+    request.ledger = c.minContribution > 0;
+    request.maxDepth = c.maxDepth;
     render::Renderer& renderer = *run.machine->renderer;
     const render::StageTimes before = renderer.times();
     const Stopwatch watch;
-    const Picture picture = renderer.render(camera_, settings);
+    const Picture picture = renderer.render(camera_, request);
     if (!picture.complete) return false;
     const render::StageTimes& after = renderer.times();
     const double compile = after.compile - before.compile;

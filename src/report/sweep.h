@@ -49,7 +49,7 @@ class SceneSweep {
     struct Run;
     struct Machine;
 
-    PackedSamples samplesOf(Sampler sampler, int spp, uint32_t seed) const;
+    Request requestFor(Sampler sampler, int spp, uint32_t seed) const;
     const Truth* truthOf(Sampler sampler, int spp, uint32_t seed);  // null: cancelled
     const Truth* converged();
     Machine& machineOf(const Configuration& configuration);

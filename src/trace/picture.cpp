@@ -62,8 +62,7 @@ bool isFinite(const float* color) {
 }  // namespace
 
 void Picture::checkFinite(int x, int y) {
-    const size_t index = static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0);
-    if (isFinite(&color.pixels[index * 4])) return;
+    if (isFinite(&color.pixels[indexOf(x, y) * 4])) return;
     const bool first = notFinite++ == 0;
     if (first || std::pair(y, x) < std::pair(firstNotFinite.y, firstNotFinite.x)) firstNotFinite = {x, y};
 }

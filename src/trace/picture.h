@@ -48,6 +48,12 @@ struct LostBranches {
         sum += bound;
         greatest = bound > greatest ? bound : greatest;
     }
+    // Of other pixels.
+    void add(const LostBranches& other) {
+        count += other.count;
+        sum += other.sum;
+        greatest = other.greatest > greatest ? other.greatest : greatest;
+    }
 };
 
 // What a picture lacks of the whole tree of rays.
@@ -57,13 +63,23 @@ struct TreeLosses {
     LostBranches room;   // more than could wait at a time
     uint64_t crowdedMedia =
         0;  // surfaces that a ray passed as if they were not there: it was in too many media
+    // Of other pixels.
+    void add(const TreeLosses& other) {
+        cut.add(other.cut);
+        depth.add(other.depth);
+        room.add(other.room);
+        crowdedMedia += other.crowdedMedia;
+    }
 };
 
 struct Picture {
     Region region;
     Image color;                  // region-sized, 4 channels: linear radiance and alpha
     std::vector<PixelData> data;  // region-sized, rows top to bottom; empty unless asked for
-    std::vector<uint8_t> done;    // per pixel: finished; all 1 unless the render was cancelled
+    // The colours and alpha as they were before rounding to `color`, of the reference; empty unless asked for
+    // (Request::exact).
+    std::vector<glm::dvec4> exact;
+    std::vector<uint8_t> done;  // per pixel: finished; all 1 unless the render was cancelled
     bool complete = true;
     std::vector<uint32_t> samples;  // per pixel, taken; empty if all pixels took samplesPerPixel
     uint32_t samplesPerPixel = 1;
@@ -75,9 +91,12 @@ struct Picture {
     // Counts the pixel if its colour is not finite.
     void checkFinite(int x, int y);
 
-    const PixelData& at(int x, int y) const {
-        return data[static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0)];
+    // Where a pixel of the whole picture stands in the arrays.
+    size_t indexOf(int x, int y) const {
+        return static_cast<size_t>(y - region.y0) * region.width() + (x - region.x0);
     }
+    const PixelData& at(int x, int y) const { return data[indexOf(x, y)]; }
+    glm::dvec3 exactAt(int x, int y) const { return glm::dvec3(exact[indexOf(x, y)]); }
 };
 
 // Turns colours that are not finite black, whole pixels, so that no file holds NaN or infinity for a colour.

@@ -149,14 +149,14 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
     const uint32_t count = samples.round;
     for (uint32_t sample = 0; sample < count; ++sample) {
-        render::RenderSettings settings;
-        settings.width = options.width;
-        settings.height = options.height;
-        settings.samples = samples.only(sample);
-        settings.data = true;
-        settings.ledger = scene.environment.minContribution > 0;
-        settings.cancelled = options.cancelled;
-        const Picture device = renderer.render(camera, settings);
+        Request request;
+        request.width = options.width;
+        request.height = options.height;
+        request.samples = samples.only(sample);
+        request.data = true;
+        request.ledger = scene.environment.minContribution > 0;
+        request.cancelled = options.cancelled;
+        const Picture device = renderer.render(camera, request);
         const Comparison comparison(scene, camera, options, device, samples, sample);
         std::vector<RowSums> rows(options.height);
         std::mutex mutex;

@@ -42,20 +42,20 @@ SaveRequest saveRequest(const Session& session, const std::filesystem::path& fil
 }
 
 std::string save(const gpu::Device& device, SaveRequest request, JobControl& control) {
-    render::RenderSettings settings;
-    settings.width = request.width;
-    settings.height = request.height;
+    Request wanted;
+    wanted.width = request.width;
+    wanted.height = request.height;
     ImageSettings image = request.scene->scene.image;
     image.samplesPerPixel = request.samplesPerPixel;
     const std::string conflict = samplingConflict(image);
     if (!conflict.empty()) return "not saved: " + conflict;
-    settings.samples = packSamples(image, false);  // the window's camera is a pinhole
-    settings.data = settings.cost = isExr(request.file);
-    settings.shadows = request.shadows;
-    settings.progress = [&](double fraction) { control.progress = fraction; };
-    settings.cancelled = [&] { return control.cancelled.load(); };
+    wanted.samples = packSamples(image, false);  // the window's camera is a pinhole
+    wanted.data = wanted.cost = isExr(request.file);
+    wanted.shadows = request.shadows;
+    wanted.progress = [&](double fraction) { control.progress = fraction; };
+    wanted.cancelled = [&] { return control.cancelled.load(); };
     render::Renderer renderer(device, request.packed, backgroundOptions());
-    Picture picture = renderer.render(request.camera, settings);
+    Picture picture = renderer.render(request.camera, wanted);
     if (!picture.complete) return "saving stopped";
     if (!isExr(request.file) && request.exposure != 0) {
         const auto gain = static_cast<float>(std::exp2(request.exposure));

@@ -124,17 +124,17 @@ Picture Session::render(int width, int height, const Region& region, const glm::
                         const std::function<bool()>& cancelled) {
     const Stopwatch watch;
     const render::StageTimes before = renderer_.times();
-    render::RenderSettings settings;
-    settings.width = width;
-    settings.height = height;
-    settings.region = region;
-    settings.sampleOffsets = {offset};
-    settings.data = needsData(settings_.layer);
-    settings.cost = settings_.layer == ViewLayer::Cost;
-    settings.shadows = settings_.shadows;
-    settings.maxDepth = static_cast<uint32_t>(depth);
-    settings.cancelled = cancelled;
-    Picture picture = renderer_.render(packCamera(camera_, width, height, packed_.origin), settings);
+    Request wanted;
+    wanted.width = width;
+    wanted.height = height;
+    wanted.region = region;
+    wanted.samples = PackedSamples::fixed({offset});
+    wanted.data = needsData(settings_.layer);
+    wanted.cost = settings_.layer == ViewLayer::Cost;
+    wanted.shadows = settings_.shadows;
+    wanted.maxDepth = static_cast<uint32_t>(depth);
+    wanted.cancelled = cancelled;
+    Picture picture = renderer_.render(packCamera(camera_, width, height, packed_.origin), wanted);
     facts_.times = since(renderer_.times(), before);
     facts_.width = width;
     facts_.height = height;
@@ -223,13 +223,13 @@ Canvas Session::canvas(double exposure) const {
 }
 
 PixelData Session::pixel(int x, int y) {
-    render::RenderSettings settings;
-    settings.width = width_;
-    settings.height = height_;
-    settings.region = {x, y, x + 1, y + 1};
-    settings.data = true;
-    settings.shadows = settings_.shadows;
-    return renderer_.render(packedCamera(), settings).data[0];
+    Request wanted;
+    wanted.width = width_;
+    wanted.height = height_;
+    wanted.region = {x, y, x + 1, y + 1};
+    wanted.data = true;
+    wanted.shadows = settings_.shadows;
+    return renderer_.render(packedCamera(), wanted).data[0];
 }
 
 }  // namespace glint::view

@@ -66,7 +66,7 @@ class Session {
 
     // A coarse picture of the whole view at `scale` of its size. False if it was there already.
     bool renderMoving(double scale, int depth);
-    // The next piece of the full picture, `seconds` long or so; `cancelled` as in RenderSettings. False if
+    // The next piece of the full picture, `seconds` long or so; `cancelled` as in Request. False if
     // there is nothing left to do.
     bool refine(double seconds, const std::function<bool()>& cancelled);
     bool finished() const;

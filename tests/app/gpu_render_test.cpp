@@ -62,15 +62,16 @@ TEST_F(GpuRender, CropIsThePartOfTheWhole) {
 std::vector<int> objectsAt(double dx, double dy) {
     const Scene scene = loadScene("a.json");
     const PackedScene packed = packScene(scene);
-    reference::RenderOptions options;
-    options.sampleOffsets = {{0.5 + dx, 0.5 + dy}};
+    Request request;
+    request.width = scene.image.width;
+    request.height = scene.image.height;
+    request.samples = PackedSamples::fixed({{0.5 + dx, 0.5 + dy}});
+    request.data = true;
     const shared::Camera camera =
         packCamera(scene.camera, scene.image.width, scene.image.height, packed.origin);
     std::vector<int> objects;
-    for (const auto& pixel :
-         reference::render(packed, camera, scene.image.width, scene.image.height, options).pixels) {
-        objects.push_back(pixel.object);
-    }
+    for (const PixelData& pixel : reference::render(packed, camera, request).data)
+        objects.push_back(static_cast<int>(pixel.object));
     return objects;
 }
 

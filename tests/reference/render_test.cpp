@@ -39,24 +39,43 @@ class ReferenceRender : public testing::Test {
         camera_.halfHeight = kHeight / 2.0f;
         camera_.farT = shared::kInfinity;
     }
-    RenderResult draw(const RenderOptions& options = {}) const {
-        return render(scene_, camera_, kWidth, kHeight, options);
+    static Request whole() {
+        Request request;
+        request.width = kWidth;
+        request.height = kHeight;
+        request.data = request.exact = true;
+        return request;
+    }
+    Picture draw(const Request& request = whole(), unsigned threads = 0) const {
+        return render(scene_, camera_, request, threads);
     }
     PackedScene scene_;
     shared::Camera camera_;
 };
 
-void expectSame(const PixelResult& a, const PixelResult& b) {
-    EXPECT_EQ(a.color, b.color);
-    EXPECT_EQ(a.alpha, b.alpha);
-    EXPECT_EQ(a.depth, b.depth);
-    EXPECT_EQ(a.position, b.position);
-    EXPECT_EQ(a.normal, b.normal);
-    EXPECT_EQ(a.object, b.object);
-    EXPECT_EQ(a.pathHash, b.pathHash);
-    EXPECT_EQ(a.shadowBits, b.shadowBits);
-    EXPECT_EQ(a.cost, b.cost);
-    EXPECT_EQ(a.hit, b.hit);
+// Pixel (x, y) of the whole picture.
+void expectSame(const Picture& a, const Picture& b, int x, int y) {
+    const size_t i = a.indexOf(x, y), k = b.indexOf(x, y);
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(a.color.pixels[i * 4 + c], b.color.pixels[k * 4 + c]);
+    EXPECT_EQ(a.exact[i], b.exact[k]);
+    const PixelData &p = a.data[i], &q = b.data[k];
+    EXPECT_EQ(p.depth, q.depth);
+    EXPECT_EQ(p.position, q.position);
+    EXPECT_EQ(p.normal, q.normal);
+    EXPECT_EQ(p.geometricNormal, q.geometricNormal);
+    EXPECT_EQ(p.u, q.u);
+    EXPECT_EQ(p.v, q.v);
+    EXPECT_EQ(p.object, q.object);
+    EXPECT_EQ(p.primitive, q.primitive);
+    EXPECT_EQ(p.material, q.material);
+    EXPECT_EQ(p.bounces, q.bounces);
+    EXPECT_EQ(p.pathHash, q.pathHash);
+    EXPECT_EQ(p.shadowBits, q.shadowBits);
+    EXPECT_EQ(p.cost, q.cost);
+}
+void expectSame(const Picture& a, const Picture& b) {
+    for (int y = a.region.y0; y < a.region.y1; ++y)
+        for (int x = a.region.x0; x < a.region.x1; ++x) expectSame(a, b, x, y);
 }
 
 TEST_F(ReferenceRender, CameraRaysGoThroughTheFilm) {
@@ -102,39 +121,40 @@ TEST_F(ReferenceRender, CameraRaysKnowTheirCancellation) {
 }
 
 TEST_F(ReferenceRender, AovsAreWhatTheRaySees) {
-    const RenderResult result = draw();
-    ASSERT_TRUE(result.complete);
+    const Picture picture = draw();
+    ASSERT_TRUE(picture.complete);
     const Tracer tracer(scene_);
     int seen[4] = {0, 0, 0, 0};
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
-            const PixelResult& pixel = result.at(x, y);
-            const Ray ray = tracer.cameraRay(camera_, x + .5, y + .5);
-            ++seen[pixel.object + 1];
-            EXPECT_EQ(pixel.color, tracer.trace(ray).color);
-            EXPECT_EQ(pixel.pathHash, tracer.trace(ray).pathHash);
-            if (pixel.object < 0) {
-                EXPECT_EQ(pixel.alpha, 0);
+            const PixelData& pixel = picture.at(x, y);
+            const PixelRecord record = tracer.trace(tracer.cameraRay(camera_, x + .5, y + .5));
+            ++seen[pixel.object + 1];  // kNoIndex + 1 is 0
+            EXPECT_EQ(picture.exactAt(x, y), record.color);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_EQ(picture.color.at(x, y, c), static_cast<float>(record.color[c]));
+            EXPECT_EQ(pixel.pathHash, record.pathHash);
+            EXPECT_EQ(pixel.cost, record.cost);
+            EXPECT_EQ(picture.color.at(x, y, 3), record.hit ? 1 : 0);
+            if (!record.hit) {
+                EXPECT_EQ(pixel.object, PixelData::kNoIndex);
                 EXPECT_EQ(pixel.depth, std::numeric_limits<double>::infinity());
                 EXPECT_EQ(pixel.position, dvec3(0));
-                EXPECT_EQ(pixel.material, -1);
-                EXPECT_EQ(pixel.primitive, -1);
-                EXPECT_EQ(pixel.color, dvec3(vec3(.1f, .2f, .3f)));
+                EXPECT_EQ(pixel.material, PixelData::kNoIndex);
+                EXPECT_EQ(pixel.primitive, PixelData::kNoIndex);
+                EXPECT_EQ(picture.exactAt(x, y), dvec3(vec3(.1f, .2f, .3f)));
                 continue;
             }
-            EXPECT_EQ(pixel.alpha, 1);
             EXPECT_NEAR(glm::length(pixel.position - scene_.origin), pixel.depth, 1e-8)
                 << "an ulp at 3e6 is 5e-10";
-            EXPECT_NEAR(glm::length(pixel.normal), 1, 1e-15);
-            EXPECT_EQ(pixel.primitive, 0);
-            EXPECT_EQ(pixel.material, pixel.object == 0 ? 0 : 1);
+            EXPECT_EQ(pixel.normal, vec3(record.surface->shadingNormal));
+            EXPECT_EQ(pixel.geometricNormal, vec3(record.surface->geometricNormal));
+            EXPECT_EQ(pixel.primitive, 0u);
+            EXPECT_EQ(pixel.material, pixel.object == 0 ? 0u : 1u);
             if (pixel.object == 0) {
-                EXPECT_EQ(pixel.normal, dvec3(0, 1, 0));
-            }
-            if (pixel.object == 0) {
+                EXPECT_EQ(pixel.normal, vec3(0, 1, 0));
                 EXPECT_EQ(pixel.bounces, 0u);
-            }
-            if (pixel.object != 0) {
+            } else {
                 EXPECT_GE(pixel.bounces, 1u);
             }
             if (pixel.object != 2) {
@@ -145,92 +165,117 @@ TEST_F(ReferenceRender, AovsAreWhatTheRaySees) {
     for (const int count : seen) EXPECT_GT(count, 5);
 }
 
+// A triangle whose vertex normals lean to one side: the two normals are not the same.
+TEST_F(ReferenceRender, GeometricNormalIsNotTheShadingNormal) {
+    SceneMaker maker;
+    const vec3 leaning = glm::normalize(vec3(1, 0, 2));
+    shared::VertexNormals normals;
+    normals.n0 = normals.n1 = normals.n2 = leaning;
+    maker.triangle({-9, -9, -5}, {9, -9, -5}, {0, 9, -5}, normals);
+    scene_ = maker.finish();
+    const Picture picture = draw();
+    const PixelData& middle = picture.at(kWidth / 2, kHeight / 2);
+    EXPECT_EQ(middle.geometricNormal, vec3(0, 0, 1));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(middle.normal[i], leaning[i], 1e-6);
+}
+
 TEST_F(ReferenceRender, DoesNotDependOnThreads) {
-    RenderOptions one, five;
-    one.threads = 1;
-    five.threads = 5;
-    const RenderResult a = draw(one), b = draw(five);
-    ASSERT_EQ(a.pixels.size(), b.pixels.size());
-    for (size_t i = 0; i < a.pixels.size(); ++i) expectSame(a.pixels[i], b.pixels[i]);
+    expectSame(draw(whole(), 1), draw(whole(), 5));
 }
 
 TEST_F(ReferenceRender, CropIsPartOfTheWhole) {
-    RenderOptions options;
-    options.x0 = 7;
-    options.y0 = 11;
-    options.x1 = 23;
-    options.y1 = 1000;  // clipped
-    const RenderResult whole = draw(), crop = draw(options);
-    ASSERT_EQ(crop.width, 16);
-    ASSERT_EQ(crop.height, kHeight - 11);
-    for (int y = 0; y < crop.height; ++y) {
-        for (int x = 0; x < crop.width; ++x) expectSame(crop.at(x, y), whole.at(x + 7, y + 11));
-    }
-    options.x0 = options.x1 = 5;
-    EXPECT_TRUE(draw(options).pixels.empty());
+    Request request = whole();
+    request.region = {7, 11, 23, 1000};  // cut off at the edge
+    const Picture crop = draw(request);
+    ASSERT_EQ(crop.region.width(), 16);
+    ASSERT_EQ(crop.region.height(), kHeight - 11);
+    EXPECT_EQ(crop.color.width, 16);
+    expectSame(crop, draw());
+    request.region = {5, 11, 5, 23};
+    EXPECT_TRUE(draw(request).data.empty());
+    request.region = {kWidth, 0, kWidth + 8, 8};
+    EXPECT_TRUE(draw(request).complete);
+    EXPECT_TRUE(draw(request).color.pixels.empty());
 }
 
 TEST_F(ReferenceRender, SamplesAverageAndTheFirstGivesTheAovs) {
-    RenderOptions options;
+    Request request = whole();
     const dvec2 offsets[] = {{.125, .875}, {.5, .5}, {.75, .25}, {0, 0}};
-    std::vector<RenderResult> single;
+    std::vector<Picture> single;
     for (const dvec2& offset : offsets) {
-        options.sampleOffsets = {offset};
-        single.push_back(draw(options));
+        request.samples = PackedSamples::fixed({offset});
+        single.push_back(draw(request));
     }
-    options.sampleOffsets.assign(std::begin(offsets), std::end(offsets));
-    const RenderResult all = draw(options);
+    request.samples = PackedSamples::fixed({std::begin(offsets), std::end(offsets)});
+    const Picture all = draw(request);
+    EXPECT_EQ(all.samplesPerPixel, 4u);
     int fractions = 0;
-    for (size_t i = 0; i < all.pixels.size(); ++i) {
-        dvec3 color(0);
-        double alpha = 0;
-        for (const RenderResult& result : single) {
-            color += result.pixels[i].color;
-            alpha += result.pixels[i].alpha;
-        }
-        EXPECT_EQ(all.pixels[i].color, color / 4.0);
-        EXPECT_EQ(all.pixels[i].alpha, alpha / 4);
-        EXPECT_EQ(all.pixels[i].hit, single[0].pixels[i].hit);
-        EXPECT_EQ(all.pixels[i].depth, single[0].pixels[i].depth);
-        fractions += alpha > 0 && alpha < 4;
+    for (size_t i = 0; i < all.exact.size(); ++i) {
+        glm::dvec4 sum(0);
+        for (const Picture& picture : single) sum += picture.exact[i];
+        EXPECT_EQ(all.exact[i], sum / 4.0);
+        EXPECT_EQ(all.color.pixels[4 * i + 3], static_cast<float>(sum.w / 4));
+        EXPECT_EQ(all.data[i].object, single[0].data[i].object);
+        EXPECT_EQ(all.data[i].depth, single[0].data[i].depth);
+        fractions += sum.w > 0 && sum.w < 4;
     }
     EXPECT_GT(fractions, 5) << "outlines";
 }
 
 TEST_F(ReferenceRender, ProgressRisesToOne) {
-    RenderOptions options;
+    Request request = whole();
     std::vector<double> seen;
-    options.progress = [&](double fraction) { seen.push_back(fraction); };
-    options.threads = 3;
-    draw(options);
+    request.progress = [&](double fraction) { seen.push_back(fraction); };
+    draw(request, 3);
     ASSERT_EQ(seen.size(), static_cast<size_t>(kHeight));
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
     EXPECT_EQ(seen.back(), 1);
 }
 
 TEST_F(ReferenceRender, CancelledRenderKeepsItsFinishedRows) {
-    RenderOptions options;
-    options.threads = 1;
+    Request request = whole();
     int polls = 0;
-    options.cancelled = [&] { return ++polls > 10; };  // one poll for each row of 40 pixels
-    const RenderResult result = draw(options), whole = draw();
-    EXPECT_FALSE(result.complete);
+    request.cancelled = [&] { return ++polls > 10; };  // one poll for each row of 40 pixels
+    const Picture part = draw(request, 1), all = draw();
+    EXPECT_FALSE(part.complete);
     for (int y = 0; y < kHeight; ++y) {
-        EXPECT_EQ(result.rowsDone[y], y < 10 ? 1 : 0) << y;
-        for (int x = 0; x < kWidth && result.rowsDone[y]; ++x) expectSame(result.at(x, y), whole.at(x, y));
+        for (int x = 0; x < kWidth; ++x) {
+            EXPECT_EQ(part.done[part.indexOf(x, y)], y < 10 ? 1 : 0) << y;
+            if (y < 10) {
+                expectSame(part, all, x, y);
+            } else {
+                EXPECT_EQ(part.color.at(x, y, 0), 0) << "nothing of a row that was not finished";
+            }
+        }
     }
 }
 
-TEST_F(ReferenceRender, WithoutAovsOnlyColorAndAlpha) {
-    RenderOptions options;
-    options.aovs = false;
-    const RenderResult plain = draw(options), full = draw();
-    for (size_t i = 0; i < plain.pixels.size(); ++i) {
-        EXPECT_EQ(plain.pixels[i].color, full.pixels[i].color);
-        EXPECT_EQ(plain.pixels[i].alpha, full.pixels[i].alpha);
-        EXPECT_EQ(plain.pixels[i].object, -1);
-        EXPECT_EQ(plain.pixels[i].hit, std::nullopt);
+// Rows of many pixels are given up in the middle.
+TEST_F(ReferenceRender, CancelledInARowLeavesNothingOfIt) {
+    Request request = whole();
+    request.width = 4 * kWidth;
+    request.region = {0, 0, 4 * kWidth, kHeight};
+    int polls = 0;
+    request.cancelled = [&] { return ++polls > 7; };  // three polls for each row of 160 pixels
+    const Picture part = draw(request, 1);
+    EXPECT_FALSE(part.complete);
+    EXPECT_EQ(std::count(part.done.begin(), part.done.end(), 1), 2 * 4 * kWidth);
+    for (int x = 0; x < 4 * kWidth; ++x) {
+        EXPECT_NE(part.color.at(x, 1, 0), 0);
+        EXPECT_EQ(part.color.at(x, 2, 0), 0);
+        EXPECT_EQ(part.at(x, 2).object, PixelData::kNoIndex);
     }
+}
+
+TEST_F(ReferenceRender, WithoutDataOnlyColorAndAlpha) {
+    Request request = whole();
+    request.data = request.exact = false;
+    const Picture plain = draw(request), full = draw();
+    EXPECT_TRUE(plain.data.empty());
+    EXPECT_TRUE(plain.exact.empty());
+    EXPECT_EQ(plain.color.pixels, full.color.pixels);
+    request.cost = true;
+    EXPECT_FALSE(draw(request).data.empty());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // same to the bit.
 #include <algorithm>
 
+#include "pack/pack_samples.h"
 #include "render/live_paths.h"
 #include "render/path_limits.h"
 #include "support.h"
@@ -88,8 +89,8 @@ testing::AssertionResult sameLosses(const Picture& a, const Picture& b) {
     return testing::AssertionFailure() << "other branches are lost";
 }
 
-RenderSettings settingsOf(const Case& c) {
-    RenderSettings settings;
+Request settingsOf(const Case& c) {
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
     settings.data = settings.cost = settings.ledger = true;
@@ -103,8 +104,7 @@ class CompactionTest : public RenderTest {
         StageTimes times;
         RayCounts rays;
     };
-    static Drawn drawn(const Case& c, const RenderSettings& settings, Compaction compaction,
-                       Options options = {}) {
+    static Drawn drawn(const Case& c, const Request& settings, Compaction compaction, Options options = {}) {
         options.compaction = compaction;
         Renderer renderer(device(), c.packed, options);
         Drawn result;
@@ -113,7 +113,7 @@ class CompactionTest : public RenderTest {
         result.rays = renderer.rays();
         return result;
     }
-    static void expectSame(const Case& c, const RenderSettings& settings, const Options& options = {},
+    static void expectSame(const Case& c, const Request& settings, const Options& options = {},
                            const std::vector<Compaction>& others = {Compaction::On}) {
         const Drawn off = drawn(c, settings, Compaction::Off, options);
         for (const Compaction compaction : others) {
@@ -141,7 +141,7 @@ TEST_P(CompactionSceneTest, DrawsTheSame) {
 // As a picture without data: fewer rows are read and written.
 TEST_P(CompactionSceneTest, DrawsTheSameColoursWithoutData) {
     const Case c = fileCase(GetParam(), 45, 29);
-    RenderSettings settings = settingsOf(c);
+    Request settings = settingsOf(c);
     const Picture withData = drawn(c, settings, Compaction::On).picture;
     settings.data = settings.cost = settings.ledger = false;
     for (const Compaction compaction : {Compaction::Off, Compaction::On})
@@ -171,7 +171,7 @@ TEST_F(CompactionTest, UnfinishedRaysOfListedPathsAreResumed) {
         const Case c = fileCase(name, 24, 16);
         const Picture expected = drawn(c, settingsOf(c), Compaction::Off).picture;
         for (const bool data : {true, false}) {
-            RenderSettings settings = settingsOf(c);
+            Request settings = settingsOf(c);
             settings.data = settings.cost = settings.ledger = data;
             for (const uint32_t budget : {1u, 6u}) {
                 Options tight;
@@ -194,7 +194,7 @@ TEST_F(CompactionTest, UnfinishedRaysOfListedPathsAreResumed) {
 
 TEST_F(CompactionTest, SlicesAndRegionsDrawTheSame) {
     const Case c = fileCase("spheres", 65, 63);
-    RenderSettings settings = settingsOf(c);
+    Request settings = settingsOf(c);
     settings.region = {3, 5, 61, 44};
     Options sliced;
     sliced.maxSlicePixels = 512;
@@ -212,7 +212,7 @@ TEST_F(CompactionTest, SamplesOfAllKindsDrawTheSame) {
             image.sampler = Sampler::LowDiscrepancy;
             image.samplesPerPixel = 4;
             if (adaptive) image.adaptive = AdaptiveSampling{12, 0.05};
-            RenderSettings settings = settingsOf(c);
+            Request settings = settingsOf(c);
             settings.samples = packSamples(image, c.scene.camera.lensRadius > 0);
             expectSame(c, settings);
         }
@@ -234,7 +234,7 @@ TEST_F(CompactionTest, LeastContributionsAreAccountedForTheSame) {
 TEST_F(CompactionTest, RaysAreCountedTheSame) {
     for (const char* name : {"glass", "inside_glass"}) {
         const Case c = fileCase(name, 32, 24);
-        RenderSettings settings = settingsOf(c);
+        Request settings = settingsOf(c);
         settings.tally = true;
         EXPECT_GT(drawn(c, settings, Compaction::On).rays.refracted, 0u) << name;
         expectSame(c, settings);
@@ -266,7 +266,7 @@ Case mirrorsFor(int columns, uint32_t depth) {
 TEST_F(CompactionTest, KernelsRunOverThePathsThatGoOn) {
     const uint32_t depth = 6, all = 64 * 64, mirrored = 8 * 64;
     const Case c = mirrorsFor(8, depth);
-    RenderSettings settings = settingsOf(c);
+    Request settings = settingsOf(c);
     const Drawn off = drawn(c, settings, Compaction::Off), on = drawn(c, settings, Compaction::Auto);
     EXPECT_EQ(off.times.pathRays, all + depth * mirrored);
     EXPECT_EQ(off.times.invocations, (depth + 1) * all);

@@ -118,7 +118,7 @@ TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
     EXPECT_EQ(renderer.access(), gpu::Access::TexelBuffer);
     EXPECT_GT(renderer.deviceBytes(), range);
     EXPECT_TRUE(sameBits(draw(small, c), renderer.render(c.camera, [&] {
-        RenderSettings settings;
+        Request settings;
         settings.width = c.width;
         settings.height = c.height;
         settings.data = true;

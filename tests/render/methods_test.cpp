@@ -214,7 +214,7 @@ size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) 
     PackedScene packed = c.packed;
     packed.methods.offsets = offset;
     Renderer renderer(device, packed);
-    RenderSettings settings;
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
     const Picture picture = renderer.render(c.camera, settings);

@@ -14,7 +14,7 @@ class OpticsTest : public RenderTest {
   protected:
     static Picture drawWithLosses(const Case& c, const Options& options = {}) {
         Renderer renderer(device(), c.packed, options);
-        RenderSettings settings;
+        Request settings;
         settings.width = c.width;
         settings.height = c.height;
         settings.data = true;

@@ -1,6 +1,7 @@
 // Samplers, filters, adaptive sampling and the lens on the device.
 #include <cmath>
 
+#include "pack/pack_samples.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -9,8 +10,8 @@ namespace {
 
 class Sampling : public RenderTest {};
 
-RenderSettings settingsOf(const Case& c, const ImageSettings& image) {
-    RenderSettings settings;
+Request settingsOf(const Case& c, const ImageSettings& image) {
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
     settings.samples = packSamples(image, c.scene.camera.lensRadius > 0);
@@ -48,11 +49,11 @@ TEST_F(Sampling, VerifyExplainsEverySamplerAndFilter) {
 TEST_F(Sampling, GridThroughTheTableIsTheGrid) {
     const Case c = fileCase("sampling", 64, 48);
     Renderer renderer(device(), c.packed);
-    RenderSettings plain = settingsOf(c, imageOf(Sampler::Grid, Filter::Box, 0.5, 4));
-    ASSERT_FALSE(plain.samples->scattered());
-    RenderSettings table = plain;
+    Request plain = settingsOf(c, imageOf(Sampler::Grid, Filter::Box, 0.5, 4));
+    ASSERT_FALSE(plain.samples.scattered());
+    Request table = plain;
     table.samples = packSamples(imageOf(Sampler::Grid, Filter::Box, 0.5, 4), true);
-    ASSERT_TRUE(table.samples->scattered());
+    ASSERT_TRUE(table.samples.scattered());
     const Picture a = renderer.render(c.camera, plain), b = renderer.render(c.camera, table);
     EXPECT_TRUE(sameBits(a, b));
 }
@@ -62,14 +63,14 @@ TEST_F(Sampling, SlicesCropsAndOrderChangeNothing) {
     for (const bool adaptive : {false, true}) {
         ImageSettings image = imageOf(Sampler::LowDiscrepancy, Filter::Tent, 1, 4);
         if (adaptive) image.adaptive = AdaptiveSampling{16, 0.1};
-        const RenderSettings settings = settingsOf(c, image);
+        const Request settings = settingsOf(c, image);
         Renderer whole(device(), c.packed);
         Options small;
         small.maxSlicePixels = 1024;
         Renderer sliced(device(), c.packed, small);
         const Picture a = whole.render(c.camera, settings);
         EXPECT_TRUE(sameBits(a, sliced.render(c.camera, settings)));
-        RenderSettings crop = settings;
+        Request crop = settings;
         crop.region = {13, 9, 40, 33};
         const Picture part = whole.render(c.camera, crop);
         for (int y = 9; y < 33; ++y)
@@ -143,7 +144,7 @@ TEST_F(Sampling, ManySamplesAreManySubmissions) {
     Renderer renderer(device(), c.packed);
     renderer.render(c.camera, settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512)));
     EXPECT_GE(renderer.times().submissions, 512u);
-    RenderSettings stopped = settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512));
+    Request stopped = settingsOf(c, imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, 512));
     const uint64_t before = renderer.times().submissions;
     stopped.cancelled = [] { return true; };
     EXPECT_FALSE(renderer.render(c.camera, stopped).complete);

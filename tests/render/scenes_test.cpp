@@ -145,32 +145,35 @@ class SceneTest : public RenderTest, public testing::WithParamInterface<std::str
     // Ids, shadow bits and colours that differ are counted; where the ids agree, everything else must.
     Counts compare(const Case& c, const Picture& device);
     void comparePixel(const Case& c, const reference::Tracer& tracer, int x, int y, const PixelData& data,
-                      const reference::PixelResult& expected, Counts& counts);
+                      const PixelData& expected, Counts& counts);
 };
 
 void SceneTest::comparePixel(const Case& c, const reference::Tracer& tracer, int x, int y,
-                             const PixelData& data, const reference::PixelResult& expected, Counts& counts) {
-    if (!expected.hit) {
+                             const PixelData& data, const PixelData& expected, Counts& counts) {
+    if (expected.object == PixelData::kNoIndex) {
         EXPECT_EQ(data.depth, std::numeric_limits<double>::infinity());
         EXPECT_EQ(data.material, PixelData::kNoIndex);
         EXPECT_EQ(data.shadowBits, 0u);
         return;
     }
     const reference::Ray ray = tracer.cameraRay(c.camera, x + 0.5, y + 0.5);
-    const reference::Surface surface = tracer.surface(ray, *expected.hit);
-    const Bounds bounds = boundsOf(c.packed, *expected.hit, ray, surface);
+    const std::optional<reference::Hit> hit = tracer.closest(ray);
+    ASSERT_TRUE(hit);
+    const reference::Surface surface = tracer.surface(ray, *hit);
+    const Bounds bounds = boundsOf(c.packed, *hit, ray, surface);
     const std::string where = "pixel " + std::to_string(x) + "," + std::to_string(y);
     EXPECT_EQ(data.material, surface.material) << where;
     const double turn = glm::length(dvec3(data.normal) - surface.shadingNormal);
     EXPECT_LE(turn, bounds.normal) << where;
     ++counts.normals;
     // Small triangles of an instance are far away by its own measure.
-    const bool instanced = expected.hit->instance != shared::kNone;
+    const bool instanced = hit->instance != shared::kNone;
     counts.roughNormals += turn > 1e-5 * (instanced ? 1 + c.packed.instanceGain : 1);
     EXPECT_LE(glm::length(dvec3(data.geometricNormal) - surface.geometricNormal), bounds.normal) << where;
+    EXPECT_EQ(expected.geometricNormal, glm::vec3(surface.geometricNormal)) << where;
     EXPECT_NEAR(data.depth, expected.depth, bounds.t) << where;
     // Of other surfaces the device gives texture coordinates, which texture_test.cpp judges.
-    if (expected.hit->primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
+    if (hit->primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
         EXPECT_NEAR(data.u, expected.u, bounds.uv) << where;
         EXPECT_NEAR(data.v, expected.v, bounds.uv) << where;
     }
@@ -180,20 +183,19 @@ void SceneTest::comparePixel(const Case& c, const reference::Tracer& tracer, int
 }
 
 SceneTest::Counts SceneTest::compare(const Case& c, const Picture& device) {
-    const reference::RenderResult expected = reference::render(c.packed, c.camera, c.width, c.height);
+    const Picture expected = reference::render(c.packed, c.camera, wholeWithData(c));
     const reference::Tracer tracer(c.packed);
     Counts counts;
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {
             const PixelData& data = device.at(x, y);
-            const reference::PixelResult& pixel = expected.at(x, y);
-            const bool sameId = data.object == static_cast<uint32_t>(pixel.object) &&
-                                data.primitive == static_cast<uint32_t>(pixel.primitive);
+            const PixelData& pixel = expected.at(x, y);
+            const bool sameId = data.object == pixel.object && data.primitive == pixel.primitive;
             counts.ids += !sameId;
             counts.hashes += data.pathHash != pixel.pathHash || data.bounces != pixel.bounces;
             counts.shadows += data.shadowBits != pixel.shadowBits;
             const dvec3 color(device.color.at(x, y, 0), device.color.at(x, y, 1), device.color.at(x, y, 2));
-            counts.colors += !(greatest(color - pixel.color) <= verify::Options().tolerance);
+            counts.colors += !(greatest(color - expected.exactAt(x, y)) <= verify::Options().tolerance);
             EXPECT_EQ(device.color.at(x, y, 3) > 0, data.object != PixelData::kNoIndex);
             if (sameId) comparePixel(c, tracer, x, y, data, pixel, counts);
         }

@@ -109,7 +109,7 @@ TEST_F(SpotTest, CastsNoShadowRayOutsideTheCone) {
     addSphere(scene, {2, 1, 1}, 0.5);
     const auto costs = [](const Scene& s) {
         const Case c = makeCase(s, kSize, kSize);
-        RenderSettings settings;
+        Request settings;
         settings.width = settings.height = kSize;
         settings.cost = true;
         Renderer renderer(device(), c.packed);

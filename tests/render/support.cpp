@@ -171,12 +171,16 @@ void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset, double size) {
     addMesh(scene, std::move(positions), std::move(corners));
 }
 
+Request wholeWithData(const Case& c) {
+    Request request;
+    request.width = c.width;
+    request.height = c.height;
+    request.data = request.exact = true;
+    return request;
+}
+
 Picture draw(Renderer& renderer, const Case& c) {
-    RenderSettings settings;
-    settings.width = c.width;
-    settings.height = c.height;
-    settings.data = true;
-    return renderer.render(c.camera, settings);
+    return renderer.render(c.camera, wholeWithData(c));
 }
 
 Picture draw(const gpu::Device& device, const Case& c, const Options& options) {

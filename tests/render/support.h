@@ -75,6 +75,9 @@ PackedScene packedBy(const SceneMaker& maker);
 Picture draw(Renderer& renderer, const Case& c);
 Picture draw(const gpu::Device& device, const Case& c, const Options& options = {});
 
+// The whole picture of a case with its data, and the reference's colours in double.
+Request wholeWithData(const Case& c);
+
 // True if colour, data and `done` agree in every bit.
 testing::AssertionResult sameBits(const Picture& a, const Picture& b);
 testing::AssertionResult sameBits(const RayHit& a, const RayHit& b);

@@ -21,9 +21,9 @@ TEST_P(ValidationTest, LayerIsSilent) {
         options.maxSlicePixels = 512;
         Renderer renderer(device, c.packed, options);
         EXPECT_TRUE(draw(renderer, c).complete);
-        RenderSettings plain;
+        Request plain;
         plain.width = plain.height = 16;
-        plain.sampleOffsets = sampleOffsets(2);
+        plain.samples = PackedSamples::fixed(sampleOffsets(2));
         EXPECT_TRUE(renderer.render(c.camera, plain).complete);
         plain.cost = true;
         EXPECT_TRUE(renderer.render(c.camera, plain).complete);

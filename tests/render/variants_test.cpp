@@ -52,7 +52,7 @@ TEST_F(PictureTest, OddSizesAgreeWithTheReference) {
         ASSERT_TRUE(picture.complete);
         ASSERT_EQ(picture.data.size(), static_cast<size_t>(size.x) * size.y);
         EXPECT_EQ(std::count(picture.done.begin(), picture.done.end(), 1), size.x * size.y);
-        const reference::RenderResult expected = reference::render(c.packed, c.camera, size.x, size.y);
+        const Picture expected = reference::render(c.packed, c.camera, wholeWithData(c));
         int differing = 0;
         for (int y = 0; y < size.y; ++y) {
             for (int x = 0; x < size.x; ++x)
@@ -68,7 +68,7 @@ TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
     const Picture whole = draw(renderer, c);
     for (const Region region :
          {Region{0, 0, 8, 8}, Region{13, 11, 14, 12}, Region{5, 7, 62, 29}, Region{64, 0, 65, 63}}) {
-        RenderSettings settings;
+        Request settings;
         settings.width = c.width;
         settings.height = c.height;
         settings.region = region;
@@ -91,24 +91,22 @@ TEST_F(PictureTest, RegionsAreCutFromTheWholePicture) {
 
 TEST_F(PictureTest, SamplesAreAveraged) {
     const Case c = fileCase("spheres", 64, 48);
-    RenderSettings settings;
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
-    settings.sampleOffsets = sampleOffsets(4);
+    settings.samples = PackedSamples::fixed(sampleOffsets(4));
     Renderer renderer(device(), c.packed);
     const Picture picture = renderer.render(c.camera, settings);
-    reference::RenderOptions options;
-    options.sampleOffsets = settings.sampleOffsets;
-    const reference::RenderResult expected =
-        reference::render(c.packed, c.camera, c.width, c.height, options);
+    settings.exact = true;
+    const Picture expected = reference::render(c.packed, c.camera, settings);
     int differing = 0;
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {
             const float alpha = picture.color.at(x, y, 3);
             EXPECT_EQ(alpha * 4, std::round(alpha * 4));
-            bool same = alpha == expected.at(x, y).alpha;
+            bool same = alpha == expected.color.at(x, y, 3);
             for (int i = 0; i < 3; ++i)
-                same = same && std::abs(picture.color.at(x, y, i) - expected.at(x, y).color[i]) < 1.0 / 512;
+                same = same && std::abs(picture.color.at(x, y, i) - expected.exactAt(x, y)[i]) < 1.0 / 512;
             differing += !same;
         }
     }
@@ -117,7 +115,7 @@ TEST_F(PictureTest, SamplesAreAveraged) {
 
 TEST_F(PictureTest, CostIsCountedAndChangesNothing) {
     const Case c = fileCase("knot", 64, 48);
-    RenderSettings settings;
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
     settings.cost = true;
@@ -139,7 +137,7 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
     options.maxSlicePixels = 1024;
     Renderer renderer(device(), c.packed, options);
     const Picture whole = draw(renderer, c);
-    RenderSettings settings;
+    Request settings;
     settings.width = c.width;
     settings.height = c.height;
     settings.data = true;

@@ -136,13 +136,13 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
     std::vector<dvec3> truthBefore(kSide * kSide, dvec3(0));
     std::vector<double> measured;
     for (int k = 0; k <= trap.bounces; ++k) {
-        render::RenderSettings settings;
+        Request settings;
         settings.width = settings.height = kSide;
         settings.maxDepth = k;
         const Picture picture = renderer.render(c.camera, settings);
         PackedScene cut = c.packed;
         cut.environment.maxDepth = static_cast<uint32_t>(k);
-        const reference::RenderResult truth = reference::render(cut, c.camera, kSide, kSide);
+        const Picture truth = reference::render(cut, c.camera, render::test::wholeWithData(c));
         const int light = bestLight(steps[k].azimuth, turned);
         const double slope = slopeOf(steps[k].azimuth, turned + kBetween[light]);
         ASSERT_GT(slope, 0.1) << "the lights tell nothing about bounce " << k;
@@ -150,14 +150,14 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
         for (int i = 0; i < kSide * kSide; ++i) {
             const float now = picture.color.at(i % kSide, i / kSide, light);
             const double added = now - before[3 * i + light];
-            const dvec3 exact = truth.pixels[i].color - truthBefore[i];
+            const dvec3 exact = dvec3(truth.exact[i]) - truthBefore[i];
             EXPECT_GT(exact[light], 0.01) << "lit, at bounce " << k;
             squares += std::pow((added - exact[light]) / slope, 2);
         }
         for (int i = 0; i < kSide * kSide; ++i) {
             for (int channel = 0; channel < 3; ++channel)
                 before[3 * i + channel] = picture.color.at(i % kSide, i / kSide, channel);
-            truthBefore[i] = truth.pixels[i].color;
+            truthBefore[i] = dvec3(truth.exact[i]);
         }
         measured.push_back(std::sqrt(squares / (kSide * kSide)));
         std::cout << "[ measured ] side " << trap.side << ", bounce " << k << ": normal off by "

@@ -230,7 +230,7 @@ PixelCount countSelfShadowed(const Subject& subject, Kind kind, double offset, d
     const Case c = acneCase(kind, offset, size, moved);
     SubjectRenderer renderer(subject, c.packed);
     const Picture picture = render::test::draw(*renderer, c);
-    const reference::RenderResult truth = reference::render(c.packed, c.camera, c.width, c.height);
+    const Picture truth = reference::render(c.packed, c.camera, render::test::wholeWithData(c));
     PixelCount count;
     for (int y = 0; y < c.height; ++y) {
         for (int x = 0; x < c.width; ++x) {

@@ -1,0 +1,29 @@
+#include "trace/request.h"
+
+#include <algorithm>
+
+namespace glint {
+
+Region regionOf(const Request& request) {
+    const Region& r = request.region;
+    if (r.x0 == 0 && r.y0 == 0 && r.x1 == 0 && r.y1 == 0) return {0, 0, request.width, request.height};
+    Region cut = {std::clamp(r.x0, 0, request.width), std::clamp(r.y0, 0, request.height), 0, 0};
+    cut.x1 = std::clamp(r.x1, cut.x0, request.width);
+    cut.y1 = std::clamp(r.y1, cut.y0, request.height);
+    return cut;
+}
+
+Picture blankPicture(const Request& request) {
+    Picture picture;
+    picture.region = regionOf(request);
+    const size_t pixels = static_cast<size_t>(picture.region.width()) * picture.region.height();
+    picture.color = Image(picture.region.width(), picture.region.height(), 4);
+    picture.done.assign(pixels, 0);
+    picture.samplesPerPixel = request.samples.count();
+    if (request.samples.threshold) picture.samples.assign(pixels, 0);
+    if (request.wantsData()) picture.data.resize(pixels);
+    if (request.exact) picture.exact.resize(pixels);
+    return picture;
+}
+
+}  // namespace glint
