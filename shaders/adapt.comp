@@ -3,15 +3,20 @@
 // After a sample: adds it to the pixel's film; after the last one of a round: does the pixel need another
 // round? (docs/guide/sampling.md)
 #include "path.glsl"
+#include "shared/shading.h"
 
-// A mean darker than this is judged as if it were this bright.
-const float kDarkest = 0.125;
+// Whether the mean of `count` samples is uncertain. spread: the sum of their squared differences from it.
+bool needsMore(vec3 mean, vec3 spread, uint count) {
+    vec3 bound = dispatch.threshold * max(mean, vec3(kDarkestMean));
+    vec3 errorSquared = spread / (float(count) * float(max(count, 2u) - 1u));
+    return any(greaterThan(errorSquared, bound * bound));
+}
 
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
     bool first = dispatch.sampleIndex == 0u;
-    bool takes = pixelOf(pixel);
+    bool takes = pixelOf(path, pixel);
     uvec4 film = uvec4(0u), mean = uvec4(0u), spread = uvec4(0u, 0u, 0u, takes ? 1u : 0u);
     if (!first) {
         film = loadRow(kRowFilm, path);
@@ -26,9 +31,7 @@ void main() {
     vec3 difference = radiance - uintBitsToFloat(mean.xyz);
     vec3 newMean = uintBitsToFloat(mean.xyz) + difference / float(count);
     vec3 newSpread = uintBitsToFloat(spread.xyz) + difference * (radiance - newMean);
-    vec3 bound = dispatch.threshold * max(newMean, vec3(kDarkest));
-    vec3 errorSquared = newSpread / (float(count) * float(max(count, 2u) - 1u));
-    bool goesOn = dispatch.lastOfRound == 0u || any(greaterThan(errorSquared, bound * bound));
+    bool goesOn = dispatch.lastOfRound == 0u || needsMore(newMean, newSpread, count);
     if (takes) {
         storeRow(kRowFilm, path,
                  packRow(uintBitsToFloat(film.xyz) + uintBitsToFloat(taken.xyz),

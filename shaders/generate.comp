@@ -9,17 +9,17 @@
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
-    bool inside = pixelOf(pixel);
+    bool inside = pixelOf(path, pixel);
     Camera camera = loadCamera(0u);
     vec2 offset = dispatch.sampleOffset.xy;
     vec3 weight = vec3(1.0);
     vec2 lens = vec2(0.0);
     if (MODE_SCATTERED) {
         Sample s = loadSample(kFirstSample + dispatch.sampleIndex);
-        uvec4 place = scatteredPlace(s, pixel);
-        offset = vec2(filmOffset(place.x, s.tableX), filmOffset(place.y, s.tableY));
+        uvec2 film = samplePair(s, dispatch.sampleIndex, pixel, kPairFilm);
+        offset = vec2(filmOffset(film.x, s.tableX), filmOffset(film.y, s.tableY));
         weight = s.weight;
-        if (FEATURE_THIN_LENS) lens = onDisc(place.zw);
+        if (FEATURE_THIN_LENS) lens = concentricDisc(samplePair(s, dispatch.sampleIndex, pixel, kPairLens));
     }
     // Measured from the picture's centre: the offsets are small where a telephoto lens needs them exact.
     precise float x = (float(pixel.x) - camera.halfWidth) + offset.x;
@@ -41,7 +41,7 @@ void main() {
     bool takes = inside;
     if (MODE_ADAPTIVE && dispatch.sampleIndex != 0u) takes = loadRow(kRowSpread, path).w == 1u;
     storeRay(path, Ray(origin, unit, takes ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
-    storeRow(kRowThroughput, path, packRow(weight, 2166136261u));
+    storeRow(kRowThroughput, path, packRow(weight, kHashStart));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
     startTree(path, loadEnvironment(0u));
     if (MODE_ADAPTIVE || dispatch.sampleIndex == 0u) storeRow(kRowRadiance, path, uvec4(0u));

@@ -9,20 +9,15 @@
 #define GLINT_ANY_HIT
 #define GLINT_SHADOW_RAYS
 #include "path.glsl"
-#include "material.glsl"
 #include "passage.glsl"
+#include "scatter.glsl"
+#include "shared/shading.h"
 #include "tree.glsl"
 #ifdef GLINT_PACKET
 #include "packet.glsl"
 #else
 #include "traversal.glsl"
 #endif
-
-// A shadow ray ends this far before a point light (in units of the distance to it), so that the surface a
-// light lies on does not shade it.
-const float kShadowEnd = 1.0 - 1.0 / 65536.0;
-// A light closer than this lies on the surface and gives it nothing: 1/d^2 would overflow.
-const float kNearestLight = 1e-15;
 
 struct LightSample {
     vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light
@@ -63,18 +58,6 @@ LightSample sampleLight(Light light, vec3 position) {
     return s;
 }
 
-vec3 reflected(Material material, Surface surface, vec3 toViewer, LightSample light) {
-    vec3 radiance = material.diffuse * max(dot(surface.shadingNormal, light.direction), 0.0);
-    if (FEATURE_SPECULAR) {
-        vec3 sum = light.direction + toViewer;
-        float size = length(sum);
-        float cosine = dot(surface.shadingNormal, sum) / max(size, 1e-30);
-        float power = material.shininess == 0.0 ? 1.0 : pow(clamp(cosine, 0.0, 1.0), material.shininess);
-        if (size > 0.0 && cosine > 0.0) radiance += material.specular * power;
-    }
-    return radiance * light.intensity;
-}
-
 const bool kFiltered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
 
 // What is left to do for a path once its shadow ray is traced.
@@ -89,33 +72,25 @@ struct LightWork {
 uint begin(uint path, bool present, out LightWork work, out Traversal traversal, out uvec2 place) {
     uvec4 walkRow = loadWalkRow(path);
     Ray ray = loadRay(path);
-    Hit hit = loadHit(path, walkRow.y);
+    Interaction at = interactionAt(ray, loadHit(path, walkRow.y), loadMedia(path));
+    LightSample light = sampleLight(loadLight(dispatch.lightIndex), at.surface.position);
     work.path = path;
-    work.live = present && isAlive(ray) && hit.primitive != kNone && (!MODE_RESUME || walkRow.x != kNone);
-    Surface surface = surfaceAt(ray, hit);
-    bool entering = !(dot(surface.normal, ray.direction) > 0.0);
-    faceForward(surface, ray.direction);
-    Material material = materialAt(surface);
-    Crossing crossing;
-    if (FEATURE_TRANSMISSION) {
-        crossing = crossingAt(loadMedia(path), material.medium, entering);
-        work.live = work.live && crossing.counts;
-    }
-    LightSample light = sampleLight(loadLight(dispatch.lightIndex), surface.position);
-    work.facing = work.live && light.valid && dot(surface.normal, light.direction) > 0.0 &&
-                  dot(surface.shadingNormal, light.direction) > 0.0;
-    work.radiance = reflected(material, surface, -ray.direction, light);
-    if (FEATURE_TRANSMISSION) work.radiance *= fading(crossing.mediumBefore, hit.t);
+    work.live = present && isAlive(ray) && at.isHit && counts(at) && (!MODE_RESUME || walkRow.x != kNone);
+    work.facing = work.live && light.valid && dot(at.surface.normal, light.direction) > 0.0 &&
+                  dot(at.surface.shadingNormal, light.direction) > 0.0;
+    work.radiance = evaluate(at, light.direction) * light.intensity;
+    if (FEATURE_TRANSMISSION) work.radiance *= transmittanceOfWay(at);
 
-    traversal.ray = Ray(offsetOrigin(surface.position, surface.error, surface.normal), light.toLight, 0.0,
-                        work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, hit.primitive, hit.instance);
+    traversal.ray =
+        Ray(offsetOrigin(at.surface.position, at.surface.error, at.surface.normal), light.toLight, 0.0,
+            work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, at.hit.primitive, at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
         traversal.passage =
-            startPassage(crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+            startPassage(at.crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
         if (MODE_RESUME)
             traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
     }
@@ -130,7 +105,7 @@ void end(LightWork work, Traversal traversal, uint slot) {
     if (occluded || !work.facing) slot = kNone;
     vec3 radiance = work.radiance;
     if (kFiltered) {
-        radiance *= lightLeft(traversal.passage);
+        radiance *= lightThrough(traversal.passage);
         if (work.live && slot != kNone)
             storeRow(treeRow(kTreeRowShadow), work.path, packRow(traversal.passage.depth, 0u));
     }
@@ -143,8 +118,9 @@ void end(LightWork work, Traversal traversal, uint slot) {
     // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
     if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
         uvec4 walkRow = loadWalkRow(work.path);
-        uint shadowBit =
-            occluded && dispatch.bounce == 0u && dispatch.lightIndex < 32u ? 1u << dispatch.lightIndex : 0u;
+        uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < kShadowBits
+                             ? 1u << dispatch.lightIndex
+                             : 0u;
         storeRow(kRowWalk, work.path,
                  uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
         if (FEATURE_INSTANCES)

@@ -30,7 +30,7 @@ vec3 surroundings(Environment environment, vec3 direction) {
         uint number = environment.map;
         while (number != 0u) {
             Texture map = loadTexture(number - 1u);
-            precise vec2 uv = latLong(vec3(direction.xy, -direction.z)) + map.place.xy;
+            precise vec2 uv = latitudeLongitude(vec3(direction.xy, -direction.z)) + map.place.xy;
             radiance *= imageAt(map, uv).xyz;
             number = 0u;
         }

@@ -24,7 +24,7 @@ void prefer(uint medium, inout uint best, inout uint bestRank) {
 // The medium that counts where several overlap: of the greatest priority the one entered last (C. Schmidt, B.
 // Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools 7(2), 2002; the rule for
 // equal priorities is glint's).
-uint ruling(uvec4 media) {
+uint rulingMedium(uvec4 media) {
     uint best = 0u;
     uint bestRank = 0u;
     prefer(media.x, best, bestRank);
@@ -67,8 +67,8 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
     Crossing c;
     c.before = medium != 0u && !entering && !known ? withMedium(media, medium) : media;
     c.after = medium == 0u ? media : (entering ? withMedium(media, medium) : withoutMedium(c.before, medium));
-    c.mediumBefore = ruling(c.before);
-    c.mediumAfter = ruling(c.after);
+    c.mediumBefore = rulingMedium(c.before);
+    c.mediumAfter = rulingMedium(c.after);
     c.counts = medium == 0u || c.mediumBefore != c.mediumAfter;
     c.crowded = medium != 0u && full && (entering || !known);
     return c;
@@ -76,7 +76,7 @@ Crossing crossingAt(uvec4 media, uint medium, bool entering) {
 
 // What Beer's law leaves after `way` (A. Beer, "Bestimmung der Absorption des rothen Lichts in farbigen
 // Fluessigkeiten", 1852).
-vec3 fading(uint medium, float way) {
+vec3 transmittance(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
     vec3 attenuation = attenuationOf(medium);
     // exp(-120) is no normal float.

@@ -51,7 +51,7 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     return medium != 0u;
 }
 
-vec3 lightLeft(Passage passage) {
+vec3 lightThrough(Passage passage) {
     return mix(exp(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
 }
 

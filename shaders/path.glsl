@@ -12,13 +12,14 @@ uint pathIndex() { return gl_GlobalInvocationID.x; }
 // Scenes whose paths go on after the first hit: these list the paths that do.
 const bool kBounces = FEATURE_MIRRORS || FEATURE_TRANSMISSION;
 
-// The pixel of this invocation in the whole picture; false outside the region. Lanes follow a Morton curve in
-// the tile, so that 8 lanes make a block of 4x2 pixels and 32 one of 8x4.
-bool pixelOf(out uvec2 pixel) {
-    uint group = gl_WorkGroupID.x;
+// The pixel of a path in the whole picture; false outside the region. A path keeps its column in the state
+// for as long as it lives, listed or not, so every kernel may ask. Paths follow a Morton curve in the tile,
+// so that 8 of them make a block of 4x2 pixels and 32 one of 8x4.
+bool pixelOf(uint path, out uvec2 pixel) {
+    uint group = path / kWorkgroupSize;
     uint tile = dispatch.firstTile + (group % dispatch.run) * dispatch.interleave + group / dispatch.run;
     uint tilesX = (dispatch.regionWidth + kTileSize - 1u) / kTileSize;
-    uint lane = gl_LocalInvocationID.x;
+    uint lane = path % kWorkgroupSize;
     uvec2 inTile = uvec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
                          ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
     uvec2 local = uvec2(tile % tilesX, tile / tilesX) * kTileSize + inTile;

@@ -2,6 +2,7 @@
 #ifndef GLINT_SAMPLE_GLSL
 #define GLINT_SAMPLE_GLSL
 
+#include "shared/shading.h"
 #include "storage.glsl"
 
 // M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing of pcg4d: four numbers
@@ -23,7 +24,7 @@ uvec4 pcg4d(uvec4 v) {
 // Owen's scrambling (Owen 1995) by a hash in which every bit is flipped or not by the bits above it alone: B.
 // Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, after Laine and Karras 2011, with N.
 // Vegdahl's constants.
-uvec4 owenScrambled(uvec4 x, uvec4 seed) {
+uvec2 owenScrambled(uvec2 x, uvec2 seed) {
     x = bitfieldReverse(x);
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -33,15 +34,43 @@ uvec4 owenScrambled(uvec4 x, uvec4 seed) {
     return bitfieldReverse(x);
 }
 
-// film x, film y, lens x, lens y in units of 2^-32.
-uvec4 scatteredPlace(Sample s, uvec2 pixel) {
-    uvec4 place = uvec4(s.x, s.y, s.lensX, s.lensY);
-    uvec4 random = pcg4d(uvec4(pixel, s.key, s.seed));
+// Point `index` of the first two dimensions of Sobol's sequence: van der Corput's, and the one whose matrix
+// is Pascal's triangle modulo 2 (I. M. Sobol 1967).
+uvec2 sobolPair(uint index) {
+    uint y = 0u;
+    uint column = 0x80000000u;
+    for (uint left = index; left != 0u; left >>= 1u) {
+        if ((left & 1u) != 0u) y ^= column;
+        column ^= column >> 1u;
+    }
+    return uvec2(bitfieldReverse(index), y);
+}
+
+// As many dimensions as anybody asks for: the same points of two dimensions for each pair, shuffled and
+// scrambled by a hash of pixel and pair (padding; Burley 2020, sec. 3). A shuffle that is itself Owen's
+// leaves every aligned block of 2^k samples one of 2^k points, so each pair is as even as the first two
+// dimensions are, and pairs are independent of each other.
+uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
+    uvec4 random = pcg4d(uvec4(pixel, kPaddingKey + pair, seed));
+    uint shuffled = owenScrambled(uvec2(index), random.xx).x;
+    return owenScrambled(sobolPair(shuffled), random.yz);
+}
+
+// Dimensions 2 pair and 2 pair + 1 of sample `index` of the pixel, in units of 2^-32. `s`: the row of that
+// sample, which has the points of film and lens before they are scattered. Padded pairs do not depend on the
+// sampler.
+uvec2 samplePair(Sample s, uint index, uvec2 pixel, uint pair) {
+    if (pair >= kFirstPaddedPair) return paddedPair(index, pixel, pair, s.seed);
+    bool lens = pair == kPairLens;
+    uvec2 place = lens ? uvec2(s.lensX, s.lensY) : uvec2(s.x, s.y);
+    uvec4 hashed = pcg4d(uvec4(pixel, s.key, s.seed));
+    uvec2 random = lens ? hashed.zw : hashed.xy;
     if (s.scatter == kScatterJitter) {
-        uvec4 within, fraction;
-        umulExtended(random, uvec4(s.widthX, s.widthY, s.widthLensX, s.widthLensY), within, fraction);
+        uvec2 within, fraction;
+        uvec2 width = lens ? uvec2(s.widthLensX, s.widthLensY) : uvec2(s.widthX, s.widthY);
+        umulExtended(random, width, within, fraction);
         place += within;
-        if (FEATURE_THIN_LENS) place.zw += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
+        if (lens) place += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
     }
     if (s.scatter == kScatterOwen) place = owenScrambled(place, random);
     return place;
@@ -60,7 +89,7 @@ float filmOffset(uint place, uint table) {
 // The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between
 // Disk and Square", JGT 2(3), 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good
 // to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! = 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
-vec2 onDisc(uvec2 place) {
+vec2 concentricDisc(uvec2 place) {
     vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) / float(1 << 23);
     bool wide = abs(p.x) > abs(p.y);
     float radius = wide ? p.x : p.y;

@@ -3,6 +3,7 @@
 #ifndef GLINT_TEXCOORD_GLSL
 #define GLINT_TEXCOORD_GLSL
 
+#include "shared/shading.h"
 #include "storage.glsl"
 
 // The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 for (0, 0). Not by atan(), which Vulkan
@@ -33,14 +34,12 @@ float turnsOf(float y, float x) {
 
 // Latitude and longitude of a direction of any length, y up: u = 1/2 at +z, growing towards +x; v = 0
 // straight down, 1 straight up.
-vec2 latLong(vec3 d) {
+vec2 latitudeLongitude(vec3 d) {
     precise float ring = sqrt(d.x * d.x + d.z * d.z);
     precise float u = 0.5 + turnsOf(d.x, d.z);
     precise float v = 0.5 + 2.0 * turnsOf(d.y, ring);
     return vec2(u, v);
 }
-
-const float kBelowOne = 0.99999994;  // by one float
 
 // Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures. A loop of one
 // trip at most: lavapipe skips work only by not entering a loop.
@@ -56,7 +55,7 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         precise float w = dot(frame.toW, position) + frame.offsetW;
         bool axial = FEATURE_QUADRICS && frame.uvKind == kUvAxial;
         bool round_ = FEATURE_QUADRICS && frame.uvKind == kUvRound;
-        vec2 around = latLong(axial || round_ ? vec3(u, v, w) : direction);
+        vec2 around = latitudeLongitude(axial || round_ ? vec3(u, v, w) : direction);
         // A cap lies at 0 or 1 up to rounding: a repeated image would begin anew on one pixel of it and not
         // on the next.
         float height = clamp(v, 0.0, kBelowOne);

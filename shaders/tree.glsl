@@ -5,11 +5,8 @@
 #ifndef GLINT_TREE_GLSL
 #define GLINT_TREE_GLSL
 
-#include "material.glsl"
-#include "optics.glsl"
 #include "path.glsl"
-
-float greatestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
+#include "scatter.glsl"
 
 uvec4 loadMedia(uint path) {
     return FEATURE_TRANSMISSION ? loadRow(treeRow(kTreeRowMedia), path) : uvec4(0u);
@@ -67,12 +64,6 @@ struct Branch {
     uint kind;   // kRay..., with MODE_TALLY alone
 };
 
-vec3 transmissionAt(uint medium, Surface surface) {
-    Optics optics = opticsOf(medium);
-    return kHasTextures ? optics.transmission * textureAt(optics.transmissionTexture, surface).xyz
-                        : optics.transmission;
-}
-
 uint waitingRow(uint slot, uint row) { return treeRow(kTreeRowWaiting + slot * kWaitingRows + row); }
 
 void storeWaiting(uint path, uint slot, Branch branch) {
@@ -93,41 +84,45 @@ Branch loadWaiting(uint path, uint slot) {
                   MODE_TALLY ? direction.w >> kWaitingKindShift : 0u);
 }
 
-// From the surface that a path has met (`met`; if not, it has left the scene) to the path's next ray, if
-// there is one. Returns false if not.
-bool nextBranch(uint path, bool alive, bool met, Ray ray, Hit hit, Surface surface, bool entering,
-                Material material, Crossing crossing, vec3 throughput, Environment environment,
+// The ray that leaves an interaction on the side that `outwards` points to. depth: rays before it.
+Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput, uvec4 media, uint depth,
+                  uint kind) {
+    vec3 origin = offsetOrigin(at.surface.position, at.surface.error, outwards);
+    return Branch(origin, direction, at.hit.primitive, at.hit.instance, throughput, media, depth, kind);
+}
+
+// The path's next ray in scenes without transmission. Returns false if there is none.
+bool nextReflection(uint path, bool alive, Interaction at, vec3 throughput, Environment environment,
+                    out Branch next) {
+    Scattering s = scatteringAt(at);
+    next = branchFrom(at, at.surface.normal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
+                      dispatch.bounce + 1u, kRayMirrored);
+    return isFollowed(path, alive && s.reflects, dispatch.bounce, next.throughput, environment);
+}
+
+// The path's next ray: one that leaves the interaction, or one that has waited. Returns false if there is
+// none.
+bool nextBranch(uint path, bool alive, Interaction at, vec3 throughput, Environment environment,
                 out Branch next) {
     uvec4 state = loadRow(treeRow(kTreeRowBranch), path);
-    bool dielectric = material.medium != 0u;
-    float eta = iorOf(crossing.mediumBefore) / iorOf(crossing.mediumAfter);
-    bool splits = dielectric && crossing.counts && eta != 1.0;
-    Split split = splitAt(surface, ray.direction, splits ? eta : 1.0);
-    vec3 reflectWeight = splits ? min(material.mirror + split.reflectance, vec3(1.0)) : material.mirror;
-    vec3 refractWeight =
-        crossing.counts ? (1.0 - split.reflectance) * transmissionAt(material.medium, surface) : vec3(1.0);
-    bool reflects = met && crossing.counts && (splits || greatestOf(material.mirror) > 0.0);
-    bool refracts = met && dielectric && !split.total;
-    if (MODE_LEDGER) book(path, met && crossing.crowded, kLostMedia, 0.0);
-
-    Branch mirrorBranch =
-        Branch(offsetOrigin(surface.position, surface.error, surface.normal),
-               splits ? split.reflected : mirrored(surface, ray.direction), hit.primitive, hit.instance,
-               throughput * reflectWeight, crossing.before, state.x + 1u, kRayMirrored);
-    Branch innerBranch =
-        Branch(offsetOrigin(surface.position, surface.error, -surface.normal), split.refracted, hit.primitive,
-               hit.instance, throughput * refractWeight, crossing.after, state.x + 1u, kRayRefracted);
-    reflects = isFollowed(path, reflects, state.x, mirrorBranch.throughput, environment);
-    refracts = isFollowed(path, refracts, state.x, innerBranch.throughput, environment);
+    Scattering s = scatteringAt(at);
+    if (MODE_LEDGER) book(path, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
+    Branch mirrorBranch = branchFrom(at, at.surface.normal, s.reflected, throughput * s.reflectedWeight,
+                                     at.crossing.before, state.x + 1u, kRayMirrored);
+    Branch innerBranch = branchFrom(at, -at.surface.normal, s.refracted, throughput * s.refractedWeight,
+                                    at.crossing.after, state.x + 1u, kRayRefracted);
+    bool reflects = isFollowed(path, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
+    bool refracts = isFollowed(path, alive && s.refracts, state.x, innerBranch.throughput, environment);
 
     bool both = reflects && refracts;
-    bool mirrorFirst = both ? entering : reflects;
+    bool mirrorFirst = both ? at.entering : reflects;
     next = innerBranch;
     Branch second = mirrorBranch;
     if (mirrorFirst) {
         next = mirrorBranch;
         second = innerBranch;
     }
+    // Of one branch more than may wait and the one at hand, the weaker is dropped.
     bool crowded = both && state.y >= kMaxWaiting;
     float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
     if (MODE_LEDGER) book(path, crowded, kLostRoom, weakest * environment.radianceBound);

@@ -5,15 +5,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "shared/shading.h"
+
 namespace glint::reference {
 
 namespace {
 
 using Words = std::array<uint32_t, 4>;
+using Pair = std::array<uint32_t, 2>;
 
 // M. Jarzynski, M. Olano, JCGT 9(3), 2020: a linear congruential step of each word (Numerical Recipes'
 // constants), two rounds in which each word takes in the product of two others, a shift between them.
-Words hash(Words w) {
+Words pcg4d(Words w) {
     for (uint32_t& word : w) word = word * 1664525u + 1013904223u;
     const auto mix = [&w] {
         constexpr int kFactors[4][2] = {{1, 3}, {2, 0}, {0, 1}, {1, 2}};
@@ -25,43 +28,48 @@ Words hash(Words w) {
     return w;
 }
 
-uint32_t mirrored(uint32_t bits) {
+uint32_t bitfieldReverse(uint32_t bits) {
     uint32_t result = 0;
     for (int i = 0; i < 32; ++i) result |= ((bits >> i) & 1u) << (31 - i);
     return result;
 }
 
 // B. Burley, JCGT 9(4), 2020.
-uint32_t owen(uint32_t x, uint32_t seed) {
-    uint32_t bits = mirrored(x);
+uint32_t owenScrambled(uint32_t x, uint32_t seed) {
+    uint32_t bits = bitfieldReverse(x);
     bits ^= bits * 0x3d20adeau;
     bits = (bits + seed) * ((seed >> 16) | 1u);
     bits ^= bits * 0x05526c56u;
     bits ^= bits * 0x53a22864u;
-    return mirrored(bits);
+    return bitfieldReverse(bits);
 }
 
-Words place(const shared::Sample& s, uint32_t x, uint32_t y) {
-    Words at = {s.x, s.y, s.lensX, s.lensY};
-    if (s.scatter == shared::kScatterNone) return at;
-    const Words random = hash({x, y, s.key, s.seed});
-    if (s.scatter == shared::kScatterOwen) {
-        for (int i = 0; i < 4; ++i) at[i] = owen(at[i], random[i]);
-        return at;
+// Bit j of the second dimension, counted from the left, takes in bit k of the index where the binomial
+// coefficient (k over j) is odd: where j has no bit that k lacks (E. Lucas 1878).
+Pair sobolPair(uint32_t index) {
+    Pair point = {bitfieldReverse(index), 0};
+    for (uint32_t j = 0; j < 32; ++j) {
+        uint32_t odd = 0;
+        for (uint32_t k = 0; k < 32; ++k)
+            if ((j & ~k) == 0) odd ^= (index >> k) & 1u;
+        point[1] |= odd << (31 - j);
     }
-    const Words width = {s.widthX, s.widthY, s.widthLensX, s.widthLensY};
-    const Words shift = hash({x, y, shared::kLensKey, s.seed});
-    for (int i = 0; i < 4; ++i) {
-        at[i] += static_cast<uint32_t>(uint64_t{random[i]} * width[i] / (uint64_t{1} << 32));
-        if (i >= 2) at[i] += shift[i];
-    }
+    return point;
+}
+
+// Of sequences of two dimensions, one for each pair, each pixel takes the samples in another order and
+// scrambled anew (B. Burley 2020, section 3).
+Pair paddedPair(uint32_t seed, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
+    const Words random = pcg4d({x, y, shared::kPaddingKey + pair, seed});
+    Pair at = sobolPair(owenScrambled(index, random[0]));
+    for (size_t i = 0; i < 2; ++i) at[i] = owenScrambled(at[i], random[1 + i]);
     return at;
 }
 
 // 12 bits of the place lead from a cell's first distance to its last one; what is left of them is cut off.
-double offsetOf(const PackedSamples& samples, uint32_t table, uint32_t place) {
+double filmOffset(const PackedSamples& samples, uint32_t table, uint32_t place) {
     const auto* words = reinterpret_cast<const int32_t*>(samples.rows.data());
-    const int32_t* ends = words + table * 4 * shared::kFilterRows + 2 * (place / (1u << 22));
+    const int32_t* ends = words + table * 4 * shared::kFilterRows + 2 * (place >> shared::kFilterCellShift);
     const int64_t part = place / 1024 % 4096;
     const int64_t distance = ends[0] + (int64_t{ends[1]} - ends[0]) * part / 4096;
     return 0.5 + std::ldexp(static_cast<double>(distance), -static_cast<int>(shared::kFilterBits));
@@ -73,13 +81,34 @@ double lensCoordinate(uint32_t place) {
 
 }  // namespace
 
+Pair samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
+    if (pair >= shared::kFirstPaddedPair) return paddedPair(s.seed, index, pair, x, y);
+    const size_t first = 2 * pair;
+    const Words places = {s.x, s.y, s.lensX, s.lensY},
+                widths = {s.widthX, s.widthY, s.widthLensX, s.widthLensY};
+    Pair at = {places[first], places[first + 1]};
+    if (s.scatter == shared::kScatterNone) return at;
+    const Words random = pcg4d({x, y, s.key, s.seed});
+    const Words shift = pcg4d({x, y, shared::kLensKey, s.seed});
+    for (size_t i = 0; i < 2; ++i) {
+        if (s.scatter == shared::kScatterOwen) {
+            at[i] = owenScrambled(at[i], random[first + i]);
+            continue;
+        }
+        at[i] += static_cast<uint32_t>(uint64_t{random[first + i]} * widths[first + i] / (uint64_t{1} << 32));
+        if (pair == shared::kPairLens) at[i] += shift[first + i];
+    }
+    return at;
+}
+
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y) {
     if (!samples.scattered()) return {samples.offsets[index], glm::dvec2(0), 1};
     const shared::Sample& s = samples.rows[shared::kFirstSample + index];
-    const Words at = place(s, x, y);
+    const Pair film = samplePair(s, index, shared::kPairFilm, x, y);
+    const Pair lens = samplePair(s, index, shared::kPairLens, x, y);
     FilmSample result;
-    result.offset = {offsetOf(samples, s.tableX, at[0]), offsetOf(samples, s.tableY, at[1])};
-    result.lens = concentricDisc(lensCoordinate(at[2]), lensCoordinate(at[3]));
+    result.offset = {filmOffset(samples, s.tableX, film[0]), filmOffset(samples, s.tableY, film[1])};
+    result.lens = concentricDisc(lensCoordinate(lens[0]), lensCoordinate(lens[1]));
     result.weight = s.weight.x;
     return result;
 }
@@ -111,7 +140,8 @@ bool needsMore(const std::vector<glm::dvec3>& colors, double threshold) {
     for (const glm::dvec3& c : colors) squares += (c - mean) * (c - mean);
     for (int c = 0; c < 3; ++c) {
         const double standardError = std::sqrt(squares[c] / (n * (n - 1)));
-        if (standardError > threshold * std::max(mean[c], 0.125)) return true;
+        if (standardError > threshold * std::max(mean[c], static_cast<double>(shared::kDarkestMean)))
+            return true;
     }
     return false;
 }

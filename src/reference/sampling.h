@@ -1,7 +1,10 @@
 // Where the reference's samples lie, from the packed rows; written apart from shaders/sample.glsl.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "pack/pack_samples.h"
 
@@ -12,6 +15,12 @@ struct FilmSample {
     glm::dvec2 lens{0};      // on the unit disc
     double weight = 1;
 };
+
+// Dimensions 2 pair and 2 pair + 1 of sample `index` of pixel (x, y) of the whole picture, in units of 2^-32;
+// s: the row of that sample. Pairs shared::kPairFilm and kPairLens are the sampler's; those from
+// kFirstPaddedPair on are for whoever needs more, one pair number for each purpose.
+std::array<uint32_t, 2> samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t x,
+                                   uint32_t y);
 
 // Of pixel (x, y) of the whole picture.
 FilmSample filmSample(const PackedSamples& samples, uint32_t index, uint32_t x, uint32_t y);

@@ -14,6 +14,7 @@
 #include "pack/packed_scene.h"
 #include "pack/sample_points.h"
 #include "reference/tracer.h"
+#include "shared/shading.h"
 
 namespace glint::reference {
 namespace {
@@ -47,6 +48,75 @@ std::array<uint32_t, 4> paperPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t 
     z += x * y;
     w += y * z;
     return {x, y, z, w};
+}
+
+// nested_uniform_scramble of Burley (JCGT 9(4), 2020), with N. Vegdahl's constants.
+uint32_t paperScramble(uint32_t x, uint32_t seed) {
+    const auto reversed = [](uint32_t v) {
+        v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
+        v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
+        v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
+        v = ((v & 0x00ff00ffu) << 8) | ((v >> 8) & 0x00ff00ffu);
+        return (v << 16) | (v >> 16);
+    };
+    x = reversed(x);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return reversed(x);
+}
+
+// Shuffled scrambled Sobol points as in Burley's listing: the index is scrambled, then each coordinate.
+TEST(Sampling, PaddedPairsAreThePapers) {
+    shared::Sample row;
+    row.seed = 12345;
+    for (uint32_t pair = shared::kFirstPaddedPair; pair < 9; ++pair)
+        for (uint32_t pixel = 0; pixel < 20; ++pixel)
+            for (uint32_t index = 0; index < 300; ++index) {
+                const uint32_t x = 3 * pixel, y = 100 - pixel;
+                const auto random = paperPcg4d(x, y, 0x80000000u + pair, row.seed);
+                const FixedPoint point = sobolPoint(paperScramble(index, random[0]));
+                const std::array<uint32_t, 2> expected = {paperScramble(point[0], random[1]),
+                                                          paperScramble(point[1], random[2])};
+                ASSERT_EQ(samplePair(row, index, pair, x, y), expected) << pair << ' ' << index;
+            }
+}
+
+// Of 2^m samples from a multiple of 2^m on, each pair has one in each elementary interval.
+TEST(Sampling, PaddedPairsStratify) {
+    constexpr int m = 6;
+    shared::Sample row;
+    row.seed = 3;
+    for (uint32_t pair = shared::kFirstPaddedPair; pair < 6; ++pair)
+        for (const uint32_t first : {0u, 1u << m, 5u << m})
+            for (int a = 0; a <= m; ++a) {
+                std::set<std::pair<uint32_t, uint32_t>> cells;
+                for (uint32_t i = 0; i < 1u << m; ++i) {
+                    const auto p = samplePair(row, first + i, pair, 17, 4);
+                    cells.insert({static_cast<uint32_t>(uint64_t{p[0]} << a >> 32),
+                                  static_cast<uint32_t>(uint64_t{p[1]} << (m - a) >> 32)});
+                }
+                EXPECT_EQ(cells.size(), 1u << m) << pair << ' ' << first << ' ' << a;
+            }
+}
+
+// Which point of one pair meets which of another is random: of 256 samples each of 4 x 4 cells of two
+// coordinates of different pairs has 16 but for chance, sigma 3.4 (hypergeometric). One and the same order in
+// both would put 64 into each cell of a diagonal.
+TEST(Sampling, PaddedPairsAreIndependent) {
+    shared::Sample row;
+    row.seed = 9;
+    for (uint32_t pixel = 0; pixel < 20; ++pixel)
+        for (uint32_t pair = shared::kFirstPaddedPair; pair < 5; ++pair) {
+            std::array<int, 16> counts{};
+            for (uint32_t i = 0; i < 256; ++i) {
+                const auto p = samplePair(row, i, pair, pixel, 1), q = samplePair(row, i, pair + 1, pixel, 1);
+                ++counts[(p[0] >> 30) * 4 + (q[0] >> 30)];
+            }
+            for (const int count : counts) EXPECT_NEAR(count, 16, 20) << pixel << ' ' << pair;
+        }
 }
 
 // One cell as wide as the pixel: the place is the hash, cut to the 22 bits that the filter's table uses.

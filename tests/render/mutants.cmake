@@ -26,14 +26,15 @@ mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" ligh
 mutant(disc_rim intersect.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
 mutant(polygon_side intersect.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(quadric_disc quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
-mutant(diffuse_gain light.comp "material.diffuse * max(" "1.01 * material.diffuse * max(" light)
+mutant(diffuse_gain scatter.glsl "at.material.diffuse * max(" "1.01 * at.material.diffuse * max(" light)
 mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
        "x * camera.originStepX - y * camera.originStepY" generate)
 mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
 mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
 mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
-mutant(not_finite light.comp "return radiance * light.intensity;" "return radiance * light.intensity * kInfinity * 2.0;" light)
+mutant(not_finite light.comp "evaluate(at, light.direction) * light.intensity;"
+       "evaluate(at, light.direction) * light.intensity * kInfinity * 2.0;" light)
 mutant(texel_corner texture.glsl "s * count - 0.5" "s * count - 0.25" light shade)
 mutant(upside_down texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)
 mutant(late_checker texture.glsl "vec3 whole = floor(cell)" "vec3 whole = floor(cell + 0.02)" light shade)
@@ -52,5 +53,5 @@ mutant(wide_narrow wide_nodes.glsl "steps * scale + origin" "steps * (0.9 * scal
 mutant(wide_leaf_word wide_nodes.glsl "return (place & 2u) == 0u ?" "return (place & 2u) != 0u ?" intersect)
 mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
-mutant(inner_first tree.glsl "bool mirrorFirst = both ? entering : reflects;" "bool mirrorFirst = both ? !entering : reflects;" shade)
+mutant(inner_first tree.glsl "both ? at.entering : reflects;" "both ? !at.entering : reflects;" shade)
 mutant(one_way_beer passage.glsl "surface.normal, ray.direction) > 0.0 ? -way : way" "surface.normal, ray.direction) > 0.0 ? 0.0 : way" light)
