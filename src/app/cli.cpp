@@ -58,7 +58,7 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
             "greatest number of reflections and refractions in a row instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
     addText(command, "--build-quality", "fast|default|high",
-            "time spent on the tree of boxes: binned (fast); split and improved where cheap (default) or at "
+            "time spent on the BVH: binned (fast); split and improved where cheap (default) or at "
             "all (high)",
             [&](const Text& t) { options.buildQuality = parseBuildQuality(t); });
 }
