@@ -145,6 +145,9 @@ class Checker:
         for number, line in enumerate(text.split("\n"), 1):
             for name, anchor in re.findall(r"(?<![\w/.-])(docs/[\w./-]*\w\.md)(#[\w-]+)?", line):
                 self.check_path(f"{path}:{number}", name, anchor)
+        for page in re.findall(r"--page (docs/[\w./-]+\.md)", text):  # a script that writes its table between marks of its name
+            if f"<!-- {path.stem} -->" not in self.pages.get(page, ""):
+                self.fault(str(path), f"{page} has no <!-- {path.stem} -->")
         before = ""  # a citation may go on in the next line
         for number, comment in comments(path, text):
             where = f"{path}:{number}"
@@ -193,6 +196,7 @@ BAD = {
     "a source in a comment": ("src/b.cpp", "// src/gone.h", "src/gone.h"),
     "a scene in a comment": ("tests/c.cmake", "# scenes/gone.json", "scenes/gone.json"),
     "a docstring": ("tools/d.py", '"""Writes docs/gone.md."""', "docs/gone.md"),
+    "a table without its marks": ("bench/e.py", '"""e.py --page docs/page.md"""', "<!-- e -->"),
     "the file that never was": ("src/b.cpp", "// NUMERICS section 1", "no file NUMERICS"),
 }
 
