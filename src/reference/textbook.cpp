@@ -18,7 +18,7 @@ bool inInterval(const PreparedRay& ray, double t, double tMax) {
 // The unknowns beta, gamma, t of v0 + beta (v1 - v0) + gamma (v2 - v0) = o + t d by Cramer's rule (P.
 // Shirley, S. Marschner, Fundamentals of Computer Graphics, sec. 4.4.2), each a quotient of 3 x 3
 // determinants.
-bool byDeterminants(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+bool triangleByCramer(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
     const dvec3 e1 = v[1] - v[0], e2 = v[2] - v[0], d = vectorOf(ray.direction);
     const dvec3 right = vectorOf(ray.origin) - v[0];
     const double all = glm::determinant(dmat3(e1, e2, -d));
@@ -41,7 +41,7 @@ bool planeHit(const dvec3 (&v)[3], const PreparedRay& ray, dvec3& normal, dvec3&
 
 // D. Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems, 1990: two coordinates, and areas in
 // them.
-bool byProjection(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+bool triangleByProjection(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
     dvec3 n, p;
     if (!planeHit(v, ray, n, p, root.t)) return false;
     const dvec3 size = glm::abs(n);
@@ -59,7 +59,7 @@ bool byProjection(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
 }
 
 // The point is inside if no edge's inward normal n x e points away from it.
-bool inSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
+bool triangleInSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
     dvec3 n, p;
     if (!planeHit(v, ray, n, p, root.t)) return false;
     double height[3];  // over the edge opposite to each vertex, times lengths that are the same for all
@@ -79,9 +79,9 @@ bool inSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
 bool textbookTriangle(TriangleMethod method, const shared::Triangle& triangle, const PreparedRay& ray,
                       double tMax, Root& root) {
     const dvec3 v[3] = {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)};
-    const bool inside = method == TriangleMethod::Barycentric  ? byDeterminants(v, ray, root)
-                        : method == TriangleMethod::Projection ? byProjection(v, ray, root)
-                                                               : inSpace(v, ray, root);
+    const bool inside = method == TriangleMethod::Barycentric  ? triangleByCramer(v, ray, root)
+                        : method == TriangleMethod::Projection ? triangleByProjection(v, ray, root)
+                                                               : triangleInSpace(v, ray, root);
     return inside && inInterval(ray, root.t, tMax);
 }
 
