@@ -25,6 +25,8 @@ void switchShaderCachesOff() {
 
 bench::Options optionsOf(const BenchCommand& command) {
     bench::Options options;
+    options.tracing.methods = command.common.methods;
+    options.tracing.minContribution = command.common.minContribution;
     options.renderer.traversal = command.device.traversal;
     options.renderer.leaveOut = !command.full;
     options.renderer.also = command.with;

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/stopwatch.h"
 #include "import/load.h"
+#include "pack/pack_samples.h"
 #include "scene/sampling.h"
 
 namespace glint::app {
@@ -43,8 +44,6 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     loaded.loadSeconds = watch.seconds();
     watch.restart();
     loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
-    loaded.packed.methods = options.methods;
-    loaded.packed.environment.minContribution = static_cast<float>(options.minContribution);
     loaded.packSeconds = watch.seconds();
     if (!quiet) {
         for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << w << '\n';
@@ -53,6 +52,13 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
         }
     }
     return loaded;
+}
+
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
+    Request request = requestOf(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
+    request.methods = options.methods;
+    request.minContribution = options.minContribution;
+    return request;
 }
 
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {

@@ -8,11 +8,15 @@
 #include "core/wording.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
+#include "trace/request.h"
 
 namespace glint::app {
 
 // Loads, applies the command line's overrides, packs; warnings go to `err`, one line each, unless quiet.
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
+
+// The scene's picture, whole, with what the command line says about it.
+Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
 
 // Prints what the validation layer said; throws Error(Device) if it said anything, or was asked for and is
 // not there.

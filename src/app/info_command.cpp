@@ -42,12 +42,12 @@ std::string arraySize(const PackedScene& packed) {
 }
 
 // What --traversal auto comes to on the device that would be taken; without one, says so.
-std::string traversalText(const PackedScene& packed) {
+std::string traversalText(const PackedScene& packed, const Methods& methods) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
-            render::chooseTraversal(render::Traversal::Auto, device, packed);
+            render::chooseTraversal(render::Traversal::Auto, device, packed, methods);
         return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";
@@ -148,10 +148,10 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
-    out << "  traversal     " << traversalText(packed) << '\n';
+    out << "  traversal     " << traversalText(packed, command.methods) << '\n';
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
-    out << "  tests         triangles " << nameOf(packed.methods.triangles) << ", spheres "
-        << nameOf(packed.methods.spheres) << '\n';
+    out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
+        << nameOf(command.methods.spheres) << '\n';
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -43,8 +43,8 @@ Placement placeBounds(const Camera& camera, const PackedScene& packed) {
 // Camera rays spread over the picture, followed by the reference.
 class Scout {
   public:
-    Scout(const Picture& picture, const Scene& scene, const PackedScene& packed)
-        : tracer_(packed),
+    Scout(const Picture& picture, const Scene& scene, const PackedScene& packed, const Tracing& tracing)
+        : tracer_(packed, tracing),
           camera_(packCamera(scene.camera, scene.image.width, scene.image.height, packed.origin)) {
         constexpr int kSide = 16;
         const Region& r = picture.region;
@@ -91,7 +91,8 @@ std::optional<std::string> clippedReason(const Camera& camera, const std::vector
     return std::nullopt;
 }
 
-std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed) {
+std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
+                        const Tracing& tracing) {
     if (scene.objects.empty()) return "the scene has no objects";
     const bool finiteGeometry = packed.environment.root != shared::kNone;
     if (!finiteGeometry && packed.planes.empty())
@@ -102,7 +103,8 @@ std::string emptyReason(const Picture& picture, const Scene& scene, const Packed
         if (p.distanceMin > scene.camera.farT) return "everything is farther away than the camera's far";
         if (p.distanceMax < scene.camera.nearT) return "everything is nearer than the camera's near";
     }
-    if (const auto clipped = clippedReason(scene.camera, Scout(picture, scene, packed).unboundedHits()))
+    if (const auto clipped =
+            clippedReason(scene.camera, Scout(picture, scene, packed, tracing).unboundedHits()))
         return *clipped;
     if (picture.region.width() < scene.image.width || picture.region.height() < scene.image.height) {
         return "there is nothing else in this --crop";
@@ -156,12 +158,13 @@ std::string unlitReason(const std::vector<reference::PixelRecord>& paths, const 
     return "no light reaches what is seen, or its materials are black";
 }
 
-std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed) {
+std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
+                        const Tracing& tracing) {
     const bool noAmbient = scene.ambient == Color(0);
     const bool noLight = std::all_of(scene.lights.begin(), scene.lights.end(), isDark);
     if (scene.lights.empty() && noAmbient) return "the scene has neither lights nor ambient light";
     if (noLight && noAmbient) return "all its lights have the intensity 0, and there is no ambient light";
-    const Scout scout(picture, scene, packed);
+    const Scout scout(picture, scene, packed, tracing);
     const auto paths = scout.paths();
     if (const auto object = darkObjectAround(scout, paths, scene)) return insideReason(scene, *object);
     return unlitReason(paths, scene);
@@ -170,7 +173,7 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
 }  // namespace
 
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed) {
+                                         const PackedScene& packed, const Tracing& tracing) {
     if (!picture.complete) return std::nullopt;
     bool anyHit = false, allHit = true, anyColor = false;
     for (size_t i = 0; i < picture.color.pixels.size(); i += 4) {
@@ -181,10 +184,11 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
         // At the rim of an object some samples show the background, which says nothing about the object.
         if (c[3] >= 1 && !(c[0] == 0 && c[1] == 0 && c[2] == 0)) anyColor = true;
     }
-    if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed);
-    if (!anyColor) return "everything in the picture is black: " + blackReason(picture, scene, packed);
+    if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed, tracing);
+    if (!anyColor)
+        return "everything in the picture is black: " + blackReason(picture, scene, packed, tracing);
     if (allHit) {
-        const Scout scout(picture, scene, packed);
+        const Scout scout(picture, scene, packed, tracing);
         if (const auto object = darkObjectAround(scout, scout.paths(), scene))
             return insideReason(scene, *object);
     }

@@ -37,7 +37,7 @@ double parseNumber(const std::string& field, const std::string& where) {
     return value;
 }
 
-reference::Ray parseRay(const std::string& line, const std::string& where) {
+WorldRay parseRay(const std::string& line, const std::string& where) {
     std::vector<std::string> fields;
     size_t start = 0;
     for (size_t end = 0; end != std::string::npos; start = end + 1) {
@@ -50,7 +50,7 @@ reference::Ray parseRay(const std::string& line, const std::string& where) {
     }
     std::vector<double> v;
     for (const std::string& field : fields) v.push_back(parseNumber(field, where));
-    reference::Ray ray;
+    WorldRay ray;
     ray.origin = {v[0], v[1], v[2]};
     ray.direction = {v[3], v[4], v[5]};
     if (v.size() > 6) ray.tMin = v[6];
@@ -60,8 +60,8 @@ reference::Ray parseRay(const std::string& line, const std::string& where) {
 
 }  // namespace
 
-std::vector<reference::Ray> parseRays(std::istream& in, const std::string& name) {
-    std::vector<reference::Ray> rays;
+std::vector<WorldRay> parseRays(std::istream& in, const std::string& name) {
+    std::vector<WorldRay> rays;
     std::string line;
     for (size_t number = 1; std::getline(in, line); ++number) {
         if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
@@ -73,7 +73,7 @@ std::vector<reference::Ray> parseRays(std::istream& in, const std::string& name)
     return rays;
 }
 
-std::vector<reference::Ray> readRays(const std::string& file) {
+std::vector<WorldRay> readRays(const std::string& file) {
     if (file == "-") return parseRays(std::cin, "standard input");
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))

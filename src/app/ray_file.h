@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "reference/tracer.h"
+#include "trace/ray_batch.h"
 
 namespace glint::app {
 
 // Rays in world coordinates. Throws Error(Scene) with `name` and the line's number for a line that is no ray.
-std::vector<reference::Ray> parseRays(std::istream& in, const std::string& name);
+std::vector<WorldRay> parseRays(std::istream& in, const std::string& name);
 
 // The same from a file, or from standard input for "-".
-std::vector<reference::Ray> readRays(const std::string& file);
+std::vector<WorldRay> readRays(const std::string& file);
 
 }  // namespace glint::app

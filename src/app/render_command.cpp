@@ -66,16 +66,11 @@ uint64_t bytesPerPixel(const RenderCommand& command) {
 
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
                   Progress& progress) {
-    const Scene& scene = loaded.scene;
-    Request request;
-    request.width = scene.image.width;
-    request.height = scene.image.height;
+    Request request = requestOf(loaded, command.scene);
     request.region = region;
-    request.samples = samplesOf(loaded);
     request.data = needsData(command);
     request.cost = wants(command, "cost");
-    request.ledger =
-        loaded.packed.features.transmission || command.scene.minContribution > 0 || !command.stats.empty();
+    request.ledger = loaded.packed.features.transmission || !command.stats.empty();
     request.progress = [&progress](double fraction) { progress.update(fraction); };
     request.cancelled = interrupted;
     return request;
@@ -90,7 +85,7 @@ void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded, const 
     options.traversal = traversal;
     options.expected = &request;
     render::Renderer renderer(device, loaded.packed, options);
-    outcome.traversal = render::nameOf(renderer.traversal());
+    outcome.traversal = render::nameOf(renderer.traversal(request.methods));
     outcome.picture = renderer.render(cameraOf(loaded), request);
     outcome.times = renderer.times();
 }
@@ -115,7 +110,8 @@ void warnAboutPicture(const Picture& picture, const RenderCommand& command, cons
     // That mirrors face each other without end is nothing new.
     if (loaded.packed.features.transmission || command.scene.minContribution > 0)
         warnOfLosses(picture, start, err);
-    if (const auto advice = pictureAdvice(picture, loaded.scene, loaded.packed))
+    if (const auto advice =
+            pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene)))
         err << start << *advice << '\n';
 }
 
@@ -158,8 +154,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["discs"] = loaded.packed.discs.size();
     json["polygons"] = loaded.packed.polygons.size();
     json["quadrics"] = loaded.packed.quadrics.size();
-    json["intersector"] = nameOf(loaded.packed.methods.triangles);
-    json["sphere"] = nameOf(loaded.packed.methods.spheres);
+    json["intersector"] = nameOf(command.scene.methods.triangles);
+    json["sphere"] = nameOf(command.scene.methods.spheres);
     json["lost"] = lossesJson(outcome.picture);
     json["minContribution"] = command.scene.minContribution;
     json["notFinite"] = outcome.picture.notFinite;

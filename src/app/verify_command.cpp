@@ -38,9 +38,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     sceneOptions.scene = path;
     const LoadedScene loaded = loadAndPack(sceneOptions, err);
     verify::Options options;
-    options.width = loaded.scene.image.width;
-    options.height = loaded.scene.image.height;
-    options.samples = samplesOf(loaded);
+    static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
     options.cancelled = interrupted;
     checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
     render::Options tracing;

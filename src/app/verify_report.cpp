@@ -106,8 +106,7 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   report.kappa * verify::kFloatUnit, report.p99);
     out << line;
     for (const verify::DifferingPixel& pixel : report.worst) {
-        printPixel(pixel, (options.samples ? options.samples->round : options.sampleOffsets.size()) > 1,
-                   origin, out);
+        printPixel(pixel, options.samples.round > 1, origin, out);
     }
 }
 

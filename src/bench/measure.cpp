@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/wording.h"
+#include "pack/pack_samples.h"
 #include "reference/render.h"
 #include "reference/sampling.h"
 #include "shared/dispatch.h"
@@ -84,26 +85,23 @@ struct Task {
     const LoadedScene& loaded;
     const Options& options;
     shared::Camera camera;
-    Request settings;
+    Request request;
 };
 
 Task taskOf(const LoadedScene& loaded, const Options& options) {
     ImageSettings image = loaded.scene.image;
     image.adaptive.reset();
-    Task task = {loaded, options, cameraOf(loaded), {}};
-    Request& settings = task.settings;
-    settings.width = image.width;
-    settings.height = image.height;
-    settings.samples = packSamples(image, loaded.scene.camera.lensRadius > 0);
+    Task task = {loaded, options, cameraOf(loaded), requestOf(image, loaded.scene.camera.lensRadius > 0)};
+    static_cast<Tracing&>(task.request) = options.tracing;
     // As `glint render` without --stats.
-    settings.ledger = loaded.packed.features.transmission || loaded.packed.environment.minContribution > 0;
-    settings.cancelled = options.cancelled;
+    task.request.ledger = loaded.packed.features.transmission;
+    task.request.cancelled = options.cancelled;
     return task;
 }
 
 // The reference's rays of every `stride`-th pixel in either direction.
 void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
-    const reference::Tracer tracer(task.loaded.packed);
+    const reference::Tracer tracer(task.loaded.packed, task.request);
     const auto cancelled = [&] { return task.options.cancelled(); };
     const int columns = (result.width + stride - 1) / stride, rows = (result.height + stride - 1) / stride;
     std::mutex mutex;
@@ -113,7 +111,7 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
         for (int x = 0; x < result.width && !cancelled(); x += stride) {
             for (uint32_t i = 0; i < samples; ++i) {
                 const reference::FilmSample s = reference::filmSample(
-                    task.settings.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+                    task.request.samples, i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
                 const auto ray = tracer.cameraRay(task.camera, x + s.offset.x, y + s.offset.y, s.lens);
                 const reference::PixelRecord record = tracer.trace(ray);
                 for (size_t k = 0; k < sums.size(); ++k) {
@@ -159,13 +157,13 @@ struct Series {
 };
 
 // The rays of a picture, and where they are of both kinds, what each takes for itself.
-void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request settings,
+void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request request,
                    Result& result) {
-    settings.tally = true;
+    request.tally = true;
     std::vector<double> mirrored, refracted;
     for (int i = 0; i <= kApartRepeats; ++i) {
         const render::KernelTimes before = renderer.times().kernels;
-        if (!renderer.render(camera, settings).complete) stop();
+        if (!renderer.render(camera, request).complete) stop();
         const render::KernelTimes& after = renderer.times().kernels;
         if (i == 0) result.rays = renderer.rays();
         if (result.rays.mirrored == 0 || result.rays.refracted == 0) return;
@@ -184,11 +182,11 @@ class Contestant {
                const Result& described)
         : renderer_(device, task.loaded.packed, options),
           camera_(task.camera),
-          settings_(task.settings),
+          request_(task.request),
           result_(described) {
         result_.device = device.info().name;
         result_.driver = device.info().driver;
-        result_.traversal = nameOf(renderer_.traversal());
+        result_.traversal = nameOf(renderer_.traversal(request_.methods));
         result_.access = renderer_.access() == gpu::Access::TexelBuffer ? "texel" : "storage";
     }
 
@@ -214,7 +212,7 @@ class Contestant {
     }
     Result finish() {
         series_.summarize(result_);
-        countOnDevice(renderer_, camera_, settings_, result_);
+        countOnDevice(renderer_, camera_, request_, result_);
         result_.upload = renderer_.times().upload;
         result_.deviceBytes = renderer_.deviceBytes();
         return result_;
@@ -222,14 +220,14 @@ class Contestant {
 
   private:
     Picture draw() {
-        Picture picture = renderer_.render(camera_, settings_);
+        Picture picture = renderer_.render(camera_, request_);
         if (!picture.complete) stop();
         return picture;
     }
 
     render::Renderer renderer_;
     shared::Camera camera_;
-    Request settings_;
+    Request request_;
     Result result_;
     Series series_;
 };
@@ -265,7 +263,7 @@ std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, co
     std::vector<std::unique_ptr<Contestant>> contestants;
     for (const auto& way : ways) {
         if (way.traversal == Packet && !render::runsPackets(device.info())) continue;
-        if (nameOf(chooseTraversal(way.traversal, device.info(), task.loaded.packed)) !=
+        if (nameOf(chooseTraversal(way.traversal, device.info(), task.loaded.packed, task.request.methods)) !=
             std::string(way.name))
             continue;
         render::Options options = profiled(task.options.renderer);
@@ -290,7 +288,7 @@ void measureOnHost(const Task& task, Result& result) {
     for (int i = 0; i <= task.options.repeats; ++i) {
         task.options.progress(i / (task.options.repeats + 1.0));
         const Stopwatch watch;
-        const Picture picture = reference::render(task.loaded.packed, task.camera, task.settings);
+        const Picture picture = reference::render(task.loaded.packed, task.camera, task.request);
         if (!picture.complete) stop();
         if (i == 0) {
             result.picture = pictureHash(picture);
@@ -323,7 +321,7 @@ Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::D
         countRays(task, stride, 1, result);
     } else {
         measureOnHost(task, result);
-        countRays(task, 1, task.settings.samples.count(), result);
+        countRays(task, 1, task.request.samples.count(), result);
         const auto rays = [&](reference::RayClass k) { return result.counted[static_cast<size_t>(k)].rays; };
         result.rays = {rays(reference::RayClass::Primary), rays(reference::RayClass::Shadow),
                        rays(reference::RayClass::Mirrored), rays(reference::RayClass::Refracted)};

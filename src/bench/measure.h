@@ -8,10 +8,12 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "render/renderer.h"
+#include "trace/request.h"
 
 namespace glint::bench {
 
 struct Options {
+    Tracing tracing;
     render::Options renderer;  // `profile` is on in any case
     int repeats = 7;           // pictures that are timed
     bool everyWalk = false;    // each way to find hits in turn besides: Result::walks

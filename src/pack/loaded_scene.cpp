@@ -7,8 +7,4 @@ shared::Camera cameraOf(const LoadedScene& loaded) {
     return packCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
 }
 
-PackedSamples samplesOf(const LoadedScene& loaded) {
-    return packSamples(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
-}
-
 }  // namespace glint

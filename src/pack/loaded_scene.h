@@ -1,7 +1,6 @@
 // A scene as it was read, with the arrays that were packed from it.
 #pragma once
 
-#include "pack/pack_samples.h"
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 
@@ -15,8 +14,5 @@ struct LoadedScene {
 
 // The camera of the scene's picture.
 shared::Camera cameraOf(const LoadedScene& loaded);
-
-// The samples of the scene's picture.
-PackedSamples samplesOf(const LoadedScene& loaded);
 
 }  // namespace glint

@@ -134,4 +134,12 @@ PackedSamples packSamples(const ImageSettings& image, bool lens) {
     return samples;
 }
 
+Request requestOf(const ImageSettings& image, bool lens) {
+    Request request;
+    request.width = image.width;
+    request.height = image.height;
+    request.samples = packSamples(image, lens);
+    return request;
+}
+
 }  // namespace glint

@@ -478,7 +478,7 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
         packed.optics.clear();
     }
     if (packed.features.transmission || packed.features.mirrors)
-        packed.environment.radianceBound = radianceBound(packed, packed.environment.maxDepth);
+        packed.environment.radianceBound = radianceBound(packed, packed.environment, packed.lights);
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;

@@ -9,7 +9,6 @@
 #include "bvh/builder.h"
 #include "scene/scene.h"
 #include "shared/layout.h"
-#include "trace/methods.h"
 
 namespace glint {
 
@@ -62,6 +61,7 @@ struct PackStatistics {
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
 
+// Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).
 struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::vector<shared::Node> nodes;
@@ -88,7 +88,6 @@ struct PackedScene {
     std::vector<shared::ObjectFrame>
         objectFrames;  // of every object, if a material has a texture; else empty
     SceneFeatures features;
-    Methods methods;  // the intersection tests of both tracers; packScene leaves the default
     PackStatistics statistics;
     std::vector<std::string> warnings;
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
@@ -116,11 +115,12 @@ PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality qua
 // of the smallest, those of planes first, and cut off at kMaxMedia.
 glm::uvec4 mediaAt(const PackedScene& scene, const glm::dvec3& point);
 
-// The greatest radiance, in any channel, that a ray of the tree can bring with `maxDepth` rays after it: the
-// greatest of the background and, for each material, of ambient light, all lights unshadowed and head on, and
-// the branches. kInfinity if there is none: a light that falls off touches a box of the BVH, or the sum
-// overflows.
-float radianceBound(const PackedScene& scene, uint32_t maxDepth);
+// The greatest radiance, in any channel, that a ray of the tree can bring with environment.maxDepth rays
+// after it: the greatest of the background and, for each material, of ambient light, all `lights` unshadowed
+// and head on, and the branches. kInfinity if there is none: a light that falls off touches a box of the BVH,
+// or the sum overflows.
+float radianceBound(const PackedScene& scene, const shared::Environment& environment,
+                    const std::vector<shared::Light>& lights);
 
 // The camera of a picture of width x height pixels, relative to `origin`; frame, tangent and steps are
 // computed in double.

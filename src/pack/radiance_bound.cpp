@@ -36,9 +36,9 @@ double clearance(const PackedScene& scene, const glm::dvec3& point) {
     return least;
 }
 
-double lightBound(const PackedScene& scene) {
+double lightBound(const PackedScene& scene, const std::vector<shared::Light>& all) {
     double sum = 0;
-    for (const shared::Light& light : scene.lights) {
+    for (const shared::Light& light : all) {
         const double d = fallsOff(light) ? clearance(scene, glm::dvec3(light.position)) : 1;
         sum += greatest(light.intensity) / (d * d);
     }
@@ -89,16 +89,16 @@ Reflection reflectionOf(const PackedScene& scene, const shared::Material& m, dou
 
 }  // namespace
 
-float radianceBound(const PackedScene& scene, uint32_t maxDepth) {
-    const double lights = lightBound(scene);
-    const double background =
-        greatest(scene.environment.background) * brightest(scene, scene.environment.map);
-    const double ambient = greatest(scene.environment.ambient);
+float radianceBound(const PackedScene& scene, const shared::Environment& environment,
+                    const std::vector<shared::Light>& all) {
+    const double lights = lightBound(scene, all);
+    const double background = greatest(environment.background) * brightest(scene, environment.map);
+    const double ambient = greatest(environment.ambient);
     std::vector<Reflection> reflections;
     const double vertex = brightestVertex(scene);
     for (const shared::Material& m : scene.materials) reflections.push_back(reflectionOf(scene, m, vertex));
     double bound = background;
-    for (uint32_t depth = 0; depth <= maxDepth; ++depth) {
+    for (uint32_t depth = 0; depth <= environment.maxDepth; ++depth) {
         double next = background;
         for (const Reflection& r : reflections) {
             const double local = r.ofAmbient * ambient + (r.ofLights > 0 ? r.ofLights * lights : 0);

@@ -103,13 +103,13 @@ bool holeAt(const PackedScene& scene, const Surface& surface) {
            sampleNumber(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
 }
 
-dvec3 surroundings(const PackedScene& scene, const dvec3& direction, const dvec2& shift) {
-    const dvec3 background(scene.environment.background);
-    if (scene.environment.map == 0) return background;
+dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment, const dvec3& direction,
+                   const dvec2& shift) {
+    const dvec3 background(environment.background);
+    if (environment.map == 0) return background;
     // The middle column, which latitudeLongitude has at +z, is seen along -z with +x to its right.
     const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
-    return background *
-           dvec3(sampleTexture(scene, scene.textures[scene.environment.map - 1], uv, dvec3(0), 0));
+    return background * dvec3(sampleTexture(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
 }
 
 }  // namespace glint::reference

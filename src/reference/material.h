@@ -24,7 +24,9 @@ glm::dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surfa
 bool holeAt(const PackedScene& scene, const Surface& surface);
 
 // What comes from infinitely far away against `direction`. shift: added to the environment map's coordinates.
-glm::dvec3 surroundings(const PackedScene& scene, const glm::dvec3& direction, const glm::dvec2& shift);
+// `environment`: of the tracer.
+glm::dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment,
+                        const glm::dvec3& direction, const glm::dvec2& shift);
 
 // Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
 // at a local position on an object.

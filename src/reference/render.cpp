@@ -60,7 +60,11 @@ class RowRenderer {
   public:
     RowRenderer(const PackedScene& scene, const shared::Camera& camera, const Request& request,
                 Picture& picture)
-        : scene_(scene), tracer_(scene), camera_(camera), samples_(request.samples), picture_(picture) {}
+        : scene_(scene),
+          tracer_(scene, request),
+          camera_(camera),
+          samples_(request.samples),
+          picture_(picture) {}
 
     // Everything but colour, alpha and the losses comes from the first sample.
     TreeLosses pixel(int x, int y) const {

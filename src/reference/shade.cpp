@@ -34,7 +34,7 @@ double greatestCoordinate(const dvec3& v) {
 }
 
 // The greatest magnitude among the coordinates that a hit point on this primitive is computed from.
-double geometryScale(const PackedScene& scene, uint32_t primitive) {
+double geometryScale(const PackedScene& scene, const Methods& methods, uint32_t primitive) {
     switch (kindOf(primitive)) {
         case shared::kKindTriangle: {
             const shared::Triangle& t = scene.triangles[indexOf(primitive)];
@@ -44,7 +44,7 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
         case shared::kKindSphere: {
             const shared::Sphere& s = scene.spheres[indexOf(primitive)];
             return greatestCoordinate(s.point) +
-                   (isAnchored(s) && scene.methods.spheres == SphereMethod::Robust ? 0 : s.radius);
+                   (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
         }
         case shared::kKindDisc: {
             const shared::Disc& disc = scene.discs[indexOf(primitive)];
@@ -65,8 +65,8 @@ double geometryScale(const PackedScene& scene, uint32_t primitive) {
     }
 }
 
-double geometryScale(const PackedScene& scene, const Hit& hit) {
-    const double own = geometryScale(scene, hit.primitive);
+double geometryScale(const PackedScene& scene, const Methods& methods, const Hit& hit) {
+    const double own = geometryScale(scene, methods, hit.primitive);
     if (hit.instance == shared::kNone) return own;
     return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
 }
@@ -162,7 +162,8 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
     // rounded again.
-    const double scale = std::max(greatestCoordinate(site.position), geometryScale(scene_, hit));
+    const double scale =
+        std::max(greatestCoordinate(site.position), geometryScale(scene_, tracer_.methods(), hit));
     // An instance's transform there and back makes more of each rounding.
     const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
     site.scale = scale;
@@ -207,6 +208,7 @@ double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
 // every medium that the ray is inside of by its count of crossings.
 std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, const Media& media,
                                               bool directional) {
+    if (!tracer_.shadows()) return dvec3(1);
     const uint64_t before = record_.cost;
     if (!scene_.features.coloredShadows) {
         const bool occluded = tracer_.occluded(ray, site.source, &record_.cost);
@@ -248,8 +250,8 @@ std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, 
 dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material, const Media& media,
                               bool first) {
     dvec3 sum(0);
-    for (size_t i = 0; i < scene_.lights.size(); ++i) {
-        const shared::Light& light = scene_.lights[i];
+    for (size_t i = 0; i < tracer_.lights().size(); ++i) {
+        const shared::Light& light = tracer_.lights()[i];
         const bool directional = light.kind == shared::kLightDirectional;
         const dvec3 toLight = directional ? dvec3(light.position) : dvec3(light.position) - site.position;
         const double distance = glm::length(toLight);
@@ -289,7 +291,8 @@ Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
     if (scene_.textures.empty()) return surface;
     Surface moved = surface;
     const double scale = std::max({1.0, std::abs(surface.uv.x), std::abs(surface.uv.y)});
-    const double reach = std::max(greatestCoordinate(surface.position), geometryScale(scene_, hit));
+    const double reach =
+        std::max(greatestCoordinate(surface.position), geometryScale(scene_, tracer_.methods(), hit));
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
     keepHeight(scene_, moved);
@@ -297,22 +300,22 @@ Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
 }
 
 glm::dvec2 PathTracer::mapShift() {
-    if (scene_.environment.map == 0) return glm::dvec2(0);
+    if (tracer_.environment().map == 0) return glm::dvec2(0);
     const double u = mover_.shift(1);
     return {u, mover_.shift(1)};
 }
 
 double PathTracer::contribution(const Branch& next) const {
     const dvec3& t = next.throughput;
-    return std::max({t.x, t.y, t.z}) * static_cast<double>(scene_.environment.radianceBound);
+    return std::max({t.x, t.y, t.z}) * static_cast<double>(tracer_.environment().radianceBound);
 }
 
 // A throughput is a product of weights, each of them good to 8 roundings.
 bool PathTracer::isFollowed(const Branch& next) {
     const double most = contribution(next);
-    const bool inDepth = next.depth <= scene_.environment.maxDepth;
+    const bool inDepth = next.depth <= tracer_.environment().maxDepth;
     const double seen = mover_.sway(most, 8.0 * next.depth);
-    if (inDepth && !(seen < static_cast<double>(scene_.environment.minContribution))) return true;
+    if (inDepth && !(seen < static_cast<double>(tracer_.environment().minContribution))) return true;
     Lost& lost = inDepth ? record_.lost.cut : record_.lost.depth;
     ++lost.count;
     lost.bound += most;
@@ -368,17 +371,17 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const Surface&
 }
 
 void PathTracer::follow(Branch branch) {
-    const shared::Environment& environment = scene_.environment;
+    const shared::Environment& environment = tracer_.environment();
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
     const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
     if (keepPath_)
-        record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(scene_.lights.size())});
+        record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size())});
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
         record_.color += branch.throughput * beer(scene_, rulingMedium(scene_, branch.media), endless) *
-                         surroundings(scene_, ray.direction, mapShift());
+                         surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
         return;
     }
     const Surface surface = tracer_.surface(ray, *hit);
@@ -405,7 +408,7 @@ void PathTracer::follow(Branch branch) {
 PixelRecord PathTracer::run(const Ray& cameraRay) {
     Branch branch;
     branch.ray = cameraRay;
-    branch.media = mediaAtEye(scene_.environment);
+    branch.media = mediaAtEye(tracer_.environment());
     mover_.move(branch.ray, std::max(greatestCoordinate(cameraRay.origin), cameraRay.originScale));
     record_.pathHash = kHashStart;
     follow(std::move(branch));

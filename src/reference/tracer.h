@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pack/packed_scene.h"
+#include "pack/request_environment.h"
 
 namespace glint::reference {
 
@@ -117,7 +118,15 @@ struct PixelRecord {
 
 class Tracer {
   public:
-    explicit Tracer(const PackedScene& scene);  // keeps a reference: the scene must outlive the tracer
+    // Keeps a reference to the scene, which must outlive the tracer, and what it is asked for. Of
+    // Tracing::methods, those of slabs and offsets are the device's.
+    explicit Tracer(const PackedScene& scene, const Tracing& tracing = {});
+
+    // What it obeys: as asked for, or the scene's own.
+    const Methods& methods() const { return tracing_.methods; }
+    bool shadows() const { return tracing_.shadows; }
+    const std::vector<shared::Light>& lights() const { return lightsOf(scene_, tracing_); }
+    const shared::Environment& environment() const { return environment_; }
 
     // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
     // `source`: the primitive that the ray starts on (kind|index), or none; a plane or triangle never hits
@@ -147,6 +156,8 @@ class Tracer {
 
   private:
     const PackedScene& scene_;
+    Tracing tracing_;
+    shared::Environment environment_;
 };
 
 }  // namespace glint::reference

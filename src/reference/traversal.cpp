@@ -36,7 +36,8 @@ struct Search {
     uint32_t instance = kNone;
     uint32_t idBase = 0;
     std::vector<Hit>* all = nullptr;
-    const Ray* world = nullptr;  // as it was given
+    const Ray* world = nullptr;      // as it was given
+    const Tracer* tracer = nullptr;  // whose search it is
 };
 
 // The world, as a ray was given to it.
@@ -76,23 +77,24 @@ bool isSameTriangle(const PackedScene& scene, const shared::Triangle& triangle, 
            scene.triangles[source & shared::kPrimitiveIndexMask].id == triangle.id;
 }
 
-bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
-                        uint32_t source, double tMax, Root& root, uint32_t& id, uint32_t& part) {
+bool intersectPrimitive(const PackedScene& scene, const Methods& methods, const PreparedRay& ray,
+                        uint32_t kind, uint32_t index, uint32_t source, double tMax, Root& root, uint32_t& id,
+                        uint32_t& part) {
     switch (kind) {
         case shared::kKindTriangle: {
             const shared::Triangle& triangle = scene.triangles[index];
             id = triangle.id;
             if (isSameTriangle(scene, triangle, source)) return false;
-            if (scene.methods.triangles != TriangleMethod::Watertight)
-                return textbookTriangle(scene.methods.triangles, triangle, ray, tMax, root);
+            if (methods.triangles != TriangleMethod::Watertight)
+                return textbookTriangle(methods.triangles, triangle, ray, tMax, root);
             return intersectTriangle(triangle, ray, tMax, root);
         }
         case shared::kKindSphere: {
             const shared::Sphere& sphere = scene.spheres[index];
             id = sphere.id;
             const bool own = isSource(kind, index, source);
-            if (scene.methods.spheres != SphereMethod::Robust)
-                return textbookSphere(scene.methods.spheres, sphere, ray, own, tMax, root);
+            if (methods.spheres != SphereMethod::Robust)
+                return textbookSphere(methods.spheres, sphere, ray, own, tMax, root);
             return intersectSphere(sphere, ray, own, tMax, root);
         }
         case shared::kKindDisc: {
@@ -120,8 +122,8 @@ bool intersectPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32
     }
 }
 
-bool isHole(const PackedScene& scene, const Ray& world, const Hit& hit) {
-    return scene.features.alphaMask && holeAt(scene, Tracer(scene).surface(world, hit));
+bool isHole(const PackedScene& scene, const Search& search, const Hit& hit) {
+    return scene.features.alphaMask && holeAt(scene, search.tracer->surface(*search.world, hit));
 }
 
 // The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
@@ -130,19 +132,21 @@ bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t ki
                    uint32_t source, Search& search, Hit& hit) {
     Root root;
     uint32_t id = 0, part = 0;
-    if (!intersectPrimitive(scene, ray, kind, index, source, search.best.t, root, id, part)) return false;
+    const Methods& methods = search.tracer->methods();
+    if (!intersectPrimitive(scene, methods, ray, kind, index, source, search.best.t, root, id, part))
+        return false;
     PreparedRay further = ray;
     do {
         if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
         const uint32_t primitive =
             kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | index;
         hit = {root.t, root.u, root.v, primitive, id + search.idBase, search.instance};
-        const bool hole = isHole(scene, *search.world, hit);
+        const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
         if (!hole) search.all->push_back(hit);
         // What is hit more than once: again from there on.
         further.tMin = root.t;
-    } while (intersectPrimitive(scene, further, kind, index, source, search.best.t, root, id, part));
+    } while (intersectPrimitive(scene, methods, further, kind, index, source, search.best.t, root, id, part));
     return false;
 }
 
@@ -281,9 +285,10 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
 }
 
 template <bool kAny>
-Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from, uint64_t* cost,
-                   std::vector<Hit>* all = nullptr) {
+Search searchScene(const Tracer& tracer, const PackedScene& scene, const Ray& ray, const Source& from,
+                   uint64_t* cost, std::vector<Hit>* all = nullptr) {
     Search search;
+    search.tracer = &tracer;
     search.all = all;
     search.world = &ray;
     const World world{scene, ray, from};
@@ -302,20 +307,23 @@ Search searchScene(const PackedScene& scene, const Ray& ray, const Source& from,
 
 }  // namespace
 
-Tracer::Tracer(const PackedScene& scene) : scene_(scene) {}
+Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
+    : scene_(scene), tracing_(tracing), environment_(environmentOf(scene, tracing)) {
+    environment_.radianceBound = radianceBoundOf(scene, tracing);
+}
 
 std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
-    const Search search = searchScene<false>(scene_, ray, source, cost);
+    const Search search = searchScene<false>(*this, scene_, ray, source, cost);
     return search.found ? std::optional<Hit>(search.best) : std::nullopt;
 }
 
 bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) const {
-    return searchScene<true>(scene_, ray, source, cost).found;
+    return searchScene<true>(*this, scene_, ray, source, cost).found;
 }
 
 std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t* cost) const {
     std::vector<Hit> hits;
-    searchScene<false>(scene_, ray, source, cost, &hits);
+    searchScene<false>(*this, scene_, ray, source, cost, &hits);
     std::sort(hits.begin(), hits.end(),
               [](const Hit& a, const Hit& b) { return std::pair(a.t, a.id) < std::pair(b.t, b.id); });
     return hits;
@@ -323,7 +331,7 @@ std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t*
 
 bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
     if (hit.primitive >> shared::kPrimitiveKindShift != shared::kKindTriangle ||
-        scene_.methods.triangles != TriangleMethod::Watertight)
+        tracing_.methods.triangles != TriangleMethod::Watertight)
         return true;
     const PreparedRay seen(
         hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).entered(ray));
@@ -334,6 +342,7 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& sourc
     Search search;
     const PreparedRay prepared(ray);
     if (!prepared.valid) return std::nullopt;
+    search.tracer = this;
     search.world = &ray;
     search.best.t = ray.tMax;
     if (scene_.instances.empty()) {

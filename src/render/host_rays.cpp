@@ -6,6 +6,64 @@
 
 namespace glint::render {
 
+namespace {
+
+// Bounds what the host holds besides the caller's arrays: 150 MiB.
+constexpr size_t kChunkRays = size_t{1} << 20;
+
+RayInput rounded(const LocalRay& ray) {
+    // kInfinity stands for all that fp32 cannot hold: there is no geometry that far away. NaN stays NaN and
+    // misses.
+    const auto bound = [](double t) {
+        const double limit = static_cast<double>(shared::kInfinity);
+        return static_cast<float>(std::clamp(t, -limit, limit));
+    };
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
+}
+
+WorldHit worldHit(const RayHit& found, const LocalRay& ray, HitDetail detail) {
+    WorldHit hit;
+    if (detail == HitDetail::Surface && found.hit) hit = hitOf(found.data);
+    hit.hit = found.hit;
+    hit.cost = found.data.cost;
+    if (!found.hit || detail == HitDetail::Any) return hit;
+    hit.t = ray.worldT(static_cast<double>(found.t));
+    hit.packed = found.kindAndIndex;
+    return hit;
+}
+
+}  // namespace
+
+std::vector<WorldHit> Renderer::trace(const RayBatch& batch, BatchTimes* times) {
+    std::vector<WorldHit> hits(batch.rays.size());
+    std::vector<LocalRay> local;
+    std::vector<RayInput> inputs;
+    for (size_t first = 0; first < hits.size(); first += kChunkRays) {
+        const size_t count = std::min(kChunkRays, hits.size() - first);
+        local.resize(count);
+        inputs.resize(count);
+        for (size_t i = 0; i < count; ++i) {
+            local[i] = localRay(batch.rays[first + i], scene().origin);
+            inputs[i] = rounded(local[i]);
+        }
+        const std::vector<RayHit> found =
+            traceLocal(inputs, {batch.detail, batch.cost, batch.methods, times});
+        for (size_t i = 0; i < count; ++i) hits[first + i] = worldHit(found[i], local[i], batch.detail);
+    }
+    return hits;
+}
+
+std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any, const Methods& methods) {
+    return traceLocal(rays, {any ? HitDetail::Any : HitDetail::Surface, false, methods, nullptr});
+}
+
+PixelData Renderer::pixel(const shared::Camera& camera, Request request, int x, int y) {
+    request.region = {x, y, x + 1, y + 1};
+    request.samples = PackedSamples::fixed({{0.5, 0.5}});
+    request.data = true;
+    return render(camera, request).data[0];
+}
+
 void writeRays(const PathState& paths, const gpu::Device& device, const SceneFeatures& features,
                const TraceModes& modes, std::span<const RayInput> rays) {
     const RowEntry zero = {{0, 0, 0, 0}};
@@ -35,6 +93,20 @@ void writeRays(const PathState& paths, const gpu::Device& device, const SceneFea
         const uint32_t further = firstTreeRow(features, modes);
         paths.writeRow(device, further + shared::kTreeRowMedia, zeros);
         paths.writeRow(device, further + shared::kTreeRowBranch, zeros);
+    }
+}
+
+void readHits(const PathState& paths, const gpu::Device& device, const TraceModes& modes,
+              std::span<RayHit> hits) {
+    const auto count = static_cast<uint32_t>(hits.size());
+    const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
+    std::vector<RowEntry> walk;
+    if (modes.cost) walk = paths.readRow(device, shared::kRowWalk, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        hits[i].hit = found[i].u[3] != shared::kNone;
+        hits[i].t = found[i].f[0];
+        hits[i].kindAndIndex = found[i].u[3];
+        if (modes.cost) hits[i].data.cost = walk[i].u[2];
     }
 }
 

@@ -41,8 +41,11 @@ const char* nameOf(KernelId id) {
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
 constexpr uint32_t kConstantIds = 80;
 
-std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes,
-                                  const Methods& methods, const LaneWalk& walk) {
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack) {
+    const struct {
+        NodeFormat nodes;
+        StackPlace stack;
+    } walk = {modes.nodes, stack};
     std::vector<uint32_t> constants(kConstantIds, 0u);
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
@@ -50,7 +53,7 @@ std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceMode
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = modes.field ? 1u : 0u;
     GLINT_MODES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
-#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(methods.field);
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(modes.methods.field);
     GLINT_CHOICES(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(walk.field);
@@ -84,12 +87,21 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
 
 }  // namespace
 
-TraceModes modesOf(const Request& request) {
+SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
+#define GLINT_EITHER(ID, NAME, field) features.field |= also.field;
+    GLINT_FEATURES(GLINT_EITHER)
+#undef GLINT_EITHER
+    return features;
+}
+
+TraceModes modesOf(const Request& request, NodeFormat nodes) {
     TraceModes modes;
+    modes.methods = request.methods;
+    modes.nodes = nodes;
     modes.cost = request.cost;
     modes.aovs = request.wantsData();
     modes.shadowless = !request.shadows;
-    modes.ledger = request.ledger;
+    modes.ledger = request.wantsLosses();
     modes.tally = request.tally;
     modes.scattered = request.samples.scattered();
     modes.adaptive = request.samples.threshold.has_value();
@@ -114,8 +126,8 @@ KernelId packetKernel(KernelId id) {
 }
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-                     const SceneFeatures& features, const Methods& methods, const LaneWalk& walk)
-    : device_(device), code_(code), access_(access), features_(features), methods_(methods), walk_(walk) {}
+                     const SceneFeatures& features, StackPlace stack)
+    : device_(device), code_(code), access_(access), features_(features), stack_(stack) {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
@@ -149,7 +161,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.spirv = codeOf(code_, id);
     options.bindings.assign(GLINT_BINDING_COUNT, access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    options.constants = constantsOf(features_, modes, methods_, walk_);
+    options.constants = constantsOf(features_, modes, stack_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

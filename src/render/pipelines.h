@@ -30,18 +30,24 @@ KernelId packetKernel(KernelId id);
 // Paths that an invocation of the kernel takes: more than one of those for packets.
 uint32_t raysOfLane(KernelId id);
 
-// See GLINT_MODES in shaders/shared/dispatch.h.
+// What a request makes of the kernels: GLINT_MODES in shaders/shared/dispatch.h, the tests of rays, and the
+// tree that rays walk by themselves.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
     bool scattered = false, adaptive = false, tally = false;
+    Methods methods = {};
+    NodeFormat nodes = NodeFormat::Two;
     auto operator<=>(const TraceModes&) const = default;
 };
-TraceModes modesOf(const Request& request);
+TraceModes modesOf(const Request& request, NodeFormat nodes);
+
+// What one of them has.
+SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
 
 class Pipelines {
   public:
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-              const SceneFeatures& features, const Methods& methods, const LaneWalk& walk = {});
+              const SceneFeatures& features, StackPlace stack = StackPlace::Private);
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
@@ -60,8 +66,7 @@ class Pipelines {
     const KernelCode& code_;
     gpu::Access access_;
     SceneFeatures features_;
-    Methods methods_;
-    LaneWalk walk_;
+    StackPlace stack_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
 };

@@ -9,7 +9,9 @@
 #include <stdexcept>
 
 #include "core/parallel.h"
+#include "core/processor_watch.h"
 #include "core/stopwatch.h"
+#include "pack/request_environment.h"
 #include "render/film.h"
 #include "render/host_rays.h"
 #include "render/path_limits.h"
@@ -27,13 +29,6 @@ constexpr uint32_t kFirstSliceTiles = 256;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
 
-SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
-#define GLINT_EITHER(ID, NAME, field) features.field |= also.field;
-    GLINT_FEATURES(GLINT_EITHER)
-#undef GLINT_EITHER
-    return features;
-}
-
 const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
     if (options.kernels) return *options.kernels;
     return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
@@ -47,7 +42,7 @@ struct Renderer::State {
     Options options;
     SceneFeatures features;  // of the pipelines
     gpu::Access access;
-    TraversalChoice traversal;
+    TraversalChoice traversal;  // with the default methods, which have the most to choose from
     uint32_t tripBudget;
     SceneBuffers buffers;
     gpu::Buffer counters;
@@ -58,7 +53,8 @@ struct Renderer::State {
     StageTimes times;
     RayCounts rayCounts;
     std::set<std::pair<KernelId, TraceModes>> compiled;
-    shared::Environment environment;  // as it is on the device
+    shared::Environment environment;    // as it is on the device
+    std::vector<shared::Light> lights;  // the same
     uint32_t sliceTiles =
         kFirstSliceTiles;  // of the next slice; a picture goes on with what the last one had come to
     // Of the submissions of the slice at hand.
@@ -75,13 +71,18 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),
-          pipelines(dev, kernelsFor(opts, access), access, features, packed.methods,
-                    {traversal.nodes, opts.stack}),
-          submission(dev) {
-        if (opts.expected) startTranslating(modesOf(*opts.expected));
+          pipelines(dev, kernelsFor(opts, access), access, features, opts.stack),
+          submission(dev),
+          environment(packed.environment),
+          lights(packed.lights) {
+        options.expected = nullptr;
+        if (opts.expected) {
+            const TraversalChoice choice = traversalOf(opts.expected->methods);
+            startTranslating(modesOf(*opts.expected, choice.nodes),
+                             kernelsOf(*opts.expected, choice.packets));
+        }
         const Stopwatch watch;
         buffers = SceneBuffers(device, scene, access, traversal);
-        environment = scene.environment;
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
         times.upload += watch.seconds();
@@ -99,11 +100,12 @@ struct Renderer::State {
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);
     void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
-    std::vector<KernelId> kernelsOf(const TraceModes& modes) const;
-    void startTranslating(const TraceModes& modes);
+    TraversalChoice traversalOf(const Methods& methods) const;
+    std::vector<KernelId> kernelsOf(const Request& request, bool packets) const;
+    void startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids);
     gpu::Kernel translated(KernelId id, const TraceModes& modes);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
-    void setEnvironment(const shared::Environment& wanted);
+    void setSurroundings(const shared::Environment& wanted, const std::vector<shared::Light>& wantedLights);
     shared::Environment environmentOf(const shared::Camera& camera, const Request& request) const;
     bool renderSlice(const Slice& slice, const Request& request, const TraceModes& modes, double progressFrom,
                      double progressTo);
@@ -114,7 +116,7 @@ struct Renderer::State {
                       const TraceModes& modes);
     void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
     void sizeNextSlice(const Slice& slice, bool whole, double seconds);
-    void traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits);
+    void traceBatch(std::span<const RayInput> rays, const LocalBatch& wanted, std::span<RayHit> hits);
 };
 
 void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind) {
@@ -128,16 +130,24 @@ void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind
     if (rebind) pipelines.bind(counters, paths.buffer(), buffers);
 }
 
-void Renderer::State::setEnvironment(const shared::Environment& wanted) {
-    if (std::memcmp(&wanted, &environment, sizeof(wanted)) == 0) return;
-    buffers.setEnvironment(device, wanted);
-    environment = wanted;
+void Renderer::State::setSurroundings(const shared::Environment& wanted,
+                                      const std::vector<shared::Light>& wantedLights) {
+    if (std::memcmp(&wanted, &environment, sizeof(wanted)) != 0) {
+        buffers.setEnvironment(device, wanted);
+        environment = wanted;
+    }
+    const bool same = wantedLights.size() == lights.size() &&
+                      (lights.empty() || std::memcmp(wantedLights.data(), lights.data(),
+                                                     lights.size() * sizeof(shared::Light)) == 0);
+    if (same) return;
+    buffers.setLights(device, wantedLights);
+    lights = wantedLights;
 }
 
 shared::Environment Renderer::State::environmentOf(const shared::Camera& camera,
                                                    const Request& request) const {
-    shared::Environment wanted = scene.environment;
-    if (request.maxDepth) wanted.maxDepth = *request.maxDepth;
+    shared::Environment wanted = glint::environmentOf(scene, request);
+    if (request.wantsLosses()) wanted.radianceBound = radianceBoundOf(scene, request);
     if (scene.features.transmission) {
         const glm::uvec4 media = mediaAt(scene, glm::dvec3(camera.eye));
         wanted.eyeMedium0 = media.x;
@@ -199,19 +209,25 @@ void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dis
     }
 }
 
-std::vector<KernelId> Renderer::State::kernelsOf(const TraceModes& modes) const {
+TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
+    if (methods == Methods{}) return traversal;
+    const Traversal wanted = traversalFor(options.traversal, options.doublePrecision, device.info());
+    return chooseTraversal(wanted, device.info(), scene, methods);
+}
+
+std::vector<KernelId> Renderer::State::kernelsOf(const Request& request, bool packets) const {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
-        if (id == KernelId::Light && scene.environment.lightCount == 0) continue;
-        if (traversal.packets) kernels.push_back(packetKernel(id));
-        if (!traversal.packets || features.mirrors) kernels.push_back(id);
+        if (id == KernelId::Light && lightsOf(scene, request).empty()) continue;
+        if (packets) kernels.push_back(packetKernel(id));
+        if (!packets || features.mirrors) kernels.push_back(id);
     }
-    if (modes.adaptive) kernels.push_back(KernelId::Adapt);
+    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
     return kernels;
 }
 
-void Renderer::State::startTranslating(const TraceModes& modes) {
-    for (const KernelId id : kernelsOf(modes)) {
+void Renderer::State::startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    for (const KernelId id : ids) {
         translating[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
                                               [this, id, modes] { return pipelines.make(id, modes); });
     }
@@ -273,16 +289,16 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     const auto cancelled = [&] { return request.cancelled && request.cancelled(); };
     record(KernelId::Generate, modes, dispatch, slice.groups());
     if (options.profile) submit(&KernelTimes::generate);
+    const TraversalChoice choice = traversalOf(request.methods);
     LivePaths live(options.compaction, slice.paths());
     for (dispatch.bounce = 0;; ++dispatch.bounce) {
         live.writeTo(dispatch);
         const uint32_t groups = live.groups();
         times.invocations += static_cast<uint64_t>(groups) * shared::kWorkgroupSize;
-        const bool packets = traversal.packets && dispatch.bounce == 0;
+        const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
-        for (dispatch.lightIndex = 0; dispatch.lightIndex < scene.environment.lightCount;
-             ++dispatch.lightIndex) {
+        for (dispatch.lightIndex = 0; dispatch.lightIndex < environment.lightCount; ++dispatch.lightIndex) {
             traceRays(KernelId::Light, modes, dispatch, groups, packets, &KernelTimes::shadow);
             if (cancelled()) return false;
         }
@@ -345,24 +361,29 @@ void Renderer::State::sizeNextSlice(const Slice& slice, bool whole, double secon
                             kMaxSlicePaths / shared::kWorkgroupSize);
 }
 
-void Renderer::State::traceBatch(std::span<const RayInput> rays, bool any, std::span<RayHit> hits) {
-    const TraceModes modes = {.aovs = !any};
-    writeRays(paths, device, features, modes, rays);
+void Renderer::State::traceBatch(std::span<const RayInput> rays, const LocalBatch& wanted,
+                                 std::span<RayHit> hits) {
+    const TraversalChoice choice = traversalOf(wanted.methods);
+    const bool any = wanted.detail == HitDetail::Any, surface = wanted.detail == HitDetail::Surface;
+    const TraceModes modes = {
+        .aovs = surface, .cost = wanted.cost, .methods = wanted.methods, .nodes = choice.nodes};
     const uint32_t count = static_cast<uint32_t>(rays.size());
     const uint32_t groups = (count + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
+    writeRays(paths, device, features, modes, rays);
     Slice slice;
     slice.region = {0, 0, 1, 1};
     slice.tileCount = groups;
     const shared::Dispatch dispatch = dispatchFor(slice);
+    const ProcessorWatch processor;
+    const Stopwatch watch;
     traceRays(any ? KernelId::IntersectAny : KernelId::Intersect, modes, dispatch, groups,
-              options.traversal == Traversal::Packet && traversal.packets, &KernelTimes::primary);
-    const std::vector<RowEntry> found = paths.readRow(device, shared::kRowHit, count);
-    for (uint32_t i = 0; i < count; ++i) {
-        hits[i].hit = found[i].u[3] != shared::kNone;
-        hits[i].t = found[i].f[0];
-        hits[i].kindAndIndex = found[i].u[3];
+              options.traversal == Traversal::Packet && choice.packets, &KernelTimes::primary);
+    if (wanted.times) {
+        wanted.times->wall += watch.seconds();
+        wanted.times->processor += processor.seconds();
     }
-    if (any) return;
+    readHits(paths, device, modes, hits);
+    if (!surface) return;
     record(KernelId::Shade, modes, dispatch, groups);
     submit(&KernelTimes::shade);
     const AovRows rows(paths, device, count);
@@ -383,8 +404,8 @@ const RayCounts& Renderer::rays() const {
 gpu::Access Renderer::access() const {
     return state_->access;
 }
-const TraversalChoice& Renderer::traversal() const {
-    return state_->traversal;
+TraversalChoice Renderer::traversal(const Methods& methods) const {
+    return state_->traversalOf(methods);
 }
 uint64_t Renderer::deviceBytes() const {
     return state_->buffers.bytes() + (state_->paths.capacity() ? state_->paths.buffer().size() : 0);
@@ -403,7 +424,10 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const size_t pixels = picture.done.size();
     if (pixels == 0) return picture;
     const PackedSamples& samples = request.samples;
-    const TraceModes modes = modesOf(request);
+    if (lightsOf(s.scene, request).size() > s.scene.lights.size())
+        throw std::invalid_argument("more lights than the scene has");
+    const TraversalChoice choice = s.traversalOf(request.methods);
+    const TraceModes modes = modesOf(request, choice.nodes);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
     const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
@@ -418,8 +442,8 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const bool grown = s.buffers.setSamples(s.device, samples.rows, s.access);
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
-    s.setEnvironment(environment);
-    s.compile(modes, s.kernelsOf(modes));
+    s.setSurroundings(environment, lightsOf(s.scene, request));
+    s.compile(modes, s.kernelsOf(request, choice.packets));
 
     const uint64_t before = s.times.pathRays;
     const RayCounts counted = s.rayCounts;
@@ -446,22 +470,25 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     return picture;
 }
 
-void Renderer::refreshLighting() {
-    state_->setEnvironment(state_->scene.environment);
-    state_->buffers.setLights(state_->device, state_->scene.lights);
+const PackedScene& Renderer::scene() const {
+    return state_->scene;
 }
 
-std::vector<RayHit> Renderer::trace(const std::vector<RayInput>& rays, bool any) {
-    const SceneFeatures& features = state_->features;
-    const size_t batchSize = features.transmission ? 1u << 13 : 1u << 16;
+std::vector<RayHit> Renderer::traceLocal(std::span<const RayInput> rays, const LocalBatch& wanted) {
+    State& s = *state_;
+    const TraceModes modes = {.aovs = wanted.detail == HitDetail::Surface};
+    const uint32_t rows = pathRows(s.features, modes, s.environment.maxDepth);
+    const uint64_t groups = (rays.size() + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize;
+    const auto asked = static_cast<uint32_t>(std::clamp<uint64_t>(
+        groups, 1,
+        std::min(kMaxSlicePaths / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX)));
+    const uint32_t fitting = fittingPaths(s.device.info(), s.access, asked * shared::kWorkgroupSize, rows);
+    const uint32_t batch = std::max(fitting / shared::kWorkgroupSize, 1u) * shared::kWorkgroupSize;
+    s.reservePaths(batch, rows);
     std::vector<RayHit> hits(rays.size());
-    const size_t batch = std::min(batchSize, rays.size());
-    const size_t groups = std::max<size_t>(1, (batch + shared::kWorkgroupSize - 1) / shared::kWorkgroupSize);
-    state_->reservePaths(static_cast<uint32_t>(groups) * shared::kWorkgroupSize,
-                         pathRows(features, {.aovs = true}, state_->environment.maxDepth));
-    for (size_t first = 0; first < rays.size(); first += batchSize) {
-        const size_t count = std::min(batchSize, rays.size() - first);
-        state_->traceBatch(std::span(rays).subspan(first, count), any, std::span(hits).subspan(first, count));
+    for (size_t first = 0; first < rays.size(); first += batch) {
+        const size_t count = std::min<size_t>(batch, rays.size() - first);
+        s.traceBatch(rays.subspan(first, count), wanted, std::span(hits).subspan(first, count));
     }
     return hits;
 }

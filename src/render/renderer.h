@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
 #include "trace/picture.h"
+#include "trace/ray_batch.h"
 #include "trace/request.h"
 
 namespace glint::render {
@@ -36,7 +38,8 @@ struct Options {
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
-    // A picture that will be asked for: its kernels are translated while the arrays are uploaded.
+    // A picture that will be asked for: its kernels are translated while the arrays are uploaded. Need not
+    // outlive the constructor.
     const Request* expected = nullptr;
 };
 
@@ -76,8 +79,9 @@ struct StageTimes {
     KernelTimes kernels;
 };
 
+// A ray as the kernels read it: local and fp32. Nothing is done to it on the way.
 struct RayInput {
-    glm::vec3 origin{0};  // local
+    glm::vec3 origin{0};
     glm::vec3 direction{0, 0, -1};
     float tMin = 0;
     float tMax = shared::kInfinity;
@@ -103,20 +107,34 @@ class Renderer {
     // nor Options::also have it.
     Picture render(const shared::Camera& camera, const Request& request);
 
-    // Call after changing `lights` (no more than there were at construction) or `environment` of the scene.
-    void refreshLighting();
+    // What the rays of a batch hit, in pieces of bounded memory. Rays are rounded to fp32 relative to the
+    // scene's origin.
+    std::vector<WorldHit> trace(const RayBatch& batch, BatchTimes* times = nullptr);
+    // The same of local fp32 rays, bit for bit as they are: the closest hit of each, or with `any` whether
+    // there is a hit (then only RayHit::hit is filled).
+    std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any, const Methods& methods = {});
+    // What the middle of pixel (x, y) of the picture that is asked for shows, as the device sees it.
+    PixelData pixel(const shared::Camera& camera, Request request, int x, int y);
 
-    // The closest hit of each ray, or with `any` whether there is a hit (then only RayHit::hit is filled).
-    std::vector<RayHit> trace(const std::vector<RayInput>& rays, bool any);
+    const PackedScene& scene() const;
 
     const StageTimes& times() const;  // of construction and all renders since
     const RayCounts& rays() const;
     gpu::Access access() const;
-    const TraversalChoice& traversal() const;
+    // What requests with these methods are traced by.
+    TraversalChoice traversal(const Methods& methods = {}) const;
     uint64_t deviceBytes() const;
     uint64_t codeBytes() const;  // SPIR-V of the kernels used so far
 
   private:
+    struct LocalBatch {
+        HitDetail detail = HitDetail::Surface;
+        bool cost = false;
+        Methods methods;
+        BatchTimes* times = nullptr;  // added to
+    };
+    std::vector<RayHit> traceLocal(std::span<const RayInput> rays, const LocalBatch& wanted);
+
     struct State;
     std::unique_ptr<State> state_;
 };

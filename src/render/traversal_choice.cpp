@@ -38,9 +38,9 @@ size_t primitivesIn(const PackedScene& scene) {
            scene.quadrics.size() + scene.instances.size();
 }
 
-TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene) {
+TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene, const Methods& methods) {
     if (scene.nodes.empty()) return {false, "the scene has no tree"};
-    if (scene.methods.slabs != SlabPad::Gamma7)
+    if (methods.slabs != SlabPad::Gamma7)
         return {false, "wide nodes know no other padding of boxes than the default one"};
     if (wanted == Traversal::Bvh4) return {false, "as asked for", NodeFormat::Four};
     if (wanted == Traversal::Cwbvh) return {false, "as asked for", NodeFormat::Compressed};
@@ -60,12 +60,13 @@ const char* nameOf(const TraversalChoice& choice) {
     return names[static_cast<size_t>(choice.nodes)];
 }
 
-TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene) {
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
+                                const Methods& methods) {
     const SceneFeatures& features = scene.features;
     if (wanted == Traversal::Lane) return {false, "as asked for"};
     if (wanted == Traversal::Bvh4 || wanted == Traversal::Cwbvh ||
         (wanted == Traversal::Auto && isGpu(device)))
-        return chooseWide(wanted, scene);
+        return chooseWide(wanted, scene, methods);
     const bool able = runsPackets(device);
     if (wanted == Traversal::Packet && !able) {
         throw Error(ErrorKind::Device,
@@ -76,7 +77,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
     if (const std::string name = unknownToPackets(features); !name.empty())
         return {false, "packets do not know " + name};
-    if (scene.methods != Methods{}) return {false, "packets know no other tests than the default ones"};
+    if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
     if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
     if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};

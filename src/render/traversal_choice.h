@@ -7,6 +7,7 @@
 #include "bvh/wide_tree.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
+#include "trace/methods.h"
 
 namespace glint::render {
 
@@ -37,12 +38,6 @@ enum class Traversal {
 enum class StackPlace : uint32_t { Private, Shared };
 static_assert(static_cast<uint32_t>(StackPlace::Shared) == shared::kStackShared);
 
-// What kernels of rays that walk by themselves are specialized for.
-struct LaneWalk {
-    NodeFormat nodes = NodeFormat::Two;
-    StackPlace stack = StackPlace::Private;
-};
-
 struct TraversalChoice {
     bool packets = false;
     std::string reason;  // one phrase
@@ -67,8 +62,9 @@ bool runsPackets(const gpu::DeviceInfo& device);
 // (docs/lab/nodes.md). Wide nodes know every scene with a tree, but not SlabPad, whose
 // leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree.
 // Throws Error(Device) if packets are asked for where the device cannot run them; a scene that the traversal
-// asked for cannot take is traced by lanes.
-TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene);
+// asked for cannot take, or methods that it does not know, are traced by lanes.
+TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
+                                const Methods& methods = {});
 
 // With so few primitives the binary tree has a handful of nodes, all in the cache.
 inline constexpr size_t kFewestForWide = 32;

@@ -6,7 +6,7 @@
 #include "core/file_io.h"
 #include "core/hash.h"
 #include "core/stopwatch.h"
-#include "render/renderer.h"
+#include "pack/pack_samples.h"
 #include "scene/sampling.h"
 #include "verify/stiffness.h"
 
@@ -33,6 +33,8 @@ Configuration machineKind(Configuration c) {
     c.sampler = Sampler::Grid;
     c.spp = 1;
     c.maxDepth.reset();
+    c.methods = {};
+    c.minContribution = 0;
     return c;
 }
 
@@ -43,15 +45,9 @@ glm::dvec3 colorOf(const Picture& picture, size_t i) {
 
 }  // namespace
 
-// A renderer with the scene that it refers to.
-struct SceneSweep::Machine {
-    PackedScene scene;
-    std::unique_ptr<render::Renderer> renderer;
-};
-
 struct SceneSweep::Run {
     Configuration configuration;
-    Machine* machine = nullptr;
+    render::Renderer* renderer = nullptr;
     Measured measured;
     std::vector<double> wall, device;
     double spent = 0;
@@ -135,10 +131,7 @@ Request SceneSweep::requestFor(Sampler sampler, int spp, uint32_t seed) const {
     image.sampler = sampler;
     image.samplesPerPixel = spp;
     image.seed = seed;
-    Request request;
-    request.width = image.width;
-    request.height = image.height;
-    request.samples = packSamples(image, loaded_.scene.camera.lensRadius > 0);
+    Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
     request.cancelled = limits_.cancelled;
     return request;
 }
@@ -172,20 +165,16 @@ const SceneSweep::Truth* SceneSweep::converged() {
     return deviceTruth_.get();
 }
 
-SceneSweep::Machine& SceneSweep::machineOf(const Configuration& c) {
-    std::unique_ptr<Machine>& machine = machines_[keyOf(machineKind(c))];
-    if (machine) return *machine;
-    machine = std::make_unique<Machine>();
-    machine->scene = loaded_.packed;
-    machine->scene.methods = c.methods;
-    machine->scene.environment.minContribution = static_cast<float>(c.minContribution);
+render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
+    std::unique_ptr<render::Renderer>& renderer = renderers_[keyOf(machineKind(c))];
+    if (renderer) return *renderer;
     render::Options options;
     options.leaveOut = c.leaveOut;
     options.doublePrecision = c.doublePrecision;
     if (c.rayByRay) options.traversal = render::Traversal::Lane;
     options.access = c.access;
-    machine->renderer = std::make_unique<render::Renderer>(device_, machine->scene, options);
-    return *machine;
+    renderer = std::make_unique<render::Renderer>(device_, loaded_.packed, options);
+    return *renderer;
 }
 
 bool SceneSweep::judge(Run& run, const Picture& picture) {
@@ -206,9 +195,10 @@ bool SceneSweep::renderOnce(Run& run, bool timed) {
     const Configuration& c = run.configuration;
     Request request = requestFor(c.sampler, c.spp, loaded_.scene.image.seed);
     request.data = true;  // the error by paths and the time come from one run
-    request.ledger = c.minContribution > 0;
+    request.methods = c.methods;
+    request.minContribution = c.minContribution;
     request.maxDepth = c.maxDepth;
-    render::Renderer& renderer = *run.machine->renderer;
+    render::Renderer& renderer = *run.renderer;
     const render::StageTimes before = renderer.times();
     const Stopwatch watch;
     const Picture picture = renderer.render(camera_, request);
@@ -238,7 +228,7 @@ bool SceneSweep::warmUp(const Batch& batch, SceneReport& report, std::vector<Run
         }
         Run run;
         run.configuration = c;
-        run.machine = &machineOf(c);
+        run.renderer = &rendererOf(c);
         run.measured.key = key;
         run.measured.family = c.family;
         run.measured.sampler = nameOf(c.sampler);
@@ -275,7 +265,7 @@ bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
         run.measured.repeats = static_cast<int>(run.wall.size());
         report.measured.push_back(std::move(run.measured));
     }
-    std::erase_if(machines_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });
+    std::erase_if(renderers_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });
     return true;
 }
 

@@ -9,6 +9,7 @@
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "reference/render.h"
+#include "render/renderer.h"
 #include "report/plan.h"
 #include "trace/backend.h"
 #include "trace/picture.h"
@@ -47,12 +48,11 @@ class SceneSweep {
         std::vector<uint32_t> paths;
     };
     struct Run;
-    struct Machine;
 
     Request requestFor(Sampler sampler, int spp, uint32_t seed) const;
     const Truth* truthOf(Sampler sampler, int spp, uint32_t seed);  // null: cancelled
     const Truth* converged();
-    Machine& machineOf(const Configuration& configuration);
+    render::Renderer& rendererOf(const Configuration& configuration);
     bool renderOnce(Run& run, bool timed);
     bool judge(Run& run, const Picture& picture);
     bool warmUp(const Batch& batch, SceneReport& report, std::vector<Run>& runs);
@@ -65,7 +65,7 @@ class SceneSweep {
     std::vector<Batch> batches_;
     std::map<std::tuple<Sampler, int, uint32_t>, Truth> truths_;
     std::unique_ptr<Truth> deviceTruth_;
-    std::map<std::string, std::unique_ptr<Machine>> machines_;
+    std::map<std::string, std::unique_ptr<render::Renderer>> renderers_;  // by what a request cannot vary
 };
 
 }  // namespace glint::report

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <string_view>
 
@@ -27,7 +28,7 @@ struct Methods {
     SphereMethod spheres = SphereMethod::Robust;
     SlabPad slabs = SlabPad::Gamma7;
     OriginOffset offsets = OriginOffset::ErrorBox;
-    bool operator==(const Methods&) const = default;
+    auto operator<=>(const Methods&) const = default;
 };
 
 inline std::string_view nameOf(TriangleMethod method) {

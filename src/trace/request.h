@@ -5,32 +5,54 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/glm.hpp>
 #include <optional>
+#include <vector>
 
+#include "shared/layout.h"
+#include "trace/methods.h"
 #include "trace/packed_samples.h"
 #include "trace/picture.h"
 
 namespace glint {
 
-struct Request {
+// Lights and background instead of the scene's, as the window's panel changes them.
+struct Lighting {
+    // As PackedScene::lights, in the scene's local coordinates: of kinds that the scene has, and no more of
+    // them than it has.
+    std::vector<shared::Light> lights;
+    glm::vec3 background{0};  // linear radiance; of a scene with an environment map: its factor
+};
+
+// What the rays of a picture do, wherever they start. Both tracers obey all of it but Methods::slabs and
+// Methods::offsets, which are the device's.
+struct Tracing {
+    // The tests of rays with triangles and spheres; the defaults hold, the others show why they are needed.
+    Methods methods;
+    // Reflections and refractions in a row; empty: the scene's. A device whose pipeline leaves mirrors out
+    // (render::Options::also) sees none.
+    std::optional<uint32_t> maxDepth = std::nullopt;
+    // Reflected and refracted rays that can add no more than this to any channel of a pixel's colour (linear
+    // radiance) are not followed, and what they might have added is in Picture::losses. 0 follows all.
+    double minContribution = 0;
+    bool shadows = true;  // false: lights shine through everything
+    std::optional<Lighting> lighting = std::nullopt;
+};
+
+struct Request : Tracing {
     // ---- which pixels ----
     int width = 0, height = 0;  // of the whole picture
     Region region;              // the part wanted, cut off at the picture's edges; all zero: everything
     // What each pixel takes; the default is its middle. A thin lens needs scattered samples, or stays a
-    // pinhole.
+    // pinhole. Sampler, filter, seed and adaptivity are in these (pack/pack_samples.h).
     PackedSamples samples = PackedSamples::fixed({{0.5, 0.5}});
-
-    // ---- what is drawn ----
-    bool shadows = true;               // false: lights shine through everything. The device only.
-    std::optional<uint32_t> maxDepth;  // reflections and refractions in a row, instead of the scene's. The
-                                       // device only; 0 if the scene was packed without mirrors.
 
     // ---- what is wanted ----
     bool data = false;    // Picture::data
     bool cost = false;    // PixelData::cost, which the reference always counts; implies data
     bool exact = false;   // Picture::exact, of the reference alone
-    bool ledger = false;  // Picture::losses, which the reference always fills; the device needs it to obey
-                          // Environment::minContribution
+    bool ledger = false;  // Picture::losses, which the reference always fills, and the device with
+                          // minContribution too
     bool tally = false;   // the device's count of rays by class (Renderer::rays), which takes time there
 
     // ---- on the way ----
@@ -40,6 +62,7 @@ struct Request {
     std::function<bool()> cancelled;
 
     bool wantsData() const { return data || cost; }
+    bool wantsLosses() const { return ledger || minContribution > 0; }
 };
 
 // The pixels that are asked for; empty if the region lies outside of the picture.

@@ -77,8 +77,8 @@ std::vector<double> levelsTo(double bound) {
 // - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
 //   w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most
 //   twice the greater of the extent and r.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record,
-                     const PixelData& device) {
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device,
+                     const Methods& methods) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
     double shortest =
         device.object != PixelData::kNoIndex ? device.depth : std::numeric_limits<double>::infinity();
@@ -91,7 +91,7 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
     double bound = 8 + (10 * 2 + 14) * extent / shortest;
     if (scene.features.instances)
         bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
-    if (scene.methods.spheres == SphereMethod::Robust) return bound;
+    if (methods.spheres == SphereMethod::Robust) return bound;
     for (const shared::Sphere& sphere : scene.spheres) {
         const double radius = sphere.radius, far = 2 * std::max(extent, radius);
         bound = std::max(bound, 2 * far * far / (radius * shortest));
@@ -101,10 +101,10 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
 
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
              double tolerance, DifferingPixel& pixel) {
-    const double bound = roundingBound(scene, pixel.reference, pixel.device);
+    const double bound = roundingBound(scene, pixel.reference, pixel.device, tracer.methods());
     ColorHull hull = {pixel.reference.color, pixel.reference.color};
     const int jitters =
-        scene.methods.spheres == SphereMethod::Robust ? kJittersPerLevel : kJittersOfTextbooks;
+        tracer.methods().spheres == SphereMethod::Robust ? kJittersPerLevel : kJittersOfTextbooks;
     bool changed = false;
     uint64_t seed = 1;
     for (const double ulps : levelsTo(bound)) {

@@ -6,7 +6,8 @@
 namespace glint::verify {
 
 // The jitter, in units of 2^-24, that a float path of the device may have gone through: see explain.cpp.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device);
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device,
+                     const Methods& methods = {});
 
 // Sets pixel.reason and pixel.ulps.
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,

@@ -26,7 +26,7 @@ class Comparison {
   public:
     Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options,
                const Picture& device, const PackedSamples& samples, uint32_t sample)
-        : tracer_(scene),
+        : tracer_(scene, options),
           scene_(scene),
           camera_(camera),
           options_(options),
@@ -145,17 +145,14 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     report.difference = Image(options.width, options.height, 3);
     std::vector<float> differences;
     uint64_t samePath = 0;
-    const PackedSamples samples =
-        options.samples ? *options.samples : PackedSamples::fixed(options.sampleOffsets);
+    const PackedSamples& samples = options.samples;
     const uint32_t count = samples.round;
     for (uint32_t sample = 0; sample < count; ++sample) {
-        Request request;
-        request.width = options.width;
-        request.height = options.height;
+        Request request = options;
+        request.region = {};
         request.samples = samples.only(sample);
         request.data = true;
-        request.ledger = scene.environment.minContribution > 0;
-        request.cancelled = options.cancelled;
+        request.progress = {};
         const Picture device = renderer.render(camera, request);
         const Comparison comparison(scene, camera, options, device, samples, sample);
         std::vector<RowSums> rows(options.height);
@@ -184,8 +181,8 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         keepWorst(report, options.worstCount);
     }
     report.p99 = percentile99(differences);
-    const Sensitivity sensitivity =
-        sensitivityOf(reference::Tracer(scene), camera, options.width, options.height, options.tolerance);
+    const Sensitivity sensitivity = sensitivityOf(reference::Tracer(scene, options), camera, options.width,
+                                                  options.height, options.tolerance);
     report.kappa = sensitivity.kappa;
     report.predictedShare = sensitivity.changed;
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));

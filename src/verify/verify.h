@@ -13,6 +13,7 @@
 #include "reference/tracer.h"
 #include "render/renderer.h"
 #include "trace/picture.h"
+#include "trace/request.h"
 #include "verify/stiffness.h"
 
 namespace glint::verify {
@@ -25,16 +26,14 @@ enum class Reason {
 };
 const char* reasonName(Reason reason);
 
-struct Options {
-    int width = 640, height = 480;
-    std::vector<glm::dvec2> sampleOffsets = {{0.5, 0.5}};  // each is a picture of its own
-    std::optional<PackedSamples> samples;  // instead of sampleOffsets; adaptive: the first round
+// What is to be compared: each sample (adaptive: of the first round) is a picture of its own, of the whole
+// view. Region and what a request wants besides colour are not looked at.
+struct Options : Request {
+    Options() { width = 640, height = 480; }
     double tolerance =
         1.0 / 512;  // greatest colour difference that needs no explanation: linear, unclamped, full scale 1
     double maxExplainedShare = 0.005;  // of all pixels, where the reference itself is not sensitive
     size_t worstCount = 10;
-    std::function<void(double)> progress;
-    std::function<bool()> cancelled;
 };
 
 struct DifferingPixel {

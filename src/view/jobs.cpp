@@ -13,13 +13,6 @@ namespace glint::view {
 
 namespace {
 
-// As long as the window's own submissions: both take turns on the device's queue.
-render::Options backgroundOptions() {
-    render::Options options;
-    options.sliceSeconds = 0.03;
-    return options;
-}
-
 bool isExr(const std::filesystem::path& file) {
     return file.extension() == ".exr" || file.extension() == ".EXR";
 }
@@ -31,30 +24,28 @@ SaveRequest saveRequest(const Session& session, const std::filesystem::path& fil
     SaveRequest request;
     request.file = file;
     request.scene = session.sharedScene();
-    request.packed = session.litScene();
+    request.tracing = session.tracing();
     request.camera = session.packedCamera();
     request.width = session.width();
     request.height = session.height();
     request.samplesPerPixel = samplesPerPixel;
-    request.shadows = session.settings().shadows;
     request.exposure = exposure;
     return request;
 }
 
 std::string save(const gpu::Device& device, SaveRequest request, JobControl& control) {
-    Request wanted;
-    wanted.width = request.width;
-    wanted.height = request.height;
     ImageSettings image = request.scene->scene.image;
     image.samplesPerPixel = request.samplesPerPixel;
     const std::string conflict = samplingConflict(image);
     if (!conflict.empty()) return "not saved: " + conflict;
-    wanted.samples = packSamples(image, false);  // the window's camera is a pinhole
+    image.width = request.width;
+    image.height = request.height;
+    Request wanted = requestOf(image, false);  // the window's camera is a pinhole
+    static_cast<Tracing&>(wanted) = request.tracing;
     wanted.data = wanted.cost = isExr(request.file);
-    wanted.shadows = request.shadows;
     wanted.progress = [&](double fraction) { control.progress = fraction; };
     wanted.cancelled = [&] { return control.cancelled.load(); };
-    render::Renderer renderer(device, request.packed, backgroundOptions());
+    render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
     Picture picture = renderer.render(request.camera, wanted);
     if (!picture.complete) return "saving stopped";
     if (!isExr(request.file) && request.exposure != 0) {
@@ -72,13 +63,14 @@ std::string save(const gpu::Device& device, SaveRequest request, JobControl& con
 }
 
 VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobControl& control) {
-    render::Renderer renderer(device, request.packed, backgroundOptions());
+    render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
     verify::Options options;
+    static_cast<Tracing&>(options) = request.tracing;
     options.width = request.width;
     options.height = request.height;
     options.progress = [&](double fraction) { control.progress = fraction; };
     options.cancelled = [&] { return control.cancelled.load(); };
-    verify::Report report = verify::verify(renderer, request.packed, request.camera, options);
+    verify::Report report = verify::verify(renderer, request.scene->packed, request.camera, options);
     VerifyResult result;
     result.passed = report.passed(options);
     char text[256];

@@ -55,11 +55,10 @@ class Job {
 struct SaveRequest {
     std::filesystem::path file;  // .png: colour; .exr: every layer
     std::shared_ptr<const ViewScene> scene;
-    PackedScene packed;
+    Tracing tracing;
     shared::Camera camera;
     int width = 0, height = 0;
     int samplesPerPixel = 1;
-    bool shadows = true;
     double exposure = 0;  // stops, of a PNG
 };
 
@@ -76,7 +75,7 @@ struct VerifyResult {
     Image difference;
 };
 
-// `glint verify` of the session's view; shadows are always on, the reference knows no others.
+// `glint verify` of the session's view.
 VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobControl& control);
 
 // STEM-view-001.png in `folder`, or the first number that is free.

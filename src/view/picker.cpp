@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "reference/tracer.h"
+#include "trace/ray_batch.h"
 
 namespace glint::view {
 
@@ -49,7 +50,7 @@ Pick pickPixel(Session& session, int x, int y) {
         pick.object = objectName(scene, pick.data.object);
         pick.material = materialName(scene, pick.data.material);
     }
-    const reference::Tracer tracer(session.lit());
+    const reference::Tracer tracer(session.scene().packed, session.tracing());
     const reference::Ray ray = tracer.cameraRay(session.packedCamera(), x + 0.5, y + 0.5);
     const reference::PixelRecord record = tracer.trace(ray, {}, true);
     for (size_t i = 0; i < record.path.size(); ++i) pick.path.push_back(bounceText(scene, record.path[i], i));
@@ -57,15 +58,7 @@ Pick pickPixel(Session& session, int x, int y) {
 }
 
 std::string pickCsv(const Pick& pick) {
-    std::string text = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
-    if (!pick.hit()) return text + "0,,,,,,,,,,,\n";
-    const PixelData& d = pick.data;
-    const glm::dvec3 n(d.geometricNormal);
-    char line[512];
-    std::snprintf(line, sizeof(line), "1,%.9g,%.9g,%.9g,%u,%u,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d.depth,
-                  static_cast<double>(d.u), static_cast<double>(d.v), d.object, d.primitive, d.position.x,
-                  d.position.y, d.position.z, n.x, n.y, n.z);
-    return text + line;
+    return kHitCsvHeading + hitCsv(hitOf(pick.data), kDeviceDigits);
 }
 
 }  // namespace glint::view

@@ -9,9 +9,8 @@ namespace glint::view {
 
 namespace {
 
-// Submissions of the window are shorter than those of `glint render`: a click waits for no more than one.
-constexpr double kSliceSeconds = 0.03;
-constexpr int kBandRows = 8;  // a tile's height
+constexpr double kSliceSeconds = 0.03;  // those of `glint render` are longer
+constexpr int kBandRows = 8;            // a tile's height
 
 double radicalInverse(int k, int base) {
     double result = 0, digit = 1.0 / base;
@@ -31,12 +30,6 @@ render::StageTimes since(const render::StageTimes& now, const render::StageTimes
     return d;
 }
 
-render::Options rendererOptions() {
-    render::Options options;
-    options.sliceSeconds = kSliceSeconds;
-    return options;
-}
-
 bool sameCamera(const Camera& a, const Camera& b) {
     const auto sameWindow = [&] {
         if (a.window.has_value() != b.window.has_value()) return false;
@@ -51,6 +44,13 @@ bool sameCamera(const Camera& a, const Camera& b) {
 
 }  // namespace
 
+render::Options windowOptions(const ViewScene& scene) {
+    render::Options options;
+    options.sliceSeconds = kSliceSeconds;
+    options.also = scene.also;
+    return options;
+}
+
 glm::dvec2 progressiveOffset(int k) {
     return k == 0 ? glm::dvec2(0.5) : glm::dvec2(radicalInverse(k, 2), radicalInverse(k, 3));
 }
@@ -59,15 +59,14 @@ PictureSettings PictureSettings::of(const Scene& scene) {
     PictureSettings s;
     s.maxDepth = scene.maxDepth;
     s.lights.resize(scene.lights.size());
-    s.background = scene.background;
+    s.background = glm::vec3(scene.environment ? scene.environment->intensity : scene.background);
     return s;
 }
 
 Session::Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene)
     : device_(device),
       scene_(std::move(scene)),
-      packed_(scene_->packed),
-      renderer_(device, packed_, rendererOptions()),
+      renderer_(device, scene_->packed, windowOptions(*scene_)),
       settings_(PictureSettings::of(scene_->scene)),
       camera_(scene_->scene.camera) {}
 
@@ -81,24 +80,24 @@ void Session::apply(const PictureSettings& settings) {
         ++version_;
         return;
     }
-    relight();
     restart();
 }
 
 // Lights that are off are left out altogether: their shadow rays cost most of a frame.
-void Session::relight() {
-    packed_.lights.clear();
+Tracing Session::tracing() const {
+    Tracing tracing;
+    tracing.maxDepth = settings_.depth();
+    tracing.shadows = settings_.shadows;
+    Lighting& lighting = tracing.lighting.emplace();
+    lighting.background = settings_.background;
     for (size_t i = 0; i < scene_->packed.lights.size(); ++i) {
         shared::Light light = scene_->packed.lights[i];
         const LightSetting setting = i < settings_.lights.size() ? settings_.lights[i] : LightSetting{};
         if (!setting.on || setting.dim <= 0) continue;
         light.intensity *= setting.dim;
-        packed_.lights.push_back(light);
+        lighting.lights.push_back(light);
     }
-    packed_.environment.lightCount = static_cast<uint32_t>(packed_.lights.size());
-    packed_.environment.background = settings_.background;
-    packed_.environment.maxDepth = settings_.depth();
-    renderer_.refreshLighting();
+    return tracing;
 }
 
 void Session::setView(const Camera& camera, int width, int height) {
@@ -117,7 +116,7 @@ void Session::restart() {
 }
 
 shared::Camera Session::packedCamera() const {
-    return packCamera(camera_, width_, height_, packed_.origin);
+    return packCamera(camera_, width_, height_, scene_->packed.origin);
 }
 
 Picture Session::render(int width, int height, const Region& region, const glm::dvec2& offset, int depth,
@@ -125,16 +124,16 @@ Picture Session::render(int width, int height, const Region& region, const glm::
     const Stopwatch watch;
     const render::StageTimes before = renderer_.times();
     Request wanted;
+    static_cast<Tracing&>(wanted) = tracing();
     wanted.width = width;
     wanted.height = height;
     wanted.region = region;
     wanted.samples = PackedSamples::fixed({offset});
     wanted.data = needsData(settings_.layer);
     wanted.cost = settings_.layer == ViewLayer::Cost;
-    wanted.shadows = settings_.shadows;
     wanted.maxDepth = static_cast<uint32_t>(depth);
     wanted.cancelled = cancelled;
-    Picture picture = renderer_.render(packCamera(camera_, width, height, packed_.origin), wanted);
+    Picture picture = renderer_.render(packCamera(camera_, width, height, scene_->packed.origin), wanted);
     facts_.times = since(renderer_.times(), before);
     facts_.width = width;
     facts_.height = height;
@@ -224,12 +223,10 @@ Canvas Session::canvas(double exposure) const {
 
 PixelData Session::pixel(int x, int y) {
     Request wanted;
+    static_cast<Tracing&>(wanted) = tracing();
     wanted.width = width_;
     wanted.height = height_;
-    wanted.region = {x, y, x + 1, y + 1};
-    wanted.data = true;
-    wanted.shadows = settings_.shadows;
-    return renderer_.render(packedCamera(), wanted).data[0];
+    return renderer_.pixel(packedCamera(), wanted, x, y);
 }
 
 }  // namespace glint::view

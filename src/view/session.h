@@ -45,6 +45,10 @@ struct FrameFacts {
     int depth = 0;              // reflections followed
 };
 
+// Submissions of the window are short, so that a click waits for no more than one, and the work beside it
+// takes turns with it on the device's queue.
+render::Options windowOptions(const ViewScene& scene);
+
 class Session {
   public:
     // Keeps a reference to `device`.
@@ -56,10 +60,8 @@ class Session {
     void apply(const PictureSettings& settings);
     void setView(const Camera& camera, int width, int height);
 
-    // The scene with the panel's lights and background, as the picture shows it; a copy, for work of its own
-    // in another thread.
-    PackedScene litScene() const { return packed_; }
-    const PackedScene& lit() const { return packed_; }
+    // What the panel's settings are to a tracer.
+    Tracing tracing() const;
     shared::Camera packedCamera() const;
     int width() const { return width_; }
     int height() const { return height_; }
@@ -86,14 +88,12 @@ class Session {
 
   private:
     void restart();
-    void relight();
     Picture render(int width, int height, const Region& region, const glm::dvec2& offset, int depth,
                    const std::function<bool()>& cancelled);
     void addBand(const Picture& band);
 
     const gpu::Device& device_;
     std::shared_ptr<const ViewScene> scene_;
-    PackedScene packed_;  // with the panel's lights and background
     render::Renderer renderer_;
     PictureSettings settings_;
     Camera camera_;

@@ -72,8 +72,8 @@ std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path
     if (samplesPerPixel) loaded->scene.image.samplesPerPixel = *samplesPerPixel;
     loaded->packed = packScene(loaded->scene);
     const auto& materials = loaded->packed.materials;
-    loaded->packed.features.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
-    loaded->packed.features.parallelCamera = true;  // P may ask for it
+    loaded->also.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
+    loaded->also.parallelCamera = true;  // P may ask for it
     return loaded;
 }
 

@@ -16,10 +16,12 @@ struct ViewScene {
     std::filesystem::path path;
     Scene scene;
     PackedScene packed;  // as loaded: every light on
+    // What the panel may switch on though the scene does without: mirrors, if a material reflects, and
+    // cameras with parallel rays.
+    SceneFeatures also;
 };
 
-// Loads and packs. The pipeline keeps what the panel may switch on again: mirrors, if a material reflects,
-// and cameras with parallel rays. Throws Error(Scene) as loadScene does.
+// Loads and packs. Throws Error(Scene) as loadScene does.
 std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
                                                std::optional<int> samplesPerPixel);
 

@@ -10,7 +10,7 @@
 namespace glint::app::test {
 namespace {
 
-std::vector<reference::Ray> parse(const std::string& text) {
+std::vector<WorldRay> parse(const std::string& text) {
     std::istringstream in(text);
     return parseRays(in, "r.csv");
 }
@@ -28,7 +28,7 @@ std::string errorOf(const std::string& text) {
 TEST(RayFile, SixToEightNumbers) {
     const auto rays = parse("1,2,3,4,5,6\n1,2,3,4,5,6,0.5\n1,2,3,4,5,6,-0.5,1e3\n");
     ASSERT_EQ(rays.size(), 3u);
-    for (const reference::Ray& ray : rays) {
+    for (const WorldRay& ray : rays) {
         EXPECT_EQ(ray.origin, glm::dvec3(1, 2, 3));
         EXPECT_EQ(ray.direction, glm::dvec3(4, 5, 6));
     }

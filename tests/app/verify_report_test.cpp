@@ -104,7 +104,7 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
     pixel.reference.surface->position = {1, 2, 3};
     report.worst.push_back(pixel);
     verify::Options options;
-    options.sampleOffsets.resize(4);
+    options.samples = PackedSamples::fixed(std::vector<glm::dvec2>(4));
     const std::string text = reportText(report, options);
     EXPECT_NE(text.find("    pixel 0,0 sample 3: difference 1, edge (rays moved by 2 x 2^-24)\n"),
               std::string::npos)

@@ -141,7 +141,9 @@ TEST(Texture, EnvironmentDirections) {
     scene.textures.push_back(map);
     scene.environment.map = 1;
     scene.environment.background = glm::vec3(2);
-    const auto seen = [&](const dvec3& d) { return surroundings(scene, d, dvec2(0)).x / 2; };
+    const auto seen = [&](const dvec3& d) {
+        return surroundings(scene, scene.environment, d, dvec2(0)).x / 2;
+    };
     // On the horizon the rows count half each: column c gives c + 2.
     EXPECT_NEAR(seen({0, 0, -1}), 1.5 + 2, 1e-12);  // u = 1/2: between columns 1 and 2
     EXPECT_NEAR(seen({1, 0, 0}), 2.5 + 2, 1e-12);   // u = 3/4

@@ -222,11 +222,12 @@ TEST_F(CompactionTest, SamplesOfAllKindsDrawTheSame) {
 // Branches that bring too little end, so fewer paths go on; the account of them must not change.
 TEST_F(CompactionTest, LeastContributionsAreAccountedForTheSame) {
     for (const char* name : {"corridor", "glass"}) {
-        Case c = fileCase(name, 32, 24);
-        c.packed.environment.minContribution = 0.5f;
-        const Drawn listed = drawn(c, settingsOf(c), Compaction::On);
+        const Case c = fileCase(name, 32, 24);
+        Request settings = settingsOf(c);
+        settings.minContribution = 0.5;
+        const Drawn listed = drawn(c, settings, Compaction::On);
         EXPECT_GT(listed.picture.losses.cut.count, 0u) << name;
-        expectSame(c, settingsOf(c));
+        expectSame(c, settings);
     }
 }
 

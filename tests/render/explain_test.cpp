@@ -218,7 +218,7 @@ TEST_F(VerifyTest, EverySampleIsAPictureOfItsOwn) {
     Options options;
     options.width = c.width;
     options.height = c.height;
-    options.sampleOffsets = sampleOffsets(4);
+    options.samples = PackedSamples::fixed(sampleOffsets(4));
     double progress = 0;
     options.progress = [&](double fraction) {
         EXPECT_GE(fraction, progress);

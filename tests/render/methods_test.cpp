@@ -25,14 +25,14 @@ TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
     Random random(4);
     Scene scene = emptyScene();
     for (int i = 0; i < 20; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     std::vector<RayInput> rays;
     for (int i = 0; i < 3000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
     for (const TriangleMethod method : kTriangleMethods) {
-        packed.methods.triangles = method;
-        Renderer renderer(device(), packed);
-        const auto hits = renderer.trace(rays, false);
-        const reference::Tracer tracer(packed);
+        const Methods methods{.triangles = method};
+        const auto hits = renderer.trace(rays, false, methods);
+        const reference::Tracer tracer(packed, {.methods = methods});
         size_t hit = 0;
         for (size_t i = 0; i < rays.size(); ++i) {
             const auto expected = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
@@ -95,7 +95,8 @@ TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
     const auto mesh = reference::test::makeBumpyMesh(1);
     Scene scene = emptyScene();
     addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     Random random(9);
     std::vector<RayInput> rays;
     for (int i = 0; i < 20000; ++i) {
@@ -104,9 +105,7 @@ TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
         rays.push_back(rayTowards(random.box(0.3), glm::mix(a, b, random.uniform(0, 1))));
     }
     for (const TriangleMethod method : kTriangleMethods) {
-        packed.methods.triangles = method;
-        Renderer renderer(device(), packed);
-        const size_t leaks = misses(renderer.trace(rays, false));
+        const size_t leaks = misses(renderer.trace(rays, false, {.triangles = method}));
         if (method == TriangleMethod::Watertight)
             EXPECT_EQ(leaks, 0u);
         else
@@ -120,7 +119,8 @@ TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
     Scene scene = emptyScene();
     addSphere(scene, dvec3(0), 1);
     scene.camera.eye = {0, 0, kDistance};
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     Random random(12);
     std::vector<RayInput> rays;
     std::vector<bool> inside;
@@ -137,9 +137,8 @@ TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
         inside.push_back(impact < 1);
     }
     for (const SphereMethod method : kSphereMethods) {
-        packed.methods.spheres = method;
-        Renderer renderer(device(), packed);
-        const auto hits = renderer.trace(rays, false);
+        const Methods methods{.spheres = method};
+        const auto hits = renderer.trace(rays, false, methods);
         size_t wrong = 0;
         for (size_t i = 0; i < rays.size(); ++i) wrong += hits[i].hit != inside[i];
         // At this distance half a unit of D^2 is the sphere's own square radius.
@@ -147,7 +146,7 @@ TEST_F(MethodsTest, OnlyTheRobustSphereIsRoundFromAfar) {
             EXPECT_EQ(wrong, 0u);
         else
             EXPECT_GT(wrong, rays.size() / 20) << nameOf(method);
-        const reference::Tracer tracer(packed);
+        const reference::Tracer tracer(packed, {.methods = methods});
         for (size_t i = 0; i < rays.size(); ++i)
             ASSERT_EQ(tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)}).has_value(),
                       inside[i])
@@ -162,7 +161,8 @@ TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
     Scene scene = emptyScene();
     addSphere(scene, dvec3(0.3, -0.2, 0.1), 1);
     scene.camera.eye = {0, 0, kDistance};
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     Random random(13);
     std::vector<RayInput> rays;
     for (int i = 0; i < 20000; ++i) {
@@ -175,8 +175,7 @@ TEST_F(MethodsTest, ASphereSeenFromOutsideShowsItsOutside) {
         rays.push_back(rayTowards(center + kDistance * away - packed.origin, center + limb - packed.origin));
     }
     for (const SphereMethod method : kSphereMethods) {
-        packed.methods.spheres = method;
-        const auto hits = Renderer(device(), packed).trace(rays, false);
+        const auto hits = renderer.trace(rays, false, {.spheres = method});
         size_t hit = 0, away = 0;
         for (size_t i = 0; i < rays.size(); ++i) {
             if (!hits[i].hit) continue;
@@ -195,13 +194,14 @@ TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
     addSphere(scene, {0, -1e6, 0}, 1e6);
     scene.camera.eye = {0, 1, 0};
     scene.camera.target = {1, 0, 0};
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     const RayInput ray = rayTowards(dvec3(0.3, 1, 0.2) - packed.origin, dvec3(0.5, 0, 0.1) - packed.origin);
     const auto errorOf = [&](SphereMethod method) {
-        packed.methods.spheres = method;
-        Renderer renderer(device(), packed);
-        const RayHit hit = renderer.trace({ray}, false)[0];
-        const auto expected = reference::Tracer(packed).closest({dvec3(ray.origin), dvec3(ray.direction)});
+        const Methods methods{.spheres = method};
+        const RayHit hit = renderer.trace({ray}, false, methods)[0];
+        const auto expected = reference::Tracer(packed, {.methods = methods})
+                                  .closest({dvec3(ray.origin), dvec3(ray.direction)});
         return hit.hit && expected ? std::abs(hit.t - expected->t) : 1.0;
     };
     EXPECT_LT(errorOf(SphereMethod::Robust), 1e-6);
@@ -211,13 +211,12 @@ TEST_F(MethodsTest, OnlyTheRobustSphereHoldsUnderTheEye) {
 
 // Pictures of the device alone, green channel.
 size_t litPixels(const gpu::Device& device, const Case& c, OriginOffset offset) {
-    PackedScene packed = c.packed;
-    packed.methods.offsets = offset;
-    Renderer renderer(device, packed);
-    Request settings;
-    settings.width = c.width;
-    settings.height = c.height;
-    const Picture picture = renderer.render(c.camera, settings);
+    Renderer renderer(device, c.packed);
+    Request request;
+    request.width = c.width;
+    request.height = c.height;
+    request.methods.offsets = offset;
+    const Picture picture = renderer.render(c.camera, request);
     size_t lit = 0;
     for (size_t i = 0; i < picture.done.size(); ++i) lit += picture.color.pixels[4 * i + 1] > 0 ? 1 : 0;
     return lit;
@@ -253,13 +252,13 @@ TEST_F(MethodsTest, PadsDoNotChangeWhatIsHitAwayFromEdges) {
     Random random(5);
     Scene scene = emptyScene();
     for (int i = 0; i < 40; ++i) addTriangle(scene, random.box(3), random.box(3), random.box(3));
-    PackedScene packed = packScene(scene);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
     std::vector<RayInput> rays;
     for (int i = 0; i < 2000; ++i) rays.push_back(rayTowards(9.0 * random.direction(), random.box(2)));
-    const auto expected = Renderer(device(), packed).trace(rays, false);
+    const auto expected = renderer.trace(rays, false);
     for (const SlabPad pad : {SlabPad::Gamma3, SlabPad::None}) {
-        packed.methods.slabs = pad;
-        const auto hits = Renderer(device(), packed).trace(rays, false);
+        const auto hits = renderer.trace(rays, false, {.slabs = pad});
         for (size_t i = 0; i < rays.size(); ++i) {
             EXPECT_EQ(hits[i].kindAndIndex, expected[i].kindAndIndex) << text(rays[i]);
             EXPECT_EQ(hits[i].t, expected[i].t);

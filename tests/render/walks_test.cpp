@@ -33,11 +33,6 @@ PackedScene sceneOf(size_t triangles) {
     return scene;
 }
 
-PackedScene withSlabs(PackedScene scene) {
-    scene.methods.slabs = SlabPad::None;
-    return scene;
-}
-
 PackedScene discsInInstances() {
     PackedScene scene;
     scene.nodes.resize(2);
@@ -49,12 +44,14 @@ PackedScene discsInInstances() {
 
 TEST(LaneRule, IsThisTable) {
     using enum Traversal;
+    const Methods plainSlabs = {.slabs = SlabPad::None};
     const struct {
         const char* type;
         bool llvmpipe;
         Traversal wanted;
         PackedScene scene;
         const char* expected;
+        Methods methods = {};
     } rows[] = {
         {"discrete GPU", false, Auto, sceneOf(32), "cwbvh"},
         {"integrated GPU", false, Auto, sceneOf(32), "cwbvh"},
@@ -65,7 +62,7 @@ TEST(LaneRule, IsThisTable) {
         {"discrete GPU", false, Auto, sceneOf(31), "lane"},
         {"discrete GPU", false, Auto, discsInInstances(), "cwbvh"},
         {"discrete GPU", false, Auto, sceneOf(0), "lane"},
-        {"discrete GPU", false, Auto, withSlabs(sceneOf(1000)), "lane"},
+        {"discrete GPU", false, Auto, sceneOf(1000), "lane", plainSlabs},
         {"discrete GPU", false, Lane, sceneOf(1000), "lane"},
         {"discrete GPU", false, Bvh4, sceneOf(1), "bvh4"},
         {"discrete GPU", false, Cwbvh, sceneOf(1), "cwbvh"},
@@ -73,11 +70,11 @@ TEST(LaneRule, IsThisTable) {
         {"CPU", true, Cwbvh, sceneOf(1000), "cwbvh"},
         {"CPU", true, Cwbvh, discsInInstances(), "cwbvh"},
         {"CPU", true, Cwbvh, sceneOf(0), "lane"},
-        {"CPU", true, Bvh4, withSlabs(sceneOf(1000)), "lane"},
+        {"CPU", true, Bvh4, sceneOf(1000), "lane", plainSlabs},
     };
     for (const auto& row : rows) {
         const TraversalChoice choice =
-            chooseTraversal(row.wanted, deviceOf(row.type, row.llvmpipe), row.scene);
+            chooseTraversal(row.wanted, deviceOf(row.type, row.llvmpipe), row.scene, row.methods);
         EXPECT_STREQ(nameOf(choice), row.expected)
             << row.type << ", wanted " << static_cast<int>(row.wanted) << ", " << row.scene.triangles.size()
             << " triangles: " << choice.reason;
@@ -89,7 +86,8 @@ TEST(LaneRule, SaysWhyNotWhatWasAskedFor) {
     const gpu::DeviceInfo device = deviceOf("discrete GPU");
     EXPECT_NE(chooseTraversal(Traversal::Cwbvh, device, sceneOf(0)).reason.find("no tree"),
               std::string::npos);
-    EXPECT_NE(chooseTraversal(Traversal::Bvh4, device, withSlabs(sceneOf(9))).reason.find("padding"),
+    const Methods plainSlabs = {.slabs = SlabPad::None};
+    EXPECT_NE(chooseTraversal(Traversal::Bvh4, device, sceneOf(9), plainSlabs).reason.find("padding"),
               std::string::npos);
     try {
         chooseTraversal(Traversal::Packet, device, sceneOf(1000));

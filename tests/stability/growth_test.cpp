@@ -140,9 +140,8 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
         settings.width = settings.height = kSide;
         settings.maxDepth = k;
         const Picture picture = renderer.render(c.camera, settings);
-        PackedScene cut = c.packed;
-        cut.environment.maxDepth = static_cast<uint32_t>(k);
-        const Picture truth = reference::render(cut, c.camera, render::test::wholeWithData(c));
+        settings.exact = true;
+        const Picture truth = reference::render(c.packed, c.camera, settings);
         const int light = bestLight(steps[k].azimuth, turned);
         const double slope = slopeOf(steps[k].azimuth, turned + kBetween[light]);
         ASSERT_GT(slope, 0.1) << "the lights tell nothing about bounce " << k;

@@ -1,0 +1,55 @@
+#include "reference/trace_rays.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+
+namespace glint::reference {
+
+namespace {
+
+constexpr size_t kRaysPerTurn = 256;  // that a thread takes at a time
+
+}  // namespace
+
+WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray, HitDetail detail) {
+    WorldHit found;
+    if (detail == HitDetail::Any) {
+        found.hit = tracer.occluded(ray, {}, &found.cost);
+        return found;
+    }
+    const std::optional<Hit> hit = tracer.closest(ray, {}, &found.cost);
+    if (!hit) return found;
+    found.hit = true;
+    found.t = hit->t;
+    found.packed = hit->primitive;
+    if (detail == HitDetail::Nearest) return found;
+    const Surface surface = tracer.surface(ray, *hit);
+    found.u = hit->u;
+    found.v = hit->v;
+    found.point = scene.origin + surface.position;
+    found.normal = surface.geometricNormal;
+    found.object = surface.object;
+    found.face = surface.primitive;
+    found.material = surface.material;
+    return found;
+}
+
+std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, unsigned threads) {
+    const Tracer tracer(scene, {.methods = batch.methods});
+    std::vector<WorldHit> hits(batch.rays.size());
+    const auto one = [&](size_t i) {
+        const LocalRay local = localRay(batch.rays[i], scene.origin);
+        hits[i] = trace(tracer, scene, {local.origin, local.direction, local.tMin, local.tMax}, batch.detail);
+        if (hits[i].hit) hits[i].t = local.worldT(hits[i].t);
+    };
+    parallelFor((hits.size() + kRaysPerTurn - 1) / kRaysPerTurn,
+                [&](size_t turn) {
+                    const size_t end = std::min((turn + 1) * kRaysPerTurn, hits.size());
+                    for (size_t i = turn * kRaysPerTurn; i < end; ++i) one(i);
+                },
+                threads);
+    return hits;
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,19 @@
+// Rays of the caller's by the CPU reference.
+#pragma once
+
+#include <vector>
+
+#include "pack/packed_scene.h"
+#include "reference/tracer.h"
+#include "trace/ray_batch.h"
+
+namespace glint::reference {
+
+// The nearest hit of each ray, or whether there is one. Does not depend on the number of threads (0: all).
+std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, unsigned threads = 0);
+
+// The same of one local ray; `scene` is the tracer's.
+WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray,
+               HitDetail detail = HitDetail::Surface);
+
+}  // namespace glint::reference

@@ -1,0 +1,82 @@
+// Rays that the caller brings, in world coordinates, and what they hit: render::Renderer::trace on a device,
+// reference::trace in double.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "trace/methods.h"
+#include "trace/picture.h"
+
+namespace glint {
+
+// The points origin + t direction with tMin < t <= tMax; t = 0 is excluded. A ray that is not finite, or has
+// no direction, misses.
+struct WorldRay {
+    glm::dvec3 origin{0};
+    glm::dvec3 direction{0, 0, -1};  // of any length; t is in units of it
+    double tMin = 0;
+    double tMax = std::numeric_limits<double>::infinity();
+};
+
+// How much of a hit is wanted. What is not wanted is neither computed nor read back.
+enum class HitDetail {
+    Any,      // whether anything is hit: WorldHit::hit alone
+    Nearest,  // the nearest hit: t and `packed`
+    Surface   // everything
+};
+
+struct RayBatch {
+    std::vector<WorldRay> rays;
+    HitDetail detail = HitDetail::Surface;
+    Methods methods;    // see Tracing::methods
+    bool cost = false;  // WorldHit::cost
+};
+
+// On a miss all but `hit` and `cost` are as they are here.
+struct WorldHit {
+    bool hit = false;
+    double t = std::numeric_limits<double>::infinity();
+    // Of a triangle: the point is (1 - u - v) a + u b + v c. Of other surfaces 0 by the reference, texture
+    // coordinates by a device.
+    double u = 0, v = 0;
+    glm::dvec3 point{0};   // world
+    glm::dvec3 normal{0};  // geometric, outward, unit
+    uint32_t object = PixelData::kNoIndex;
+    uint32_t face = PixelData::kNoIndex;  // of the object, in the file's order
+    uint32_t material = PixelData::kNoIndex;
+    uint32_t packed = PixelData::kNoIndex;  // the primitive's kind and index, as in shared/layout.h
+    uint64_t cost = 0;                      // boxes and primitives tested
+};
+
+// Seconds that finding hits took, without preparing rays, compiling kernels or what HitDetail::Surface needs
+// besides; `processor`: of all threads of the process, which a busy machine spoils least.
+struct BatchTimes {
+    double wall = 0, processor = 0;
+};
+
+// A ray as tracers follow it: relative to the scene's origin, which is subtracted in double before anything
+// is rounded, and with a direction whose square neither overflows nor vanishes in fp32.
+struct LocalRay {
+    glm::dvec3 origin{0};
+    glm::dvec3 direction{0};
+    double tMin = 0, tMax = 0;
+    int exponent = 0;  // the direction is 2^-exponent times the caller's, exactly
+
+    double worldT(double t) const;  // in units of the caller's direction
+};
+LocalRay localRay(const WorldRay& ray, const glm::dvec3& sceneOrigin);
+
+// The lines of `glint trace`: a heading, and a hit with so many significant digits, or with `anyOnly` no more
+// than whether there is one.
+inline constexpr const char* kHitCsvHeading = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
+inline constexpr int kDeviceDigits = 9, kReferenceDigits = 17;  // each tells all of its numbers apart
+std::string hitCsv(const WorldHit& hit, int digits, bool anyOnly = false);
+
+// The hit of a pixel's first sample.
+WorldHit hitOf(const PixelData& data);
+
+}  // namespace glint

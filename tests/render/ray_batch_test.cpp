@@ -1,0 +1,206 @@
+// Batches of world-space rays: what a single ray meets, whatever else is in the batch and wherever the scene.
+#include "trace/ray_batch.h"
+
+#include <cmath>
+#include <limits>
+
+#include "reference/trace_rays.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class RayBatchTest : public RenderTest {};
+
+bool same(const WorldHit& a, const WorldHit& b) {
+    return a.hit == b.hit && a.t == b.t && a.u == b.u && a.v == b.v && a.point == b.point &&
+           a.normal == b.normal && a.object == b.object && a.face == b.face && a.material == b.material &&
+           a.packed == b.packed && a.cost == b.cost;
+}
+
+RayBatch raysInto(const Case& c, size_t count, uint32_t seed) {
+    Random random(seed);
+    const dvec3 lo = c.packed.origin + dvec3(c.packed.boundsLo),
+                hi = c.packed.origin + dvec3(c.packed.boundsHi);
+    const dvec3 middle = 0.5 * (lo + hi);
+    const double reach = 0.5 * glm::length(hi - lo);
+    RayBatch batch;
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 from = middle + 1.5 * reach * random.direction();
+        const dvec3 to = middle + random.box(0.5 * reach);
+        WorldRay ray = {from, (to - from) * std::ldexp(1.0, static_cast<int>(i % 5) * 20 - 40)};
+        if (i % 7 == 0) ray.tMin = 0.9 / std::ldexp(1.0, static_cast<int>(i % 5) * 20 - 40);
+        if (i % 11 == 0) ray.tMax = 0;
+        batch.rays.push_back(ray);
+    }
+    return batch;
+}
+
+class RayBatchScenes : public RayBatchTest, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RayBatchScenes,
+                         testing::Values("knot", "glass", "instances", "quadrics", "far_away"),
+                         [](const auto& p) { return std::string(p.param); });
+
+TEST_P(RayBatchScenes, ABatchIsItsSingleRays) {
+    const Case c = fileCase(GetParam(), 16, 12);
+    Renderer renderer(device(), c.packed);
+    const RayBatch batch = raysInto(c, 300, 1);
+    const std::vector<WorldHit> together = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    ASSERT_EQ(together.size(), batch.rays.size());
+    size_t hits = 0;
+    for (size_t i = 0; i < batch.rays.size(); ++i) {
+        RayBatch one = batch;
+        one.rays = {batch.rays[i]};
+        if (i % 3 == 0) {
+            EXPECT_TRUE(same(renderer.trace(one)[0], together[i])) << i;
+        }
+        EXPECT_TRUE(same(reference::trace(c.packed, one)[0], host[i])) << i;
+        hits += host[i].hit;
+        if (i % 11 == 0) {
+            EXPECT_FALSE(together[i].hit || host[i].hit) << "an empty interval";
+        }
+    }
+    EXPECT_GT(hits, 50u);
+    EXPECT_EQ(renderer.trace(RayBatch{}).size(), 0u);
+}
+
+// Device and reference, of rays that need not be good to the last bit: fp32's share of the way.
+TEST_P(RayBatchScenes, BothTracersMeetTheSame) {
+    const Case c = fileCase(GetParam(), 16, 12);
+    Renderer renderer(device(), c.packed);
+    const RayBatch batch = raysInto(c, 2000, 2);
+    const std::vector<WorldHit> device = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    size_t agree = 0;
+    for (size_t i = 0; i < host.size(); ++i) {
+        if (device[i].hit != host[i].hit || device[i].object != host[i].object ||
+            device[i].face != host[i].face)
+            continue;
+        ++agree;
+        if (!host[i].hit) continue;
+        EXPECT_EQ(device[i].material, host[i].material);
+        EXPECT_NEAR(device[i].t, host[i].t, 1e-4 * host[i].t);
+        const double way = glm::length(batch.rays[i].direction) * host[i].t;
+        EXPECT_LE(glm::length(device[i].point - host[i].point), 1e-3 * way);
+        EXPECT_LE(glm::length(device[i].normal - host[i].normal), 5e-2);
+        EXPECT_NEAR(glm::length(host[i].normal), 1, 1e-12);
+    }
+    EXPECT_GT(agree, host.size() * 98 / 100);
+}
+
+TEST_F(RayBatchTest, DetailsAreAsManyAsAskedFor) {
+    const Case c = fileCase("knot", 16, 12);
+    Renderer renderer(device(), c.packed);
+    RayBatch batch = raysInto(c, 500, 3);
+    const std::vector<WorldHit> full = renderer.trace(batch), host = reference::trace(c.packed, batch);
+    batch.detail = HitDetail::Nearest;
+    batch.cost = true;
+    const std::vector<WorldHit> nearest = renderer.trace(batch),
+                                hostNearest = reference::trace(c.packed, batch);
+    batch.detail = HitDetail::Any;
+    BatchTimes times;
+    const std::vector<WorldHit> any = renderer.trace(batch, &times),
+                                hostAny = reference::trace(c.packed, batch);
+    EXPECT_GT(times.wall, 0);
+    EXPECT_GT(times.processor, 0);
+    for (size_t i = 0; i < batch.rays.size(); ++i) {
+        EXPECT_EQ(nearest[i].hit, full[i].hit);
+        EXPECT_EQ(nearest[i].t, full[i].t);
+        EXPECT_EQ(nearest[i].packed, full[i].packed);
+        EXPECT_EQ(nearest[i].object, PixelData::kNoIndex);
+        EXPECT_GT(nearest[i].cost, i % 11 == 0 ? -1.0 : 0.0);
+        EXPECT_EQ(hostNearest[i].t, host[i].t);
+        EXPECT_EQ(hostNearest[i].packed, host[i].packed);
+        EXPECT_EQ(any[i].hit, full[i].hit);
+        EXPECT_EQ(any[i].t, kInfinity);
+        EXPECT_EQ(hostAny[i].hit, host[i].hit);
+        WorldHit miss;
+        miss.cost = nearest[i].cost;
+        if (!nearest[i].hit) {
+            EXPECT_TRUE(same(nearest[i], miss));
+        }
+    }
+}
+
+// More rays than one piece holds: the pattern goes on over the border.
+TEST_F(RayBatchTest, BordersOfPiecesAreNotSeen) {
+    Scene scene = emptyScene();
+    addSphere(scene, {0, 0, 0}, 1);
+    const PackedScene packed = packScene(scene);
+    Renderer renderer(device(), packed);
+    constexpr size_t kPattern = 37, kRays = (size_t{1} << 20) + 101;
+    RayBatch batch;
+    batch.detail = HitDetail::Nearest;
+    for (size_t i = 0; i < kRays; ++i)
+        batch.rays.push_back({{0.06 * static_cast<double>(i % kPattern), 0, 5}, {0, 0, -1}});
+    const std::vector<WorldHit> hits = renderer.trace(batch);
+    ASSERT_EQ(hits.size(), kRays);
+    size_t hit = 0, wrong = 0;
+    for (size_t i = 0; i < kRays; ++i) {
+        hit += hits[i].hit;
+        wrong += !same(hits[i], hits[i % kPattern]);
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(hit, kRays / 4);
+    EXPECT_LT(hit, kRays * 3 / 4);
+}
+
+// A scene about 1e6 away, where fp32 has steps of 1/16: rays are taken to its origin before they are rounded.
+TEST_F(RayBatchTest, FarAwayRaysKeepTheirDigits) {
+    const dvec3 far(1e6, -2e6, 1.5e6);
+    Scene scene = emptyScene();
+    addSphere(scene, far, 1);
+    addTriangle(scene, far + dvec3(2, -1, 0), far + dvec3(4, -1, 0), far + dvec3(3, 1, 0));
+    scene.camera.eye = far + dvec3(0, 0, 5);
+    scene.camera.target = far;
+    const PackedScene packed = packScene(scene);
+    ASSERT_NE(packed.origin, dvec3(0));
+    Renderer renderer(device(), packed);
+    Random random(4);
+    RayBatch batch;
+    for (int i = 0; i < 1000; ++i) {
+        const dvec3 to = far + (i % 2 ? dvec3(0.7 * random.direction()) : dvec3(3, 0, 0) + random.box(0.3));
+        const dvec3 from = far + 4.0 * random.direction();
+        batch.rays.push_back({from, to - from});
+    }
+    const std::vector<WorldHit> device = renderer.trace(batch), host = reference::trace(packed, batch);
+    size_t hits = 0;
+    for (size_t i = 0; i < host.size(); ++i) {
+        ASSERT_EQ(device[i].hit, host[i].hit) << i;
+        if (!host[i].hit || device[i].object != host[i].object) continue;
+        ++hits;
+        EXPECT_NEAR(device[i].t, host[i].t, 1e-4);
+        EXPECT_LE(glm::length(device[i].point - host[i].point), 1e-4);
+    }
+    EXPECT_GT(hits, 500u);
+}
+
+TEST_F(RayBatchTest, HostDoesNotDependOnThreads) {
+    const Case c = fileCase("glass", 16, 12);
+    const RayBatch batch = raysInto(c, 1000, 5);
+    const std::vector<WorldHit> one = reference::trace(c.packed, batch, 1),
+                                four = reference::trace(c.packed, batch, 4);
+    for (size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same(one[i], four[i]));
+}
+
+TEST(LocalRay, IsScaledExactlyAndOnlyWhereItMustBe) {
+    const LocalRay plain = localRay({{3, 4, 5}, {0, 0, -1000}, 1, 7}, {1, 1, 1});
+    EXPECT_EQ(plain.origin, dvec3(2, 3, 4));
+    EXPECT_EQ(plain.exponent, 0);
+    EXPECT_EQ(plain.worldT(3), 3);
+    const double huge = std::ldexp(1.5, 100);
+    const LocalRay scaled = localRay({{0, 0, 0}, {0, huge, 0}, std::ldexp(1.0, -100), kInfinity}, {0, 0, 0});
+    EXPECT_EQ(scaled.direction, dvec3(0, 1.5, 0));
+    EXPECT_EQ(scaled.tMin, 1);
+    EXPECT_EQ(scaled.tMax, kInfinity);
+    EXPECT_EQ(scaled.worldT(2), std::ldexp(2.0, -100));
+    EXPECT_EQ(localRay({{0, 0, 0}, {0, 0, 0}}, {0, 0, 0}).exponent, 0);
+    EXPECT_EQ(localRay({{0, 0, 0}, {kInfinity, 0, 0}}, {0, 0, 0}).exponent, 0);
+}
+
+}  // namespace
+}  // namespace glint::render::test

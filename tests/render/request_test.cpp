@@ -1,0 +1,227 @@
+// One packed scene, many requests: what varies from picture to picture is no part of the scene.
+#include "trace/request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "pack/request_environment.h"
+#include "reference/render.h"
+#include "support.h"
+
+namespace glint::render::test {
+namespace {
+
+using glm::dvec3;
+
+class RequestTest : public RenderTest {};
+
+struct Wish {
+    const char* name;
+    std::function<void(Request&)> ask;
+};
+
+const Wish kWishes[] = {
+    {"plain", [](Request&) {}},
+    {"barycentric", [](Request& r) { r.methods.triangles = TriangleMethod::Barycentric; }},
+    {"geometric", [](Request& r) { r.methods.spheres = SphereMethod::Geometric; }},
+    {"slabs", [](Request& r) { r.methods.slabs = SlabPad::None; }},
+    {"offsets", [](Request& r) { r.methods.offsets = OriginOffset::Fixed; }},
+    {"depth 1", [](Request& r) { r.maxDepth = 1; }},
+    {"depth 0", [](Request& r) { r.maxDepth = 0; }},
+    {"cut", [](Request& r) { r.minContribution = 0.5; }},
+    {"no shadows", [](Request& r) { r.shadows = false; }},
+    {"cost", [](Request& r) { r.cost = true; }},
+    {"tally", [](Request& r) { r.tally = true; }},
+    {"four samples",
+     [](Request& r) {
+         r.samples = PackedSamples::fixed({{.2, .2}, {.7, .3}, {.4, .8}, {.9, .6}});
+     }},
+};
+
+// A renderer that has drawn other pictures before draws what a new one does, by every walk.
+TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
+    for (const char* name : {"corridor", "glass"}) {
+        const Case c = fileCase(name, 40, 30);
+        for (const Traversal traversal : {Traversal::Auto, Traversal::Cwbvh}) {
+            Options options;
+            options.traversal = traversal;
+            Renderer renderer(device(), c.packed, options);
+            std::vector<Picture> first;
+            for (const Wish& wish : kWishes) {
+                Request request = wholeWithData(c);
+                wish.ask(request);
+                first.push_back(renderer.render(c.camera, request));
+                options.expected = &request;
+                Renderer fresh(device(), c.packed, options);
+                EXPECT_TRUE(sameBits(first.back(), fresh.render(c.camera, request)))
+                    << name << ", " << wish.name;
+            }
+            for (size_t i = 0; i < first.size(); ++i) {
+                Request request = wholeWithData(c);
+                kWishes[i].ask(request);
+                EXPECT_TRUE(sameBits(renderer.render(c.camera, request), first[i]))
+                    << name << ", again " << kWishes[i].name;
+            }
+        }
+    }
+}
+
+// The wishes are not without effect.
+TEST_F(RequestTest, WishesChangeThePicture) {
+    const Case c = fileCase("corridor", 40, 30);
+    Renderer renderer(device(), c.packed);
+    const Picture plain = renderer.render(c.camera, wholeWithData(c));
+    const Picture host = reference::render(c.packed, c.camera, wholeWithData(c));
+    for (const char* name : {"depth 1", "depth 0", "cut", "no shadows"}) {
+        const auto wish = std::find_if(std::begin(kWishes), std::end(kWishes),
+                                       [&](const Wish& w) { return std::string(w.name) == name; });
+        Request request = wholeWithData(c);
+        wish->ask(request);
+        EXPECT_TRUE(renderer.render(c.camera, request).color.pixels != plain.color.pixels) << name;
+        EXPECT_TRUE(reference::render(c.packed, c.camera, request).color.pixels != host.color.pixels) << name;
+    }
+}
+
+// Lights and background of a request: as if the scene had been packed with them.
+TEST_F(RequestTest, LightingIsAsIfTheSceneHadIt) {
+    const Case all = fileCase("lights", 40, 30);
+    ASSERT_GT(all.packed.lights.size(), 1u);
+    Scene other = all.scene;
+    other.lights.erase(other.lights.begin());
+    other.background = Color(0.5, 0.25, 0.125);
+    const Case less = makeCase(other, 40, 30);
+    Request request = wholeWithData(all);
+    Lighting& lighting = request.lighting.emplace();
+    lighting.lights = {all.packed.lights.begin() + 1, all.packed.lights.end()};
+    lighting.background = glm::vec3(0.5f, 0.25f, 0.125f);
+    Renderer renderer(device(), all.packed);
+    const Picture before = draw(renderer, all);
+    EXPECT_TRUE(sameBits(renderer.render(all.camera, request), draw(device(), less)));
+    EXPECT_EQ(reference::render(all.packed, all.camera, request).exact,
+              reference::render(less.packed, less.camera, wholeWithData(less)).exact);
+    lighting.lights.clear();
+    EXPECT_NE(renderer.render(all.camera, request).color.pixels, before.color.pixels);
+    EXPECT_TRUE(sameBits(draw(renderer, all), before)) << "the scene's own are back";
+    lighting.lights.assign(all.packed.lights.size() + 1, all.packed.lights[0]);
+    EXPECT_THROW(renderer.render(all.camera, request), std::invalid_argument);
+}
+
+Tracing toDepth(uint32_t depth) {
+    Tracing tracing;
+    tracing.maxDepth = depth;
+    return tracing;
+}
+
+// What the scene's bound says no longer holds with brighter lights, or more bounces than it was made for.
+TEST_F(RequestTest, RadianceBoundGoesWithTheRequest) {
+    Scene scene = fileCase("corridor", 8, 8).scene;
+    scene.maxDepth = 1;
+    const PackedScene packed = packScene(scene);
+    EXPECT_EQ(radianceBoundOf(packed, {}), packed.environment.radianceBound);
+    EXPECT_EQ(radianceBoundOf(packed, toDepth(0)), packed.environment.radianceBound);
+    scene.maxDepth = 6;
+    EXPECT_EQ(radianceBoundOf(packed, toDepth(6)), packScene(scene).environment.radianceBound);
+    Tracing tracing;
+    tracing.lighting = Lighting{packed.lights, packed.environment.background};
+    EXPECT_EQ(radianceBoundOf(packed, tracing), packed.environment.radianceBound);
+    for (shared::Light& light : tracing.lighting->lights) light.intensity *= 8.0f;
+    EXPECT_GT(radianceBoundOf(packed, tracing), packed.environment.radianceBound);
+}
+
+// The pipeline's features decide, not the scene's: Options::also gives code for what the scene lacks.
+TEST_F(RequestTest, FurtherFeaturesServeFurtherRequests) {
+    Scene scene = fileCase("spheres", 40, 30).scene;
+    scene.maxDepth = 0;
+    const Case flat = makeCase(scene, 40, 30);
+    ASSERT_FALSE(flat.packed.features.mirrors || flat.packed.features.parallelCamera);
+    scene.camera.projection = Projection::Orthographic;
+    const shared::Camera parallel = packCamera(scene.camera, 40, 30, flat.packed.origin);
+    Request request = wholeWithData(flat);
+    Renderer bare(device(), flat.packed);
+    EXPECT_THROW(bare.render(parallel, request), std::invalid_argument);
+    Options options;
+    options.also.mirrors = options.also.parallelCamera = true;
+    Renderer able(device(), flat.packed, options);
+    EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
+    request.maxDepth = 3;
+    scene.maxDepth = 3;
+    EXPECT_TRUE(sameBits(able.render(parallel, request), draw(device(), makeCase(scene, 40, 30))));
+}
+
+// ---- both tracers fill the same picture ----
+
+class PictureParity : public RequestTest, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PictureParity, testing::Values("knot", "textures", "lights", "far_away"),
+                         [](const auto& p) { return std::string(p.param); });
+
+// Layer by layer, where both see the same primitive; of each pixel as much as fp32 holds of the scene.
+TEST_P(PictureParity, EveryLayerIsTheSameOfBothTracers) {
+    const Case c = fileCase(GetParam(), 64, 48);
+    Renderer renderer(device(), c.packed);
+    Request request = wholeWithData(c);
+    request.cost = true;
+    const Picture device = renderer.render(c.camera, request);
+    const Picture host = reference::render(c.packed, c.camera, request);
+    ASSERT_EQ(device.data.size(), host.data.size());
+    size_t same = 0, turned = 0;
+    for (size_t i = 0; i < device.data.size(); ++i) {
+        const PixelData &a = device.data[i], &b = host.data[i];
+        if (a.pathHash != b.pathHash) continue;
+        ++same;
+        EXPECT_EQ(a.object, b.object);
+        EXPECT_EQ(a.primitive, b.primitive);
+        EXPECT_EQ(a.material, b.material);
+        EXPECT_EQ(a.bounces, b.bounces);
+        EXPECT_EQ(device.color.pixels[4 * i + 3], host.color.pixels[4 * i + 3]);
+        if (b.object == PixelData::kNoIndex) continue;
+        EXPECT_LE(std::abs(a.depth - b.depth), 1e-4 * b.depth);
+        EXPECT_LE(glm::length(a.position - b.position), 2e-4 * b.depth);
+        // Grazing rays see a small sphere's normal turn fast; a wrong kind of normal is off by far more.
+        EXPECT_LE(glm::length(a.geometricNormal - b.geometricNormal), 2e-2f);
+        EXPECT_LE(glm::length(a.normal - b.normal), 2e-2f);
+        EXPECT_LE(std::abs(glm::length(b.geometricNormal) - 1), 1e-6f);
+        turned += glm::length(b.geometricNormal - b.normal) > 5e-2f;
+        EXPECT_GT(a.cost, 0u);
+        EXPECT_GT(b.cost, 0u);
+    }
+    EXPECT_GT(same, device.data.size() * 98 / 100);
+    if (!c.packed.vertexNormals.empty()) {
+        EXPECT_GT(turned, 10u) << "shading and geometric normal differ here";
+    }
+    const std::vector<Layer> ofDevice = makeLayers(device, aovNames()), ofHost = makeLayers(host, aovNames());
+    ASSERT_EQ(ofDevice.size(), aovNames().size());
+    for (size_t i = 0; i < ofDevice.size(); ++i) {
+        EXPECT_EQ(ofDevice[i].image.channels, ofHost[i].image.channels) << ofHost[i].name;
+        EXPECT_EQ(ofDevice[i].image.pixels.size(), ofHost[i].image.pixels.size()) << ofHost[i].name;
+    }
+}
+
+// The reference knows pictures without shadows too.
+TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
+    for (const char* name : {"lights", "glass"}) {
+        const Case c = fileCase(name, 40, 30);
+        Renderer renderer(device(), c.packed);
+        Request request = wholeWithData(c);
+        request.shadows = false;
+        const Picture device = renderer.render(c.camera, request);
+        const Picture host = reference::render(c.packed, c.camera, request);
+        size_t wrong = 0, shadowed = 0;
+        for (size_t i = 0; i < device.data.size(); ++i) {
+            shadowed += host.data[i].shadowBits != 0 || device.data[i].shadowBits != 0;
+            for (int k = 0; k < 3; ++k) {
+                if (std::abs(device.color.pixels[4 * i + k] - host.color.pixels[4 * i + k]) < 1.0 / 512)
+                    continue;
+                ++wrong;
+                break;
+            }
+        }
+        EXPECT_EQ(shadowed, 0u) << name;
+        EXPECT_LE(wrong, device.data.size() / 100) << name;
+    }
+}
+
+}  // namespace
+}  // namespace glint::render::test
