@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "pack/scene_arrays.h"
+
 namespace glint::bench {
 namespace {
 
@@ -108,8 +110,13 @@ void tracePackets(const BenchRay* rays, size_t count, bool any, const Intersect&
 }  // namespace
 
 EmbreeRays::EmbreeRays(const PackedScene& scene) {
-    if (!scene.planes.empty() || !scene.discs.empty() || !scene.polygons.empty())
-        throw std::invalid_argument("the scene has planes, discs or polygons, which Embree does not know");
+    visitKinds(scene, [](const KindCount& kind) {
+        const bool known =
+            kind.kind == shared::PrimitiveKind::Triangle || kind.kind == shared::PrimitiveKind::Sphere;
+        if (!known && kind.count > 0)
+            throw std::invalid_argument(std::string("the scene has ") + kind.many +
+                                        ", which Embree is not given here");
+    });
     device_ = rtcNewDevice("threads=2,set_affinity=0");
     scene_ = rtcNewScene(device_);
     if (!scene.triangles.empty()) addTriangles(scene);

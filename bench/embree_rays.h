@@ -12,8 +12,8 @@ namespace glint::bench {
 
 enum class EmbreeCall { Single, Packet8, Packet16 };
 
-// The triangles and spheres of a packed scene in an Embree scene of medium build quality. Planes, discs and
-// polygons are not Embree's: a scene that has them is refused (std::invalid_argument).
+// The triangles and spheres of a packed scene in an Embree scene of medium build quality. A scene that
+// has primitives of other kinds is refused (std::invalid_argument).
 class EmbreeRays {
   public:
     explicit EmbreeRays(const PackedScene& scene);

@@ -215,22 +215,55 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
     if (MODE_COST && present) ++one.cost;
 }
 
-void testPacketSpheres(uint first, uint end, inout uint trips) {
-    uint index = first;
-    do {
-        if (index < end) {
-            Sphere sphere = loadSphere(index);
-            uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
-            GLINT_EACH_RAY {
-                float t;
-                if (intersectSphere(packet[r].ray, sphere, primitive, t))
-                    accept(packet[r], t, 0.0, 0.0, primitive, sphere.id);
-                if (MODE_COST) ++packet[r].cost;
-            }
-            ++index;
-            ++trips;
-        }
-    } while (index < end);
+// Of a kind by itself (shaders/shared/primitives.h): each ray against each.
+#define GLINT_PACKET_TEST(Kind, FEATURE)                                                       \
+    void testPacket##Kind(uint first, uint end, inout uint trips) {                            \
+        uint index = first;                                                                    \
+        do {                                                                                   \
+            if (index < end) {                                                                 \
+                Kind one = load##Kind(index);                                                  \
+                uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                 \
+                GLINT_EACH_RAY {                                                               \
+                    Hit hit;                                                                   \
+                    if (hit##Kind(packet[r].ray, packet[r].frame, one, primitive, trips, hit)) \
+                        accept(packet[r], hit.t, hit.u, hit.v, hit.primitive, hit.id);         \
+                    if (MODE_COST) ++packet[r].cost;                                           \
+                }                                                                              \
+                ++index;                                                                       \
+                ++trips;                                                                       \
+            }                                                                                  \
+        } while (index < end);                                                                 \
+    }
+#define GLINT_PACKET_TESTS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_PACKET_TEST_##ROLE(Kind, FEATURE)
+#define GLINT_PACKET_TEST_TRIANGLES(Kind, FEATURE)
+#define GLINT_PACKET_TEST_PACKETS(Kind, FEATURE) GLINT_PACKET_TEST(Kind, FEATURE)
+#define GLINT_PACKET_TEST_LEAVES(Kind, FEATURE)
+#define GLINT_PACKET_TEST_UNBOUNDED(Kind, FEATURE)
+#define GLINT_PACKET_TEST_INSTANCES(Kind, FEATURE)
+GLINT_PRIMITIVES(GLINT_PACKET_TESTS, 0)
+
+void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, inout uint trips);
+
+#define GLINT_PACKET_LEAF(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                          loops, uv)                                                                      \
+    GLINT_PACKET_LEAF_##ROLE(Kind, FEATURE)
+#define GLINT_PACKET_LEAF_TRIANGLES(Kind, FEATURE) \
+    if (FEATURE_##FEATURE)                         \
+        testPacketTriangles(axis, kind == kKind##Kind ? first : last, last, lane, rows, trips);
+#define GLINT_PACKET_LEAF_PACKETS(Kind, FEATURE) \
+    if (FEATURE_##FEATURE) testPacket##Kind(kind == kKind##Kind ? first : last, last, trips);
+#define GLINT_PACKET_LEAF_LEAVES(Kind, FEATURE)
+#define GLINT_PACKET_LEAF_UNBOUNDED(Kind, FEATURE)
+#define GLINT_PACKET_LEAF_INSTANCES(Kind, FEATURE)
+
+// rows: those that enter the leaf's box.
+void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips) {
+    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
+    uint first = leaf & kLeafFirstMask;
+    uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+    GLINT_PRIMITIVES(GLINT_PACKET_LEAF, 0)
 }
 
 #ifdef GLINT_ANY_HIT

@@ -167,13 +167,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                     leaves &= leaves - 1u;
                     uint leaf = subgroupShuffle(leafChild, place);
                     uint rows = subgroupShuffle(leafRows, place);
-                    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
-                    uint first = leaf & kLeafFirstMask;
-                    uint last = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-                    if (FEATURE_TRIANGLES)
-                        testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows,
-                                            trips);
-                    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+                    testPacketLeaf(leaf, axis, lane, rows, trips);
                     trips += 2u;
                 }
             } while (leaves != 0u);

@@ -157,13 +157,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
             // over the nodes' loop.
             do {
                 if (isLeaf(current)) {
-                    uint kind = (current >> kLeafKindShift) & kLeafKindMask;
-                    uint first = current & kLeafFirstMask;
-                    uint last = first + ((current >> kLeafCountShift) & kLeafCountMask) + 1u;
-                    if (FEATURE_TRIANGLES)
-                        testPacketTriangles(axis, kind == kKindTriangle ? first : last, last, lane, rows,
-                                            trips);
-                    if (FEATURE_SPHERES) testPacketSpheres(kind == kKindSphere ? first : last, last, trips);
+                    testPacketLeaf(current, axis, lane, rows, trips);
                     end = updateEnds();
                     uint popped = popReachable(stack, end, lane, rows);
                     bool spent = trips > budget;

@@ -1,10 +1,12 @@
-// The choice of intersection tests, and the textbooks' ones. Each is what its book says, faults included
-// (docs/reference/command-line.md tells where they fail); the choice is a specialization constant, so that
-// the code of the others is not in the pipeline. Those of the reference are in src/reference/textbook.cpp.
+// The textbooks' intersection tests, between which and the sound ones meetTriangle, meetSphere and meetPlane
+// choose. Each is what its book says, faults included (docs/reference/command-line.md tells where they fail);
+// the choice is a specialization constant, so that the code of the others is not in the pipeline. Those of
+// the reference are in src/reference/textbook.cpp.
 #ifndef GLINT_TEXTBOOK_GLSL
 #define GLINT_TEXTBOOK_GLSL
 
-#include "intersect.glsl"
+#include "ray.glsl"
+#include "storage.glsl"
 #ifdef GLINT_FP64
 #include "double.glsl"
 #endif
@@ -83,28 +85,6 @@ bool triangleInSpace(Ray ray, Triangle triangle, out float t, out float u, out f
     return speed != 0.0 && inInterval(ray, tHit) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
 }
 
-bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
-    if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
-    if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
-    if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
-#ifdef GLINT_FP64
-    return triangleInDouble(ray, triangle, t, u, v);
-#else
-    return intersectTriangle(ray, frame, triangle, t, u, v);
-#endif
-}
-
-// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
-// triangle is for itself.
-bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
-    if (INTERSECTOR != kTriangleWatertight) return true;
-#ifdef GLINT_FP64
-    return crossesInDouble(ray, triangle);
-#else
-    return crossesTriangle(ray, frame, triangle);
-#endif
-}
-
 vec3 sphereCenter(Sphere sphere) {
     if (!FEATURE_ANCHORED_SPHERES) return sphere.point;
     precise vec3 center = sphere.point - sphere.radius * sphere.anchorNormal;
@@ -142,25 +122,6 @@ bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
     precise float t0 = closest - chord;
     precise float t1 = closest + chord;
     return nearer(ray, t0, t1, t) && (own || half2 >= 0.0);
-}
-
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
-    bool own = primitive == ray.source;
-    if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
-    if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
-#ifdef GLINT_FP64
-    return sphereInDouble(ray, sphere, own, t);
-#else
-    return intersectSphere(ray, sphere, primitive, t);
-#endif
-}
-
-bool meetPlane(Ray ray, Plane plane, out float t) {
-#ifdef GLINT_FP64
-    return planeInDouble(ray, plane, t);
-#else
-    return intersectPlane(ray, plane, t);
-#endif
 }
 
 #endif

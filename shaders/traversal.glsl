@@ -11,8 +11,7 @@
 #include "instance.glsl"
 #include "intersect.glsl"
 #include "material.glsl"
-#include "quadric.glsl"
-#include "textbook.glsl"
+#include "primitives/all.glsl"
 #include "wide_nodes.glsl"
 
 struct Traversal {
@@ -134,123 +133,85 @@ const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 const bool kMayGoThrough = FEATURE_ALPHA_MASK;
 #endif
 
-void testQuadric(inout Traversal traversal, uint index) {
-    Quadric quadric = loadQuadric(index);
-    uint primitive = (kKindQuadric << kPrimitiveKindShift) | index;
-    Ray rest = traversal.ray;
-    float t;
-    uint part;
-    bool isHit = intersectQuadric(rest, quadric, primitive, t, part);
-    offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift), quadric.id);
-    if (kMayGoThrough) {
-        for (uint further = 1u; isHit && further < kQuadricHits; ++further) {
-            rest.tMin = t;
-            isHit = intersectQuadric(rest, quadric, primitive, t, part);
-            offer(traversal, kKindQuadric, isHit, t, 0.0, 0.0, primitive | (part << kQuadricPartShift),
-                  quadric.id);
-            ++traversal.trips;
-        }
-    }
+void testTriangle(inout Traversal traversal, uint index) {
+    Triangle triangle = loadTriangle(index);
+    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
+    float t, u, v;
+    bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+                 !isOwnTriangle(traversal, primitive, triangle.id);
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS)
+        traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
+#endif
+    offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
 }
 
-// Tests the primitives of a leaf; one loop for each kind, as lavapipe skips work only by not entering a loop.
+// Of a kind by itself: through a hole or a dielectric further hits count, from the one before on.
+#define GLINT_TEST_ALONE(Kind, crossings)                                                                \
+    void test##Kind(inout Traversal traversal, uint index) {                                             \
+        Kind one = load##Kind(index);                                                                    \
+        uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                                   \
+        Hit hit;                                                                                         \
+        Ray rest = traversal.ray;                                                                        \
+        bool isHit = hit##Kind(traversal.ray, traversal.frame, one, primitive, traversal.trips, hit);    \
+        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);                \
+        if (crossings == 2) {                                                                            \
+            if (kMayGoThrough) {                                                                         \
+                rest.tMax = traversal.ray.tMax;                                                          \
+                rest.tMin = isHit ? hit.t : rest.tMin;                                                   \
+                isHit = isHit && hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
+                offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);        \
+            }                                                                                            \
+        }                                                                                                \
+        if (crossings > 2) {                                                                             \
+            if (kMayGoThrough) {                                                                         \
+                for (uint further = 1u; isHit && further < uint(crossings); ++further) {                 \
+                    rest.tMin = hit.t;                                                                   \
+                    isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit);      \
+                    offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);    \
+                    ++traversal.trips;                                                                   \
+                }                                                                                        \
+            }                                                                                            \
+        }                                                                                                \
+    }
+#define GLINT_TEST_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_TEST_##ROLE(Kind, crossings)
+#define GLINT_TEST_TRIANGLES(Kind, crossings)
+#define GLINT_TEST_PACKETS(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
+#define GLINT_TEST_LEAVES(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
+#define GLINT_TEST_UNBOUNDED(Kind, crossings)
+#define GLINT_TEST_INSTANCES(Kind, crossings)
+GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
+
+// One loop for each kind, as lavapipe skips work only by not entering a loop.
+#define GLINT_LOOP(Kind, FEATURE)                       \
+    if (FEATURE_##FEATURE) {                            \
+        uint index = kind == kKind##Kind ? first : end; \
+        do {                                            \
+            if (index < end) {                          \
+                test##Kind(traversal, index);           \
+                ++index;                                \
+                ++traversal.trips;                      \
+                if (MODE_COST) ++traversal.cost;        \
+            }                                           \
+        } while (index < end);                          \
+    }
+#define GLINT_LOOP_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_LOOP_##ROLE(Kind, FEATURE)
+#define GLINT_LOOP_TRIANGLES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_PACKETS(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_LEAVES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_UNBOUNDED(Kind, FEATURE)
+#define GLINT_LOOP_INSTANCES(Kind, FEATURE)
+
+// Tests the primitives of a leaf.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
     uint first = leaf & kLeafFirstMask;
     uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-    if (FEATURE_TRIANGLES) {
-        uint index = kind == kKindTriangle ? first : end;
-        do {
-            if (index < end) {
-                Triangle triangle = loadTriangle(index);
-                uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-                float t, u, v;
-                bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
-                             !isOwnTriangle(traversal, primitive, triangle.id);
-#ifdef GLINT_SHADOW_RAYS
-                if (FEATURE_COLORED_SHADOWS)
-                    traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
-#endif
-                offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
-                ++index;
-                ++traversal.trips;
-                if (MODE_COST) ++traversal.cost;
-            }
-        } while (index < end);
-        while (index < end)
-            ;
-    }
-    if (FEATURE_SPHERES) {
-        uint index = kind == kKindSphere ? first : end;
-        do {
-            if (index < end) {
-                Sphere sphere = loadSphere(index);
-                uint primitive = (kKindSphere << kPrimitiveKindShift) | index;
-                float t;
-                bool isHit = meetSphere(traversal.ray, sphere, primitive, t);
-                offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
-                if (kMayGoThrough) {
-                    // Through a hole or a dielectric: the other root.
-                    Ray rest = traversal.ray;
-                    rest.tMin = isHit ? t : rest.tMin;
-                    isHit = isHit && meetSphere(rest, sphere, primitive, t);
-                    offer(traversal, kKindSphere, isHit, t, 0.0, 0.0, primitive, sphere.id);
-                }
-                ++index;
-                ++traversal.trips;
-                if (MODE_COST) ++traversal.cost;
-            }
-        } while (index < end);
-        while (index < end)
-            ;
-    }
-    if (FEATURE_DISCS) {
-        uint index = kind == kKindDisc ? first : end;
-        do {
-            if (index < end) {
-                Disc disc = loadDisc(index);
-                uint primitive = (kKindDisc << kPrimitiveKindShift) | index;
-                float t;
-                bool isHit = intersectDisc(traversal.ray, disc, t) && primitive != traversal.ray.source;
-                offer(traversal, kKindDisc, isHit, t, 0.0, 0.0, primitive, disc.id);
-                ++index;
-                ++traversal.trips;
-                if (MODE_COST) ++traversal.cost;
-            }
-        } while (index < end);
-        while (index < end)
-            ;
-    }
-    if (FEATURE_POLYGONS) {
-        uint index = kind == kKindPolygon ? first : end;
-        do {
-            if (index < end) {
-                Polygon polygon = loadPolygon(index);
-                uint primitive = (kKindPolygon << kPrimitiveKindShift) | index;
-                float t;
-                bool isHit = intersectPolygon(traversal.ray, traversal.frame, polygon, t) &&
-                             primitive != traversal.ray.source;
-                offer(traversal, kKindPolygon, isHit, t, 0.0, 0.0, primitive, polygon.id);
-                ++index;
-                // This loop's, the edges', and the one that ends theirs.
-                traversal.trips += polygon.trips + 2u;
-                if (MODE_COST) ++traversal.cost;
-            }
-        } while (index < end);
-        while (index < end)
-            ;
-    }
-    if (FEATURE_QUADRICS) {
-        uint index = kind == kKindQuadric ? first : end;
-        do {
-            if (index < end) {
-                testQuadric(traversal, index);
-                ++index;
-                ++traversal.trips;
-                if (MODE_COST) ++traversal.cost;
-            }
-        } while (index < end);
-    }
+    GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)
 }
 
 void testPlanes(inout Traversal traversal, uint planeCount) {
@@ -410,6 +371,18 @@ bool prepare(inout Traversal traversal, Environment environment) {
     return traversal.ray.tMax > traversal.ray.tMin;
 }
 
+// Triangles come first in the list. (No constant among the terms: glslang 12 folds those of specialization
+// constants wrongly.)
+#define GLINT_IN_TREE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                      uv)                                                                                    \
+    GLINT_IN_TREE_##ROLE(FEATURE)
+#define GLINT_IN_TREE_TRIANGLES(FEATURE) FEATURE_##FEATURE
+#define GLINT_IN_TREE_PACKETS(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_LEAVES(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_INSTANCES(FEATURE) || FEATURE_##FEATURE
+#define GLINT_IN_TREE_UNBOUNDED(FEATURE)
+const bool kHasTree = GLINT_PRIMITIVES(GLINT_IN_TREE, 0);
+
 // Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction
 // misses. `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when
 // finished, else the slot to resume from.
@@ -429,9 +402,7 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     // A walk from slot 0 comes by all leaves again, but not by the planes.
     Passage afterPlanes = traversal.passage;
 #endif
-    bool inTree = (FEATURE_TRIANGLES || FEATURE_SPHERES || FEATURE_DISCS || FEATURE_POLYGONS ||
-                   FEATURE_QUADRICS || FEATURE_INSTANCES) &&
-                  sound && !settled(traversal);
+    bool inTree = kHasTree && sound && !settled(traversal);
     uint root = inTree ? environment.root : kNone;
     uint left;
     if (NODE_FORMAT == kNodesCompressed) {

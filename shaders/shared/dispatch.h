@@ -7,10 +7,8 @@
 
 // X(constant id, GLSL name FEATURE_..., C++ field of SceneFeatures)
 #define GLINT_FEATURES(X)                       \
-    X(0, TRIANGLES, triangles)                  \
-    X(1, SPHERES, spheres)                      \
+    GLINT_PRIMITIVE_FEATURES(X)                 \
     X(2, ANCHORED_SPHERES, anchoredSpheres)     \
-    X(3, PLANES, planes)                        \
     X(4, VERTEX_NORMALS, vertexNormals)         \
     X(5, POINT_LIGHTS, pointLights)             \
     X(6, DIRECTIONAL_LIGHTS, directionalLights) \
@@ -18,10 +16,6 @@
     X(8, MIRRORS, mirrors)                      \
     X(9, SPOT_LIGHTS, spotLights)               \
     X(10, PARALLEL_CAMERA, parallelCamera)      \
-    X(11, DISCS, discs)                         \
-    X(12, POLYGONS, polygons)                   \
-    X(13, QUADRICS, quadrics)                   \
-    X(14, INSTANCES, instances)                 \
     X(15, TRANSMISSION, transmission)           \
     X(16, COLORED_SHADOWS, coloredShadows)      \
     X(17, ATTENUATION, attenuation)             \
@@ -66,34 +60,6 @@
     X(75, NODE_FORMAT, nodes) \
     X(76, STACK_PLACE, stack)
 
-// X(binding, C++ field, GLSL struct or none). Binding 0 is the counters, 1 the path state.
-#define GLINT_SCENE_ARRAYS(X)                \
-    X(2, nodes, Node)                        \
-    X(3, triangles, Triangle)                \
-    X(4, triangleSurfaces, TriangleSurface)  \
-    X(5, vertexNormals, VertexNormals)       \
-    X(6, spheres, Sphere)                    \
-    X(7, planes, Plane)                      \
-    X(8, materials, Material)                \
-    X(9, lights, Light)                      \
-    X(10, environment, Environment)          \
-    X(11, camera, Camera)                    \
-    X(12, discs, Disc)                       \
-    X(13, polygons, Polygon)                 \
-    X(14, polygonVertices, PolygonVertex)    \
-    X(15, quadrics, Quadric)                 \
-    X(16, instances, Instance)               \
-    X(17, packetCorners, PacketCorner)       \
-    X(18, textures, Texture)                 \
-    X(19, texels, Texel)                     \
-    X(20, vertexAttributes, VertexAttribute) \
-    X(21, objectFrames, ObjectFrame)         \
-    X(22, samples, Sample)                   \
-    X(23, optics, Optics)                    \
-    X(24, wideRows, WideRow)
-
-#define GLINT_BINDING_COUNT 25
-
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
 // threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:
@@ -103,18 +69,18 @@
 // intersect.comp, light.comp and shade.comp run over, which are those in list `listRead` (0 or 1);
 // shade.comp writes those that go on to `listWritten`. rayClass: with MODE_TALLY, the rays (kRay...) that
 // intersect.comp traces.
-#define GLINT_DISPATCH_ROWS(V3F, V3U, U4)           \
-    U4(firstTile, tileCount, interleave, run)       \
-    U4(regionX, regionY, regionWidth, regionHeight) \
-    U4(capacity, tripBudget, lightIndex, bounce)    \
-    V3U(sampleOffset, sampleIndex)                  \
-    V3U(threshold, lastOfRound)                     \
-    U4(listed, listRead, listWritten, rayClass)
+#define GLINT_DISPATCH_ROWS(V3F, V3U, U4, A)           \
+    U4(A, firstTile, tileCount, interleave, run)       \
+    U4(A, regionX, regionY, regionWidth, regionHeight) \
+    U4(A, capacity, tripBudget, lightIndex, bounce)    \
+    V3U(A, sampleOffset, sampleIndex)                  \
+    V3U(A, threshold, lastOfRound)                     \
+    U4(A, listed, listRead, listWritten, rayClass)
 
 #ifdef __cplusplus
 namespace glint::shared {
 struct alignas(16) Dispatch {
-    GLINT_DISPATCH_ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4)
+    GLINT_DISPATCH_ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4, 0)
 };
 static_assert(sizeof(Dispatch) <= 128, "Vulkan guarantees 128 bytes of push constants");
 #endif

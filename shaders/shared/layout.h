@@ -2,154 +2,92 @@
 // Algorithms are never shared (docs/design/architecture.md).
 //
 // Every struct is a list of 16-byte rows, so that std430, std140 and C++ agree without padding:
-//   V3F(a, b)  vec3 a, float b      V3U(a, b)  vec3 a, uint b      U4(a, b, c, d)  four uints
+//   V3F(A, a, b)  vec3 a, float b     V3U(A, a, b)  vec3 a, uint b     U4(A, a, b, c, d)  four uints
+// where A is what the list's user hands on.
 // GLSL loads a struct with loadX(index), generated from the same list (shaders/storage.glsl).
 #ifndef GLINT_SHARED_LAYOUT_H
 #define GLINT_SHARED_LAYOUT_H
+
+#include "shared/primitives.h"
 
 // ---- Structs ----
 
 // Two children of a BVH node. child: see kLeafFlag below. `escape` is the slot (2 * node + side) at which a
 // walk in depth-first order goes on once both children are done, kNone at the end.
-#define GLINT_NODE_ROWS(V3F, V3U, U4) \
-    V3U(lo0, child0)                  \
-    V3U(hi0, child1)                  \
-    V3U(lo1, escape)                  \
-    V3U(hi1, reserved)
-
-// id: the global primitive number (objects in file order, faces in file order), the tie-break for equal t.
-#define GLINT_TRIANGLE_ROWS(V3F, V3U, U4) \
-    V3U(v0, id)                           \
-    V3U(v1, reserved1)                    \
-    V3U(v2, reserved2)
+#define GLINT_NODE_ROWS(V3F, V3U, U4, A) \
+    V3U(A, lo0, child0)                  \
+    V3U(A, hi0, child1)                  \
+    V3U(A, lo1, escape)                  \
+    V3U(A, hi1, reserved)
 
 // What shading needs of a triangle. normal: unit, outward by winding, computed in double from the rounded
 // vertices. vertexNormals: index into the VertexNormals array, or kNone. attributes: the first of the
 // triangle's rows in the VertexAttribute array, with the flags kAttribute... in its upper bits; 0: it has
 // none.
-#define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4) \
-    V3U(normal, object)                           \
-    U4(primitive, material, vertexNormals, attributes)
+#define GLINT_TRIANGLE_SURFACE_ROWS(V3F, V3U, U4, A) \
+    V3U(A, normal, object)                           \
+    U4(A, primitive, material, vertexNormals, attributes)
 
 // Unit vertex normals of one triangle.
-#define GLINT_VERTEX_NORMALS_ROWS(V3F, V3U, U4) \
-    V3F(n0, reserved0)                          \
-    V3F(n1, reserved1)                          \
-    V3F(n2, reserved2)
+#define GLINT_VERTEX_NORMALS_ROWS(V3F, V3U, U4, A) \
+    V3F(A, n0, reserved0)                          \
+    V3F(A, n1, reserved1)                          \
+    V3F(A, n2, reserved2)
 
-// Ordinary sphere: `point` is the centre, anchorNormal is zero. Anchored sphere (radius much greater than its
-// distance from the eye, so that centre and radius would cancel): `point` lies on the surface, anchorNormal n
-// is the unit outward normal there, and the surface is |x - point|^2 + 2 radius n.(x - point) = 0.
-#define GLINT_SPHERE_ROWS(V3F, V3U, U4) \
-    V3F(point, radius)                  \
-    V3U(anchorNormal, id)               \
-    U4(object, primitive, material, reserved)
-
-// normal: unit.
-#define GLINT_PLANE_ROWS(V3F, V3U, U4) \
-    V3U(point, id)                     \
-    V3U(normal, object)                \
-    U4(primitive, material, reserved0, reserved1)
-
-// normal: unit. The disc is what of the plane through `center` lies no farther than `radius` from it.
-#define GLINT_DISC_ROWS(V3F, V3U, U4) \
-    V3U(center, id)                   \
-    V3F(normal, radius)               \
-    U4(object, primitive, material, reserved)
-
-// normal: unit; point: in the plane. The outline's vertices stand from firstVertex on, the first one again at
-// the end and as often as it takes to make `trips` times kPolygonEdgesPerTrip edges: an edge without length
-// crosses nothing.
-#define GLINT_POLYGON_ROWS(V3F, V3U, U4) \
-    V3U(point, id)                       \
-    V3U(normal, object)                  \
-    U4(primitive, material, firstVertex, trips)
-
-#define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4) V3F(position, reserved)
-
-// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
-// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
-// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
-// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
-// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
-// little curvature, `point` lies on it, and constant vanishes.
-#define GLINT_QUADRIC_ROWS(V3F, V3U, U4) \
-    V3U(point, id)                       \
-    V3F(toLocal0, constant)              \
-    V3U(toLocal1, object)                \
-    V3U(toLocal2, primitive)             \
-    V3U(squares, material)               \
-    V3U(products, caps)                  \
-    V3F(linear, reserved0)               \
-    V3F(lo, reserved1)                   \
-    V3F(hi, reserved2)
-// A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
-// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
-// toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
-// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
-// with them u and v of a hit, are exchanged; else 0. wideRoot: as root, among the nodes of the wide tree, if
-// there is one (bvh/wide_tree.h); filled in for the device.
-#define GLINT_INSTANCE_ROWS(V3F, V3U, U4) \
-    V3U(place, root)                      \
-    V3U(toObjectX, idBase)                \
-    V3U(toObjectY, object)                \
-    V3U(toObjectZ, material)              \
-    V3U(toWorldX, mirrored)               \
-    V3U(toWorldY, wideRoot)               \
-    V3F(toWorldZ, reserved2)
+#define GLINT_POLYGON_VERTEX_ROWS(V3F, V3U, U4, A) V3F(A, position, reserved)
 
 // ...Texture: 1 + the index into the Texture array, or 0 for none. Where the diffuse texture's alpha is below
 // alphaCutoff the surface is not there. medium: 0, or 1 + the material's index in the optics array; the
 // number that stands for the material in lists of media.
-#define GLINT_MATERIAL_ROWS(V3F, V3U, U4) \
-    V3F(ambient, shininess)               \
-    V3F(diffuse, alphaCutoff)             \
-    V3F(specular, reserved1)              \
-    V3U(mirror, medium)                   \
-    U4(ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
+#define GLINT_MATERIAL_ROWS(V3F, V3U, U4, A) \
+    V3F(A, ambient, shininess)               \
+    V3F(A, diffuse, alphaCutoff)             \
+    V3F(A, specular, reserved1)              \
+    V3U(A, mirror, medium)                   \
+    U4(A, ambientTexture, diffuseTexture, specularTexture, mirrorTexture)
 
 // What a dielectric material has besides. density: -ln(transmission), so that the light which passes many
 // surfaces is the exponential of a sum; attenuation: per unit length; rank: the priority as an unsigned
 // number of the same order (kRankOfZero is priority 0).
-#define GLINT_OPTICS_ROWS(V3F, V3U, U4) \
-    V3F(transmission, ior)              \
-    V3U(attenuation, rank)              \
-    V3U(density, transmissionTexture)
+#define GLINT_OPTICS_ROWS(V3F, V3U, U4, A) \
+    V3F(A, transmission, ior)              \
+    V3U(A, attenuation, rank)              \
+    V3U(A, density, transmissionTexture)
 
 // flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
 // are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid
 // checker, a corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture
 // too.
-#define GLINT_TEXTURE_ROWS(V3F, V3U, U4) \
-    U4(flags, width, height, firstTexel) \
-    V3F(place, scaleU)                   \
-    V3F(colorA, scaleV)                  \
-    V3F(colorB, reserved)
+#define GLINT_TEXTURE_ROWS(V3F, V3U, U4, A) \
+    U4(A, flags, width, height, firstTexel) \
+    V3F(A, place, scaleU)                   \
+    V3F(A, colorA, scaleV)                  \
+    V3F(A, colorB, reserved)
 
-#define GLINT_TEXEL_ROWS(V3F, V3U, U4) V3F(color, alpha)
+#define GLINT_TEXEL_ROWS(V3F, V3U, U4, A) V3F(A, color, alpha)
 
 // Rows of a triangle: with kAttributeUvs (u0 u1 u2), (v0 v1 v2); then, with kAttributeColors, the linear
 // colours of its three vertices.
-#define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4) V3F(value, reserved)
+#define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
 // Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ... What texture
 // coordinates are made of, by uvKind (kUv... below), are U = toU.p + offsetU, V and W.
-#define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4) \
-    V3F(toObjectX, offsetX)                   \
-    V3F(toObjectY, offsetY)                   \
-    V3F(toObjectZ, offsetZ)                   \
-    V3F(toU, offsetU)                         \
-    V3F(toV, offsetV)                         \
-    V3F(toW, offsetW)                         \
-    U4(uvKind, reserved0, reserved1, reserved2)
+#define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4, A) \
+    V3F(A, toObjectX, offsetX)                   \
+    V3F(A, toObjectY, offsetY)                   \
+    V3F(A, toObjectZ, offsetZ)                   \
+    V3F(A, toU, offsetU)                         \
+    V3F(A, toV, offsetV)                         \
+    V3F(A, toW, offsetW)                         \
+    U4(A, uvKind, reserved0, reserved1, reserved2)
 
 // kind: kLight... below. position: a unit vector towards the light if it is directional. axis: of a spot
 // light, unit, the way the light travels. Its full light ends at the angle whose 1 - cos is `inner`, all
 // light at that of `outer`: as differences from 1 they keep a narrow cone's digits. inner <= outer.
-#define GLINT_LIGHT_ROWS(V3F, V3U, U4) \
-    V3U(position, kind)                \
-    V3F(intensity, inner)              \
-    V3F(axis, outer)
+#define GLINT_LIGHT_ROWS(V3F, V3U, U4, A) \
+    V3U(A, position, kind)                \
+    V3F(A, intensity, inner)              \
+    V3F(A, axis, outer)
 
 // Camera ray of the film point (X, Y), in pixels from the top left corner, with x = X - width/2, y = Y -
 // height/2: origin = eye + x originStepX + y originStepY, direction = normalize(center + x stepX + y stepY).
@@ -158,15 +96,15 @@
 // Thin lens: the ray through the point (a, b) of the unit disc starts a lensX + b lensY beside the eye and
 // its direction, before it is normalised, is less by inverseFocus times that; inverseFocus is 1 over the
 // focus distance, so that all rays of a film point meet there. Without a lens all three are 0.
-#define GLINT_CAMERA_ROWS(V3F, V3U, U4) \
-    V3F(eye, nearT)                     \
-    V3F(center, farT)                   \
-    V3F(stepX, halfWidth)               \
-    V3F(stepY, halfHeight)              \
-    V3F(originStepX, reserved0)         \
-    V3F(originStepY, reserved1)         \
-    V3F(lensX, inverseFocus)            \
-    V3F(lensY, reserved2)
+#define GLINT_CAMERA_ROWS(V3F, V3U, U4, A) \
+    V3F(A, eye, nearT)                     \
+    V3F(A, center, farT)                   \
+    V3F(A, stepX, halfWidth)               \
+    V3F(A, stepY, halfHeight)              \
+    V3F(A, originStepX, reserved0)         \
+    V3F(A, originStepY, reserved1)         \
+    V3F(A, lensX, inverseFocus)            \
+    V3F(A, lensY, reserved2)
 
 // Everything else that is the same for all rays. root: kNone when no primitive is in the BVH, else 0.
 // radianceBound: no ray of the tree brings more, in any channel (kInfinity: not known); minContribution: what
@@ -175,56 +113,55 @@
 // greatest coordinate of the ray's origin, plus instancePadAtOrigin (pack/instances.cpp). map: 1 + the
 // environment map's index in the Texture array, `background` is then its factor; or 0. frameCount: of the
 // ObjectFrame array, 0 or the number of objects.
-#define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4)           \
-    V3F(background, minContribution)                   \
-    V3F(ambient, radianceBound)                        \
-    U4(root, planeCount, lightCount, maxDepth)         \
-    U4(eyeMedium0, eyeMedium1, eyeMedium2, eyeMedium3) \
-    V3F(reserved0, instancePad)                        \
-    V3F(reserved1, instancePadAtOrigin)                \
-    U4(map, frameCount, reserved2, reserved3)
+#define GLINT_ENVIRONMENT_ROWS(V3F, V3U, U4, A)           \
+    V3F(A, background, minContribution)                   \
+    V3F(A, ambient, radianceBound)                        \
+    U4(A, root, planeCount, lightCount, maxDepth)         \
+    U4(A, eyeMedium0, eyeMedium1, eyeMedium2, eyeMedium3) \
+    V3F(A, reserved0, instancePad)                        \
+    V3F(A, reserved1, instancePadAtOrigin)                \
+    U4(A, map, frameCount, reserved2, reserved3)
 
 // One sample of all pixels (pack/pack_samples.h). Its place on the film and on the lens are numbers of [0, 1)
 // in units of 2^-32, to be scattered by `scatter`, one of kScatter... below, with random numbers hashed from
 // pixel, `key` and `seed`; `width`: the cells of a jittered sample. tableX, tableY: the filter tables that
 // turn the place on the film into the distance from the pixel's centre. weight: the same in all channels,
 // where the path's throughput starts. Sums of weights over a pixel's samples are their number.
-#define GLINT_SAMPLE_ROWS(V3F, V3U, U4)        \
-    U4(x, y, lensX, lensY)                     \
-    U4(widthX, widthY, widthLensX, widthLensY) \
-    U4(tableX, tableY, scatter, key)           \
-    V3U(weight, seed)
+#define GLINT_SAMPLE_ROWS(V3F, V3U, U4, A)        \
+    U4(A, x, y, lensX, lensY)                     \
+    U4(A, widthX, widthY, widthLensX, widthLensY) \
+    U4(A, tableX, tableY, scatter, key)           \
+    V3U(A, weight, seed)
 
 // One corner of the box of a child of an 8-wide node: see packetTree (src/bvh/packet_tree.h).
-#define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4) V3U(corner, child)
+#define GLINT_PACKET_CORNER_ROWS(V3F, V3U, U4, A) V3U(A, corner, child)
 
 // A row of a wide node, or four words for leaves: see wideTree (src/bvh/wide_tree.h).
-#define GLINT_WIDE_ROW_ROWS(V3F, V3U, U4) U4(x, y, z, w)
+#define GLINT_WIDE_ROW_ROWS(V3F, V3U, U4, A) U4(A, x, y, z, w)
 
-#define GLINT_STRUCTS(X)                            \
-    X(Node, GLINT_NODE_ROWS)                        \
-    X(Triangle, GLINT_TRIANGLE_ROWS)                \
-    X(TriangleSurface, GLINT_TRIANGLE_SURFACE_ROWS) \
-    X(VertexNormals, GLINT_VERTEX_NORMALS_ROWS)     \
-    X(Sphere, GLINT_SPHERE_ROWS)                    \
-    X(Plane, GLINT_PLANE_ROWS)                      \
-    X(Disc, GLINT_DISC_ROWS)                        \
-    X(Polygon, GLINT_POLYGON_ROWS)                  \
-    X(PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)     \
-    X(Quadric, GLINT_QUADRIC_ROWS)                  \
-    X(Instance, GLINT_INSTANCE_ROWS)                \
-    X(Material, GLINT_MATERIAL_ROWS)                \
-    X(Optics, GLINT_OPTICS_ROWS)                    \
-    X(Light, GLINT_LIGHT_ROWS)                      \
-    X(Camera, GLINT_CAMERA_ROWS)                    \
-    X(Environment, GLINT_ENVIRONMENT_ROWS)          \
-    X(Texture, GLINT_TEXTURE_ROWS)                  \
-    X(Texel, GLINT_TEXEL_ROWS)                      \
-    X(VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
-    X(ObjectFrame, GLINT_OBJECT_FRAME_ROWS)         \
-    X(Sample, GLINT_SAMPLE_ROWS)                    \
-    X(PacketCorner, GLINT_PACKET_CORNER_ROWS)       \
-    X(WideRow, GLINT_WIDE_ROW_ROWS)
+// X(binding, array, Struct, ROWS): every array of the device, and the struct that it is made of. `array`: the
+// field of PackedScene, where that has one. Binding 0 is the counters, 1 the path state.
+#define GLINT_SCENE_ARRAYS(X)                                             \
+    X(2, nodes, Node, GLINT_NODE_ROWS)                                    \
+    GLINT_PRIMITIVE_ARRAYS(X)                                             \
+    X(4, triangleSurfaces, TriangleSurface, GLINT_TRIANGLE_SURFACE_ROWS)  \
+    X(5, vertexNormals, VertexNormals, GLINT_VERTEX_NORMALS_ROWS)         \
+    X(8, materials, Material, GLINT_MATERIAL_ROWS)                        \
+    X(9, lights, Light, GLINT_LIGHT_ROWS)                                 \
+    X(10, environment, Environment, GLINT_ENVIRONMENT_ROWS)               \
+    X(11, camera, Camera, GLINT_CAMERA_ROWS)                              \
+    X(14, polygonVertices, PolygonVertex, GLINT_POLYGON_VERTEX_ROWS)      \
+    X(17, packetCorners, PacketCorner, GLINT_PACKET_CORNER_ROWS)          \
+    X(18, textures, Texture, GLINT_TEXTURE_ROWS)                          \
+    X(19, texels, Texel, GLINT_TEXEL_ROWS)                                \
+    X(20, vertexAttributes, VertexAttribute, GLINT_VERTEX_ATTRIBUTE_ROWS) \
+    X(21, objectFrames, ObjectFrame, GLINT_OBJECT_FRAME_ROWS)             \
+    X(22, samples, Sample, GLINT_SAMPLE_ROWS)                             \
+    X(23, optics, Optics, GLINT_OPTICS_ROWS)                              \
+    X(24, wideRows, WideRow, GLINT_WIDE_ROW_ROWS)
+
+#define GLINT_ONE_ARRAY(binding, array, Struct, ROWS) +1
+#define GLINT_BINDING_COUNT (2 GLINT_SCENE_ARRAYS(GLINT_ONE_ARRAY))
 
 // ---- The C++ side ----
 
@@ -232,19 +169,19 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 namespace glint::shared {
-#define GLINT_CPP_V3F(a, b) \
-    glm::vec3 a{0};         \
+#define GLINT_CPP_V3F(A, a, b) \
+    glm::vec3 a{0};            \
     float b = 0;
-#define GLINT_CPP_V3U(a, b) \
-    glm::vec3 a{0};         \
+#define GLINT_CPP_V3U(A, a, b) \
+    glm::vec3 a{0};            \
     uint32_t b = 0;
-#define GLINT_CPP_U4(a, b, c, d) uint32_t a = 0, b = 0, c = 0, d = 0;
-#define GLINT_CPP_STRUCT(Name, ROWS)                     \
-    struct alignas(16) Name {                            \
-        ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4) \
-    };                                                   \
+#define GLINT_CPP_U4(A, a, b, c, d) uint32_t a = 0, b = 0, c = 0, d = 0;
+#define GLINT_CPP_STRUCT(binding, array, Name, ROWS)        \
+    struct alignas(16) Name {                               \
+        ROWS(GLINT_CPP_V3F, GLINT_CPP_V3U, GLINT_CPP_U4, 0) \
+    };                                                      \
     static_assert(sizeof(Name) % 16 == 0 && alignof(Name) == 16);
-GLINT_STRUCTS(GLINT_CPP_STRUCT)
+GLINT_SCENE_ARRAYS(GLINT_CPP_STRUCT)
 #undef GLINT_CPP_STRUCT
 #define GLINT_CONST_UINT(name, value) inline constexpr uint32_t name = value
 #define GLINT_CONST_FLOAT(name, value) inline constexpr float name = value
@@ -274,19 +211,29 @@ GLINT_CONST_UINT(kMaxLeafSize, 8u);             // what kLeafCountMask can say
 // A primitive is kind << kPrimitiveKindShift | index into the kind's array (leaf order); kNone for none.
 GLINT_CONST_UINT(kPrimitiveKindShift, 28u);
 GLINT_CONST_UINT(kPrimitiveIndexMask, 0x0fffffffu);
-GLINT_CONST_UINT(kKindTriangle, 0u);
-GLINT_CONST_UINT(kKindSphere, 1u);
-GLINT_CONST_UINT(kKindPlane, 2u);
-GLINT_CONST_UINT(kKindDisc, 3u);
-GLINT_CONST_UINT(kKindPolygon, 4u);
-GLINT_CONST_UINT(kKindQuadric, 5u);
-GLINT_CONST_UINT(kKindInstance, 6u);  // of leaves, which hold a single one; never of a primitive that is hit
-GLINT_CONST_UINT(kKindCount, 7u);
+#define GLINT_KIND_CONSTANT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                            loops, uv)                                                                      \
+    GLINT_CONST_UINT(kKind##Kind, number);
+GLINT_PRIMITIVES(GLINT_KIND_CONSTANT, 0)
+#define GLINT_KIND_ONE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                       loops, uv)                                                                      \
+    +1u
+GLINT_CONST_UINT(kKindCount, 0u GLINT_PRIMITIVES(GLINT_KIND_ONE, 0));
+#ifdef __cplusplus
+// The same numbers for `switch`, which -Wswitch checks: no `default` over kinds.
+#define GLINT_KIND_NAME(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                        loops, uv)                                                                      \
+    Kind = number,
+enum class PrimitiveKind : uint8_t { GLINT_PRIMITIVES(GLINT_KIND_NAME, 0) };
+#undef GLINT_KIND_NAME
+static_assert(kKindCount <= kLeafKindMask + 1, "a leaf has three bits for its kind");
+#endif
 
-// Of a quadric, the part that is hit stands in the primitive too, above the 25 bits that a leaf leaves to an
-// index: a ray that starts there must not meet that part again, but may meet the others.
-GLINT_CONST_UINT(kQuadricPartShift, 26u);
-GLINT_CONST_UINT(kQuadricPartMask, 3u);
+// Of a solid with several surfaces, the part that is hit stands in the primitive too, above the 25 bits that
+// a leaf leaves to an index: a ray that starts there must not meet that part again, but may meet the others.
+GLINT_CONST_UINT(kPartShift, 25u);
+GLINT_CONST_UINT(kPartMask, 7u);
+// Of a quadric:
 GLINT_CONST_UINT(kPartSide, 0u);
 GLINT_CONST_UINT(kPartLowerCap, 1u);
 GLINT_CONST_UINT(kPartUpperCap, 2u);

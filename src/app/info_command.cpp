@@ -7,6 +7,7 @@
 #include "app/exit_code.h"
 #include "core/error.h"
 #include "gpu/device.h"
+#include "pack/scene_arrays.h"
 #include "render/traversal_choice.h"
 #include "scene/camera_frame.h"
 #include "scene/sampling.h"
@@ -22,22 +23,23 @@ std::string words(const std::vector<std::string>& list) {
     return text.empty() ? "nothing" : text;
 }
 
-template <typename T>
-uint64_t bytesOf(const std::vector<T>& array) {
-    return array.size() * sizeof(T);
-}
-
 std::string arraySize(const PackedScene& packed) {
-    const uint64_t bytes =
-        bytesOf(packed.nodes) + bytesOf(packed.triangles) + bytesOf(packed.triangleSurfaces) +
-        bytesOf(packed.vertexNormals) + bytesOf(packed.spheres) + bytesOf(packed.planes) +
-        bytesOf(packed.materials) + bytesOf(packed.lights) + bytesOf(packed.discs) +
-        bytesOf(packed.polygons) + bytesOf(packed.polygonVertices) + bytesOf(packed.instances) +
-        bytesOf(packed.quadrics) + bytesOf(packed.optics) + bytesOf(packed.textures) +
-        bytesOf(packed.texels) + bytesOf(packed.vertexAttributes) + bytesOf(packed.objectFrames);
+    uint64_t bytes = 0;
+    visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     if (bytes < 1024 * 1024) return std::to_string(bytes) + " bytes";
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f MiB", static_cast<double>(bytes) / (1024.0 * 1024.0));
+    return text;
+}
+
+// "12 triangles, 1 sphere, ..."; instances have a line of their own.
+std::string kindCounts(const PackedScene& packed) {
+    std::string text;
+    visitKinds(packed, [&](const KindCount& kind) {
+        if (kind.kind == shared::PrimitiveKind::Instance) return;
+        text += (text.empty() ? "" : ", ") + std::to_string(kind.count) + " " +
+                (kind.count == 1 ? kind.one : kind.many);
+    });
     return text;
 }
 
@@ -133,11 +135,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel" << samplerText(scene.image)
         << ", at most " << counted(scene.maxDepth, "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n'
-        << "  objects       " << scene.objects.size() << " ("
-        << counted(packed.triangles.size() - packed.statistics.splitTriangles, "triangle") << ", "
-        << counted(packed.spheres.size(), "sphere") << ", " << counted(packed.planes.size(), "plane") << ", "
-        << counted(packed.discs.size(), "disc") << ", " << counted(packed.polygons.size(), "polygon") << ", "
-        << counted(packed.quadrics.size(), "quadric") << ")\n";
+        << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
     printInstances(packed, out);
     out << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';

@@ -14,6 +14,7 @@
 #include "core/interrupt.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "render/renderer.h"
 #include "scene/sampling.h"
@@ -148,12 +149,9 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["sampler"] = nameOf(samplerOf(loaded.scene.image));
     json["samplesTaken"] = samplesJson(outcome.picture);
     json["maxDepth"] = loaded.scene.maxDepth;
-    json["triangles"] = loaded.packed.triangles.size() - loaded.packed.statistics.splitTriangles;
-    json["spheres"] = loaded.packed.spheres.size();
-    json["planes"] = loaded.packed.planes.size();
-    json["discs"] = loaded.packed.discs.size();
-    json["polygons"] = loaded.packed.polygons.size();
-    json["quadrics"] = loaded.packed.quadrics.size();
+    visitKinds(loaded.packed, [&](const KindCount& kind) {
+        if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
+    });
     json["intersector"] = nameOf(command.scene.methods.triangles);
     json["sphere"] = nameOf(command.scene.methods.spheres);
     json["lost"] = lossesJson(outcome.picture);

@@ -12,6 +12,7 @@
 #include "core/stopwatch.h"
 #include "core/wording.h"
 #include "pack/pack_samples.h"
+#include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "reference/sampling.h"
 #include "shared/dispatch.h"
@@ -71,8 +72,9 @@ void describe(const LoadedScene& loaded, Result& result) {
     result.maxDepth = static_cast<int>(packed.environment.maxDepth);
     result.lights = packed.lights.size();
     result.triangles = packed.triangles.size() - packed.statistics.splitTriangles;
-    result.primitives = result.triangles + packed.spheres.size() + packed.planes.size() +
-                        packed.discs.size() + packed.polygons.size() + packed.quadrics.size();
+    visitKinds(packed, [&](const KindCount& kind) {
+        result.primitives += kind.kind == shared::PrimitiveKind::Instance ? 0 : kind.count;
+    });
     result.used = namesOf(packed.features);
     result.load = loaded.loadSeconds;
     result.build = packed.statistics.buildSeconds;

@@ -9,10 +9,11 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "pack/extent.h"
 #include "pack/pack_geometry.h"
 #include "pack/pack_textures.h"
 #include "pack/primitives.h"
-#include "pack/region.h"
+#include "pack/scene_arrays.h"
 #include "scene/transform.h"
 
 namespace glint {
@@ -77,13 +78,13 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDe
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
     checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxDepth);
-    const Region region = geometryRegion(alone, numbers, nullptr, options.threads);
+    const Extent extent = geometryExtent(alone, numbers, nullptr, options.threads);
     Prototype prototype;
     PackedScene& packed = prototype.geometry;
-    if (region.empty()) return prototype;
-    packed.origin = originOf(region);
+    if (extent.empty()) return prototype;
+    packed.origin = originOf(extent);
     // Seen from its middle: no form of rounding may depend on where the camera is.
-    const Frame frame{packed.origin, region.center(), nullptr};
+    const Frame frame{packed.origin, extent.center(), nullptr};
     Materials unused(scene.materials.size());
     packGeometry(alone, numbers, frame, maxDepth, options, packed, unused);
     prototype.boxes = topBoxes(packed.nodes, kTopBoxes);
@@ -102,11 +103,9 @@ uint32_t sizeOf(const auto& array) {
 
 Bases basesIn(const PackedScene& packed) {
     Bases bases{};
-    bases.kinds[shared::kKindTriangle] = sizeOf(packed.triangles);
-    bases.kinds[shared::kKindSphere] = sizeOf(packed.spheres);
-    bases.kinds[shared::kKindDisc] = sizeOf(packed.discs);
-    bases.kinds[shared::kKindPolygon] = sizeOf(packed.polygons);
-    bases.kinds[shared::kKindQuadric] = sizeOf(packed.quadrics);
+    visitPrimitiveArrays(packed, [&](shared::PrimitiveKind kind, const auto& array) {
+        bases.kinds[static_cast<size_t>(kind)] = sizeOf(array);
+    });
     bases.nodes = sizeOf(packed.nodes);
     bases.vertexNormals = sizeOf(packed.vertexNormals);
     bases.vertexAttributes = sizeOf(packed.vertexAttributes);
@@ -139,15 +138,15 @@ void appendGeometry(PackedScene& to, PackedScene& part) {
     }
     for (shared::Polygon& polygon : part.polygons) polygon.firstVertex += bases.polygonVertices;
     appendArray(to.nodes, part.nodes);
-    appendArray(to.triangles, part.triangles);
     appendArray(to.triangleSurfaces, part.triangleSurfaces);
     appendArray(to.vertexNormals, part.vertexNormals);
     appendArray(to.vertexAttributes, part.vertexAttributes);
-    appendArray(to.spheres, part.spheres);
-    appendArray(to.discs, part.discs);
-    appendArray(to.polygons, part.polygons);
     appendArray(to.polygonVertices, part.polygonVertices);
-    appendArray(to.quadrics, part.quadrics);
+#define GLINT_APPEND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                     uv)                                                                                    \
+    appendArray(to.kinds, part.kinds);
+    GLINT_PRIMITIVES(GLINT_APPEND, 0)
+#undef GLINT_APPEND
     to.polygonTripsPerLeaf = std::max(to.polygonTripsPerLeaf, part.polygonTripsPerLeaf);
     to.statistics.leaves += part.statistics.leaves;
     to.statistics.splitTriangles += part.statistics.splitTriangles;
@@ -195,7 +194,7 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
     std::vector<const Object*> shown;
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
-        if (kindOf(object) != shared::kKindInstance) continue;
+        if (kindOf(object) != shared::PrimitiveKind::Instance) continue;
         const auto [entry, fresh] = known.try_emplace(prototypeKey(object), sizeOf(shown));
         if (fresh) shown.push_back(&object);
         slot_[i] = sizeOf(objects_);

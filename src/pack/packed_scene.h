@@ -14,20 +14,18 @@ namespace glint {
 
 // What a scene uses. The device pipeline leaves out whatever is false.
 struct SceneFeatures {
-    bool triangles = false;
-    bool spheres = false;
+#define GLINT_KIND_FEATURE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    bool kinds = false;
+    GLINT_PRIMITIVES(GLINT_KIND_FEATURE, 0)
+#undef GLINT_KIND_FEATURE
     bool anchoredSpheres = false;
-    bool planes = false;
     bool vertexNormals = false;
     bool pointLights = false;
     bool directionalLights = false;
     bool specular = false;  // some material has a highlight
     bool mirrors = false;   // some material reflects, and maxDepth > 0
-    bool discs = false;
-    bool polygons = false;
-    bool quadrics = false;
     bool spotLights = false;
-    bool instances = false;
     bool parallelCamera = false;  // the origin of camera rays moves with the pixel
     bool transmission = false;    // some material lets light through
     bool coloredShadows = false;  // and so do its shadows
@@ -65,18 +63,17 @@ struct PackStatistics {
 struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
     std::vector<shared::Node> nodes;
-    std::vector<shared::Triangle> triangles;
+// triangles, spheres, ...: of each kind those that are in leaves in leaf order
+#define GLINT_KIND_ARRAY(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                         loops, uv)                                                                      \
+    std::vector<shared::Kind> kinds;
+    GLINT_PRIMITIVES(GLINT_KIND_ARRAY, 0)
+#undef GLINT_KIND_ARRAY
     std::vector<shared::TriangleSurface> triangleSurfaces;  // parallel to triangles
     std::vector<shared::VertexNormals> vertexNormals;
-    std::vector<shared::Sphere> spheres;
-    std::vector<shared::Plane> planes;
-    std::vector<shared::Disc> discs;
-    std::vector<shared::Polygon> polygons;
     std::vector<shared::PolygonVertex> polygonVertices;
-    std::vector<shared::Instance> instances;
     // How many times instances make rounding worse at most: the greatest row sum of |A| |A^-1|; 0 without.
     double instanceGain = 0;
-    std::vector<shared::Quadric> quadrics;
     uint32_t polygonTripsPerLeaf = 0;  // loop trips on the device at most that a leaf of polygons takes
     std::vector<shared::Material> materials;
     std::vector<shared::Optics> optics;  // of the materials that let light through

@@ -96,6 +96,12 @@ using Corners = std::array<glm::vec3, 3>;
 // them the ray leaves a closed mesh (tests/render/tree_leaks_test.cpp).
 float edgeMargin(const Box& tight);
 
+// Rounds to fp32; nothing if a component is not finite or beyond fp32.
+std::optional<glm::vec3> roundPoint(const glm::dvec3& point);
+// Sets one axis of a box, outwards by the margin and one float.
+void setRounded(Box& box, int axis, double center, double extent, double margin);
+Box withEdgeMargin(Box tight);
+
 // Rounds world - origin to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin);
 
@@ -120,18 +126,16 @@ Box polygonBox(const std::vector<glm::vec3>& vertices, const glm::vec3& point, c
 // Loop trips that the device takes around the outline.
 uint32_t polygonTrips(size_t vertices);
 
-// shared::kKind... of the primitives that a shape is made of.
-uint8_t kindOf(const Shape& shape);
-// The same, or kKindInstance.
-uint8_t kindOf(const Object& object);
+// Of the primitives that the object becomes: instances, if it keeps a transform that its shape cannot take.
+shared::PrimitiveKind kindOf(const Object& object);
 
 // What goes into the BVH, in the order of ids.
 struct Primitives {
     struct Source {
         uint32_t object, face;
     };
-    std::vector<Box> boxes;  // of the rounded primitives
-    std::vector<uint8_t> kinds;
+    std::vector<Box> boxes;      // of the rounded primitives
+    std::vector<uint8_t> kinds;  // shared::kKind...
     std::vector<Source> sources;
     std::array<uint32_t, shared::kKindCount> counts{};  // of each kind
 };

@@ -240,10 +240,6 @@ void scaleEquation(Form& form) {
 
 }  // namespace
 
-bool isQuadric(const Shape& shape) {
-    return kindOf(shape) == shared::kKindQuadric;
-}
-
 Extent quadricExtent(const Object& object) {
     const Affine placed = object.transform.value_or(Affine{});
     const dmat3 rows = glm::transpose(placed.linear);

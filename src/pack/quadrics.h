@@ -5,17 +5,12 @@
 #include <glm/glm.hpp>
 #include <optional>
 
+#include "pack/extent.h"
 #include "pack/primitives.h"
 
 namespace glint {
 
-// True for the shapes that become shared::Quadric.
-bool isQuadric(const Shape& shape);
-
 // World box of the clipped surface: exact for the named forms, of a general quadric that of its clipping box.
-struct Extent {
-    glm::dvec3 lo, hi;
-};
 Extent quadricExtent(const Object& object);
 
 // The object's geometry rounded to fp32: everything of shared::Quadric but its ids and material. The surface

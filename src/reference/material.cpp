@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "reference/primitives.h"
+
 namespace glint::reference {
 namespace {
 
@@ -48,9 +50,9 @@ dvec4 sampleNumber(const PackedScene& scene, uint32_t number, const Surface& sur
 }  // namespace
 
 void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
-    const uint32_t kind = hit.primitive >> shared::kPrimitiveKindShift;
-    if (kind == shared::kKindTriangle) return fillTriangle(scene, hit, surface);
-    if (scene.objectFrames.empty()) return;
+    const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
+    if (kind == shared::PrimitiveKind::Triangle) return fillTriangle(scene, hit, surface);
+    if (hasOwnUv(kind) || scene.objectFrames.empty()) return;
     const shared::ObjectFrame& f = scene.objectFrames[surface.object];
     const auto along = [&](const glm::vec3& row, float offset) {
         return glm::dot(dvec3(row), surface.position) + static_cast<double>(offset);

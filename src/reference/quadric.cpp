@@ -198,8 +198,8 @@ dmat3 toLocal(const shared::Quadric& q) {
 
 bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
                       uint32_t source, double tMax, Root& root, uint32_t& part) {
-    const uint32_t ownPart = source >> shared::kQuadricPartShift & shared::kQuadricPartMask;
-    const bool isSource = (primitive | ownPart << shared::kQuadricPartShift) == source;
+    const uint32_t ownPart = source >> shared::kPartShift & shared::kPartMask;
+    const bool isSource = (primitive | ownPart << shared::kPartShift) == source;
     return Search(quadric, ray, tMax).run(isSource, ownPart, root, part);
 }
 

@@ -9,6 +9,7 @@
 #include "reference/intersect.h"
 #include "reference/material.h"
 #include "reference/optics.h"
+#include "reference/primitives.h"
 #include "reference/quadric.h"
 #include "reference/ray_mover.h"
 #include "reference/tracer.h"
@@ -22,51 +23,14 @@ constexpr double kPointLightEnd = 1 - 0x1p-16;  // a shadow ray stops short of t
 constexpr double kLightTooClose = 1e-15;
 constexpr uint32_t kHashStart = 2166136261u, kHashPrime = 16777619u;  // FNV-1a, 32 bits
 
-uint32_t kindOf(uint32_t primitive) {
-    return primitive >> shared::kPrimitiveKindShift;
-}
-uint32_t indexOf(uint32_t primitive) {
-    return primitive & shared::kPrimitiveIndexMask;
-}
-
 double greatestCoordinate(const dvec3& v) {
     return std::max(std::max(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
 }
 
-// The greatest magnitude among the coordinates that a hit point on this primitive is computed from.
-double geometryScale(const PackedScene& scene, const Methods& methods, uint32_t primitive) {
-    switch (kindOf(primitive)) {
-        case shared::kKindTriangle: {
-            const shared::Triangle& t = scene.triangles[indexOf(primitive)];
-            return std::max(std::max(greatestCoordinate(t.v0), greatestCoordinate(t.v1)),
-                            greatestCoordinate(t.v2));
-        }
-        case shared::kKindSphere: {
-            const shared::Sphere& s = scene.spheres[indexOf(primitive)];
-            return greatestCoordinate(s.point) +
-                   (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
-        }
-        case shared::kKindDisc: {
-            const shared::Disc& disc = scene.discs[indexOf(primitive)];
-            return greatestCoordinate(disc.center) + disc.radius;
-        }
-        case shared::kKindPolygon: {
-            double greatest = 0;
-            for (const shared::PolygonVertex& v : outlineOf(scene, scene.polygons[indexOf(primitive)]))
-                greatest = std::max(greatest, greatestCoordinate(v.position));
-            return greatest;
-        }
-        case shared::kKindQuadric: {
-            const shared::Quadric& q = scene.quadrics[primitive & shared::kLeafFirstMask];
-            return greatestCoordinate(q.point) + quadricReach(q);
-        }
-        default:
-            return greatestCoordinate(scene.planes[indexOf(primitive)].point);
-    }
-}
-
+// The greatest magnitude among the coordinates that the hit point is computed from.
 double geometryScale(const PackedScene& scene, const Methods& methods, const Hit& hit) {
-    const double own = geometryScale(scene, methods, hit.primitive);
+    const double own = visitHit(scene, hit.primitive,
+                                [&](const auto& primitive) { return reachOf(scene, methods, primitive); });
     if (hit.instance == shared::kNone) return own;
     return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
 }

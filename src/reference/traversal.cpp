@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "reference/instance.h"
-#include "reference/intersect.h"
 #include "reference/material.h"
-#include "reference/quadric.h"
-#include "reference/textbook.h"
+#include "reference/primitives.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -67,103 +66,71 @@ inline double cullLimit(double t) {
     return std::min(t * kCullPad, std::numeric_limits<double>::max());
 }
 
-bool isSource(uint32_t kind, uint32_t index, uint32_t source) {
-    return source == (kind << shared::kPrimitiveKindShift | index);
-}
-
-// By id: a triangle that was split for the tree stands in it more than once.
-bool isSameTriangle(const PackedScene& scene, const shared::Triangle& triangle, uint32_t source) {
-    return source != kNone && source >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-           scene.triangles[source & shared::kPrimitiveIndexMask].id == triangle.id;
-}
-
-bool intersectPrimitive(const PackedScene& scene, const Methods& methods, const PreparedRay& ray,
-                        uint32_t kind, uint32_t index, uint32_t source, double tMax, Root& root, uint32_t& id,
-                        uint32_t& part) {
-    switch (kind) {
-        case shared::kKindTriangle: {
-            const shared::Triangle& triangle = scene.triangles[index];
-            id = triangle.id;
-            if (isSameTriangle(scene, triangle, source)) return false;
-            if (methods.triangles != TriangleMethod::Watertight)
-                return textbookTriangle(methods.triangles, triangle, ray, tMax, root);
-            return intersectTriangle(triangle, ray, tMax, root);
-        }
-        case shared::kKindSphere: {
-            const shared::Sphere& sphere = scene.spheres[index];
-            id = sphere.id;
-            const bool own = isSource(kind, index, source);
-            if (methods.spheres != SphereMethod::Robust)
-                return textbookSphere(methods.spheres, sphere, ray, own, tMax, root);
-            return intersectSphere(sphere, ray, own, tMax, root);
-        }
-        case shared::kKindDisc: {
-            const shared::Disc& disc = scene.discs[index];
-            id = disc.id;
-            return !isSource(kind, index, source) && intersectDisc(disc, ray, tMax, root);
-        }
-        case shared::kKindPolygon: {
-            const shared::Polygon& polygon = scene.polygons[index];
-            id = polygon.id;
-            return !isSource(kind, index, source) &&
-                   intersectPolygon(polygon, outlineOf(scene, polygon), ray, tMax, root);
-        }
-        case shared::kKindQuadric: {
-            const shared::Quadric& quadric = scene.quadrics[index];
-            id = quadric.id;
-            return intersectQuadric(quadric, ray, kind << shared::kPrimitiveKindShift | index, source, tMax,
-                                    root, part);
-        }
-        default: {
-            const shared::Plane& plane = scene.planes[index];
-            id = plane.id;
-            return !isSource(kind, index, source) && intersectPlane(plane, ray, tMax, root);
-        }
-    }
-}
-
 bool isHole(const PackedScene& scene, const Search& search, const Hit& hit) {
     return scene.features.alphaMask && holeAt(scene, search.tracer->surface(*search.world, hit));
 }
 
 // The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
 // them. True if there is one.
-bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t index,
+template <class Primitive>
+bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
                    uint32_t source, Search& search, Hit& hit) {
     Root root;
-    uint32_t id = 0, part = 0;
+    uint32_t part = 0;
     const Methods& methods = search.tracer->methods();
-    if (!intersectPrimitive(scene, methods, ray, kind, index, source, search.best.t, root, id, part))
-        return false;
+    if (!meets(one, {scene, methods, ray, primitive, source, search.best.t}, root, part)) return false;
     PreparedRay further = ray;
     do {
-        if (kind == shared::kKindTriangle && isMirrored(scene, search.instance)) std::swap(root.u, root.v);
-        const uint32_t primitive =
-            kind << shared::kPrimitiveKindShift | part << shared::kQuadricPartShift | index;
-        hit = {root.t, root.u, root.v, primitive, id + search.idBase, search.instance};
+        if (std::is_same_v<Primitive, shared::Triangle> && isMirrored(scene, search.instance))
+            std::swap(root.u, root.v);
+        hit = {root.t,         root.u, root.v, primitive | part << shared::kPartShift, one.id + search.idBase,
+               search.instance};
         const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
         if (!hole) search.all->push_back(hit);
         // What is hit more than once: again from there on.
         further.tMin = root.t;
-    } while (intersectPrimitive(scene, methods, further, kind, index, source, search.best.t, root, id, part));
+    } while (meets(one, {scene, methods, further, primitive, source, search.best.t}, root, part));
     return false;
 }
 
 // Tests `count` primitives of a kind. True if an any-hit search is over.
-template <bool kAny>
-bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, uint32_t kind, uint32_t first,
-                    uint32_t count, uint32_t source, Search& search) {
+template <bool kAny, class Primitive>
+bool testArray(const PackedScene& scene, const PreparedRay& ray, const std::vector<Primitive>& array,
+               uint32_t kind, uint32_t first, uint32_t count, uint32_t source, Search& search) {
     for (uint32_t i = first; i < first + count; ++i) {
         Hit hit;
         ++search.cost;
-        if (!testPrimitive(scene, ray, kind, i, source, search, hit)) continue;
+        const uint32_t primitive = kind << shared::kPrimitiveKindShift | i;
+        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit)) continue;
         if constexpr (!kAny) {
             if (search.found && hit.t == search.best.t && hit.id > search.best.id) continue;
             search.best = hit;
         }
         search.found = true;
         if constexpr (kAny) return true;
+    }
+    return false;
+}
+
+template <bool kAny>
+bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, shared::PrimitiveKind kind,
+                    uint32_t first, uint32_t count, uint32_t source, Search& search) {
+    switch (kind) {
+#define GLINT_TEST(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                   uv)                                                                                    \
+    GLINT_TEST_##ROLE(Kind, kinds)
+#define GLINT_TEST_ALL(Kind, kinds)   \
+    case shared::PrimitiveKind::Kind: \
+        return testArray<kAny>(scene, ray, scene.kinds, shared::kKind##Kind, first, count, source, search);
+#define GLINT_TEST_TRIANGLES(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
+#define GLINT_TEST_PACKETS(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
+#define GLINT_TEST_LEAVES(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
+#define GLINT_TEST_UNBOUNDED(Kind, kinds) GLINT_TEST_ALL(Kind, kinds)
+#define GLINT_TEST_INSTANCES(Kind, kinds) \
+    case shared::PrimitiveKind::Kind:     \
+        return false;
+        GLINT_PRIMITIVES(GLINT_TEST, 0)
     }
     return false;
 }
@@ -188,10 +155,10 @@ bool searchInstance(const World& world, uint32_t index, Search& search) {
 
 template <bool kAny>
 bool testLeaf(const World& world, const PreparedRay& ray, uint32_t leaf, uint32_t source, Search& search) {
-    const uint32_t kind = leaf >> shared::kLeafKindShift & shared::kLeafKindMask;
+    const shared::PrimitiveKind kind = kindOfLeaf(leaf);
     const uint32_t first = leaf & shared::kLeafFirstMask;
     const uint32_t count = (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-    if (kind != shared::kKindInstance)
+    if (kind != shared::PrimitiveKind::Instance)
         return testPrimitives<kAny>(world.scene, ray, kind, first, count, source, search);
     for (uint32_t i = first; i < first + count; ++i)
         if (searchInstance<kAny>(world, i, search)) return true;
@@ -244,11 +211,9 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
 }
 
 void testAll(const PackedScene& scene, const PreparedRay& ray, uint32_t source, Search& search) {
-    const size_t counts[shared::kKindCount] = {scene.triangles.size(), scene.spheres.size(),
-                                               scene.planes.size(),    scene.discs.size(),
-                                               scene.polygons.size(),  scene.quadrics.size()};
-    for (uint32_t kind = 0; kind < shared::kKindCount; ++kind)
-        testPrimitives<false>(scene, ray, kind, 0, static_cast<uint32_t>(counts[kind]), source, search);
+    visitPrimitiveArrays(scene, [&](shared::PrimitiveKind kind, const auto& array) {
+        testPrimitives<false>(scene, ray, kind, 0, static_cast<uint32_t>(array.size()), source, search);
+    });
 }
 
 // Every leaf of a tree and of the trees of its instances, without a look at the boxes.
@@ -265,10 +230,10 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
             pending.push_back(world.scene.nodes[child].child1);
             continue;
         }
-        const uint32_t kind = child >> shared::kLeafKindShift & shared::kLeafKindMask;
+        const shared::PrimitiveKind kind = kindOfLeaf(child);
         const uint32_t first = child & shared::kLeafFirstMask;
         const uint32_t count = (child >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
-        if (kind != shared::kKindInstance) {
+        if (kind != shared::PrimitiveKind::Instance) {
             testPrimitives<false>(world.scene, ray, kind, first, count, source, search);
             continue;
         }
@@ -297,7 +262,7 @@ Search searchScene(const Tracer& tracer, const PackedScene& scene, const Ray& ra
     if (!prepared.valid) return search;
     search.best.t = ray.tMax;
     const auto planes = static_cast<uint32_t>(scene.planes.size());
-    if (!testPrimitives<kAny>(scene, prepared, shared::kKindPlane, 0, planes, source, search) &&
+    if (!testPrimitives<kAny>(scene, prepared, shared::PrimitiveKind::Plane, 0, planes, source, search) &&
         scene.environment.root != kNone) {
         searchTree<kAny>(world, prepared, source, scene.environment.root, search);
     }
@@ -348,7 +313,7 @@ std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& sourc
     if (scene_.instances.empty()) {
         testAll(scene_, prepared, source.primitive, search);
     } else {
-        testPrimitives<false>(scene_, prepared, shared::kKindPlane, 0,
+        testPrimitives<false>(scene_, prepared, shared::PrimitiveKind::Plane, 0,
                               static_cast<uint32_t>(scene_.planes.size()), source.primitive, search);
         testLeaves({scene_, ray, source}, prepared, scene_.environment.root, search);
     }

@@ -16,6 +16,18 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 // keep.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
+// See deriveTripBudget.
+#define GLINT_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    +loops
+constexpr uint32_t kLoops = 1 GLINT_PRIMITIVES(GLINT_LOOPS, 0);
+#undef GLINT_LOOPS
+#define GLINT_MASK_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                         loops, uv)                                                                      \
+    +(loops == 0 ? 0 : 3 * std::min(crossings, 2))
+constexpr uint32_t kMaskLoops = 0 GLINT_PRIMITIVES(GLINT_MASK_LOOPS, 0);
+#undef GLINT_MASK_LOOPS
+
 }  // namespace
 
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows) {
@@ -45,19 +57,20 @@ bool looksUpTextures(const SceneFeatures& features) {
 // kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
 // last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
 // once in every trip of the one around it even with no lane live, and the outer loop's trips are those of its
-// longest lane: L (B + 2) more, where L is 9 (nodes, triangles, spheres, discs, polygons and their edges,
-// quadrics and their further hits, the way into an instance). The planes' loop comes on top. So S (B + slack)
+// longest lane: L (B + 2) more, where L counts the loop of the nodes, those of each kind in leaves (of
+// polygons also their edges', of quadrics their further hits') and the way into an instance. The planes' loop
+// comes on top. So S (B + slack)
 // + L (B + 2) + kMaxPlanes <= 65535, and one more beside L leaves room for the compiler's own. With alpha
 // masks each test, of a plane too, holds loops of kMaskTrips trips at most, which each lane counts; those in
-// the loops of triangles, discs and polygons (3 each), of spheres (6) and of quadrics (6) are entered once
-// more in every trip of the outer loop.
+// the leaves' loops, three for each hit that is asked about (two places in the code where a line may meet a
+// primitive more than once), are entered once more in every trip of the outer loop.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
     const uint32_t slack =
         (1 + shared::kQuadricHits) * (1 + mask) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
-    const uint32_t entered = 10 + (alphaMask ? 3 * 3 + 2 * 6 : 0);
+    const uint32_t entered = kLoops + 1 + (alphaMask ? kMaskLoops : 0);
     const uint32_t fixed =
         shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips + lanes * slack + 2 * entered;
     return fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entered) : 1;

@@ -10,11 +10,9 @@ namespace glint::render {
 
 namespace {
 
-constexpr uint32_t kLightsBinding = 9;
-constexpr uint32_t kEnvironmentBinding = 10;
-constexpr uint32_t kCameraBinding = 11;
-constexpr uint32_t kInstancesBinding = 16;
-constexpr uint32_t kSamplesBinding = 22;
+#define GLINT_NAME_BINDING(binding, field, Struct, ROWS) constexpr uint32_t field##Binding = binding;
+GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
+#undef GLINT_NAME_BINDING
 
 // Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
 struct Others {
@@ -35,7 +33,7 @@ void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
             return std::as_bytes(std::span<const Array, 1>(&array, 1));
         }
     };
-#define GLINT_VISIT(BINDING, field, Struct)           \
+#define GLINT_VISIT(BINDING, field, Struct, ROWS)     \
     if constexpr (requires { scene.field; })          \
         visit(BINDING, #field, bytesOf(scene.field)); \
     else                                              \
@@ -69,27 +67,27 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     if (tree.roots.empty()) return;
     std::vector<shared::Instance> instances = scene.instances;
     for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];
-    gpu::upload(device, buffers_[kInstancesBinding], std::as_bytes(std::span(instances)));
+    gpu::upload(device, buffers_[instancesBinding], std::as_bytes(std::span(instances)));
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {
-    gpu::upload(device, buffers_[kCameraBinding],
+    gpu::upload(device, buffers_[cameraBinding],
                 std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
 }
 
 void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Environment& environment) const {
-    gpu::upload(device, buffers_[kEnvironmentBinding],
+    gpu::upload(device, buffers_[environmentBinding],
                 std::as_bytes(std::span<const shared::Environment, 1>(&environment, 1)));
 }
 
 void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const {
-    if (!lights.empty()) gpu::upload(device, buffers_[kLightsBinding], std::as_bytes(std::span(lights)));
+    if (!lights.empty()) gpu::upload(device, buffers_[lightsBinding], std::as_bytes(std::span(lights)));
 }
 
 bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows,
                               gpu::Access access) {
     if (rows.empty()) return false;
-    gpu::Buffer& buffer = buffers_[kSamplesBinding];
+    gpu::Buffer& buffer = buffers_[samplesBinding];
     const bool grows = !buffer || buffer.size() < rows.size_bytes();
     if (grows) buffer = gpu::Buffer(device, "samples", rows.size_bytes(), access, gpu::MemoryKind::Device);
     gpu::upload(device, buffer, std::as_bytes(rows));
@@ -97,7 +95,7 @@ bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared:
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {
-    return buffers_[binding] ? buffers_[binding] : buffers_[kEnvironmentBinding];
+    return buffers_[binding] ? buffers_[binding] : buffers_[environmentBinding];
 }
 
 uint64_t SceneBuffers::bytes() const {

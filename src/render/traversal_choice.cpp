@@ -5,24 +5,54 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "pack/scene_arrays.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
 
 namespace {
 
-// What packets know or need not know. Any other feature, also one that comes to the list later, is traced by
-// lanes.
-constexpr std::string_view kKnown[] = {"triangles",      "spheres",     "anchoredSpheres",   "planes",
-                                       "vertexNormals",  "pointLights", "directionalLights", "spotLights",
-                                       "specular",       "mirrors",     "parallelCamera",    "splitTriangles",
-                                       "environmentMap", "thinLens"};
+// Of the features that are no kinds of primitives, those that packets know or need not know. Any other, also
+// one that comes to the list later, is traced by lanes.
+constexpr std::string_view kKnown[] = {
+    "anchoredSpheres", "vertexNormals",  "pointLights",    "directionalLights", "spotLights", "specular",
+    "mirrors",         "parallelCamera", "splitTriangles", "environmentMap",    "thinLens"};
+
+// Whether packets know a kind, by its role (shaders/shared/primitives.h).
+namespace packets {
+constexpr bool TRIANGLES = true, PACKETS = true, UNBOUNDED = true, LEAVES = false, INSTANCES = false;
+}
+
+bool isKnown(std::string_view feature) {
+#define GLINT_KNOWN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    if (feature == #kinds) return packets::ROLE;
+    GLINT_PRIMITIVES(GLINT_KNOWN, 0)
+#undef GLINT_KNOWN
+    return std::find(std::begin(kKnown), std::end(kKnown), feature) != std::end(kKnown);
+}
+
+// Primitives in the leaves that packets come to; `features` tells of kinds that are none of these.
+size_t primitivesOfPackets(const PackedScene& scene) {
+    size_t sum = 0;
+#define GLINT_SUM(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, uv) \
+    if (packets::ROLE && loops > 0) sum += scene.kinds.size();
+    GLINT_PRIMITIVES(GLINT_SUM, 0)
+#undef GLINT_SUM
+    return sum;
+}
+
+bool anyForPackets(const SceneFeatures& features) {
+#define GLINT_ANY(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, uv) \
+    || (packets::ROLE && loops > 0 && features.kinds)
+    return false GLINT_PRIMITIVES(GLINT_ANY, 0);
+#undef GLINT_ANY
+}
 
 std::string unknownToPackets(const SceneFeatures& features) {
     std::string unknown;
-#define GLINT_CHECK(ID, NAME, field)                                                                   \
-    if (features.field && std::find(std::begin(kKnown), std::end(kKnown), #field) == std::end(kKnown)) \
-        unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
+#define GLINT_CHECK(ID, NAME, field) \
+    if (features.field && !isKnown(#field)) unknown += (unknown.empty() ? "" : ", ") + std::string(#field);
     GLINT_FEATURES(GLINT_CHECK)
 #undef GLINT_CHECK
     return unknown;
@@ -34,8 +64,11 @@ bool isGpu(const gpu::DeviceInfo& device) {
 
 // Of the tree, instances as one each.
 size_t primitivesIn(const PackedScene& scene) {
-    return scene.triangles.size() + scene.spheres.size() + scene.discs.size() + scene.polygons.size() +
-           scene.quadrics.size() + scene.instances.size();
+    size_t sum = 0;
+    visitPrimitiveArrays(scene, [&](shared::PrimitiveKind kind, const auto& array) {
+        sum += kind == shared::PrimitiveKind::Plane ? 0 : array.size();
+    });
+    return sum;
 }
 
 TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene, const Methods& methods) {
@@ -78,11 +111,11 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     if (const std::string name = unknownToPackets(features); !name.empty())
         return {false, "packets do not know " + name};
     if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
-    if (!features.triangles && !features.spheres) return {false, "the scene has no tree"};
+    if (!anyForPackets(features)) return {false, "the scene has no tree"};
     if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
     if (wanted == Traversal::Packet) return {true, "as asked for"};
     if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
-    if (scene.triangles.size() + scene.spheres.size() < kFewestForPackets)
+    if (primitivesOfPackets(scene) < kFewestForPackets)
         return {false, "so few primitives that packets do not pay"};
     return {true, "llvmpipe, subgroups of 8 lanes"};
 }

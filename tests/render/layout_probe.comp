@@ -6,15 +6,15 @@
 
 layout(local_size_x = 1, local_size_y = 1, local_size_z = 1) in;
 
-#define GLINT_PROBE(Name, ROWS)                               \
+#define GLINT_PROBE(binding_, array, Name, ROWS)              \
     layout(set = 1, binding = 0, std430) buffer Name##Probe { \
         Name items[];                                         \
     }                                                         \
     probe##Name;
-GLINT_STRUCTS(GLINT_PROBE)
+GLINT_SCENE_ARRAYS(GLINT_PROBE)
 
 void main() {
-#define GLINT_TOUCH(Name, ROWS) probe##Name.items[1] = probe##Name.items[0];
-    GLINT_STRUCTS(GLINT_TOUCH)
+#define GLINT_TOUCH(binding_, array, Name, ROWS) probe##Name.items[1] = probe##Name.items[0];
+    GLINT_SCENE_ARRAYS(GLINT_TOUCH)
     counters[0] = dispatch.firstTile;
 }

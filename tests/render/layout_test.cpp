@@ -22,30 +22,30 @@ struct Expected {
 #define GLINT_EXPECT_MEMBER(member, type, Type)               \
     static_assert(std::is_same_v<decltype(S::member), Type>); \
     expected.members.push_back({#member, type, offsetof(S, member)});
-#define GLINT_EXPECT_V3F(a, b)                \
+#define GLINT_EXPECT_V3F(A, a, b)             \
     GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
     GLINT_EXPECT_MEMBER(b, "float", float)
-#define GLINT_EXPECT_V3U(a, b)                \
+#define GLINT_EXPECT_V3U(A, a, b)             \
     GLINT_EXPECT_MEMBER(a, "vec3", glm::vec3) \
     GLINT_EXPECT_MEMBER(b, "uint", uint32_t)
-#define GLINT_EXPECT_U4(a, b, c, d)          \
+#define GLINT_EXPECT_U4(A, a, b, c, d)       \
     GLINT_EXPECT_MEMBER(a, "uint", uint32_t) \
     GLINT_EXPECT_MEMBER(b, "uint", uint32_t) \
     GLINT_EXPECT_MEMBER(c, "uint", uint32_t) \
     GLINT_EXPECT_MEMBER(d, "uint", uint32_t)
-#define GLINT_EXPECT_STRUCT(Name, ROWS)                           \
-    {                                                             \
-        using S = shared::Name;                                   \
-        Expected expected;                                        \
-        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4) \
-        expected.size = sizeof(S);                                \
-        all[#Name] = expected;                                    \
+#define GLINT_EXPECT_STRUCT(binding, array, Name, ROWS)              \
+    {                                                                \
+        using S = shared::Name;                                      \
+        Expected expected;                                           \
+        ROWS(GLINT_EXPECT_V3F, GLINT_EXPECT_V3U, GLINT_EXPECT_U4, 0) \
+        expected.size = sizeof(S);                                   \
+        all[#Name] = expected;                                       \
     }
 
 std::map<std::string, Expected> cppLayouts() {
     std::map<std::string, Expected> all;
-    GLINT_STRUCTS(GLINT_EXPECT_STRUCT)
-    GLINT_EXPECT_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
+    GLINT_SCENE_ARRAYS(GLINT_EXPECT_STRUCT)
+    GLINT_EXPECT_STRUCT(0, dispatch, Dispatch, GLINT_DISPATCH_ROWS)
     return all;
 }
 
@@ -93,19 +93,19 @@ class WordSource {
 
 #define GLINT_TAKE_VEC3(a) \
     for (int i = 0; i < 3; ++i) words.push_back(std::bit_cast<uint32_t>(s.a[i]));
-#define GLINT_TAKE_V3F(a, b) \
-    GLINT_TAKE_VEC3(a)       \
+#define GLINT_TAKE_V3F(A, a, b) \
+    GLINT_TAKE_VEC3(a)          \
     words.push_back(std::bit_cast<uint32_t>(s.b));
-#define GLINT_TAKE_V3U(a, b) \
-    GLINT_TAKE_VEC3(a)       \
+#define GLINT_TAKE_V3U(A, a, b) \
+    GLINT_TAKE_VEC3(a)          \
     words.push_back(s.b);
-#define GLINT_TAKE_U4(a1, b1, c1, d1) words.insert(words.end(), {s.a1, s.b1, s.c1, s.d1});
-#define GLINT_TAKE_STRUCT(Name, ROWS)                                \
+#define GLINT_TAKE_U4(A, a1, b1, c1, d1) words.insert(words.end(), {s.a1, s.b1, s.c1, s.d1});
+#define GLINT_TAKE_STRUCT(binding, array, Name, ROWS)                \
     void take(const shared::Name& s, std::vector<uint32_t>& words) { \
-        ROWS(GLINT_TAKE_V3F, GLINT_TAKE_V3U, GLINT_TAKE_U4)          \
+        ROWS(GLINT_TAKE_V3F, GLINT_TAKE_V3U, GLINT_TAKE_U4, 0)       \
     }
-GLINT_STRUCTS(GLINT_TAKE_STRUCT)
-GLINT_TAKE_STRUCT(Dispatch, GLINT_DISPATCH_ROWS)
+GLINT_SCENE_ARRAYS(GLINT_TAKE_STRUCT)
+GLINT_TAKE_STRUCT(0, dispatch, Dispatch, GLINT_DISPATCH_ROWS)
 
 class LoaderTest : public RenderTest, public testing::WithParamInterface<gpu::Access> {
   protected:
@@ -155,15 +155,15 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
 
 TEST_P(LoaderTest, LoadersReadWhatCppWrote) {
     std::map<std::string, std::vector<uint32_t>> byStruct;
-#define GLINT_ADD_ARRAY(binding, field, Struct) addArray<shared::Struct>(binding, byStruct, #Struct);
+#define GLINT_ADD_ARRAY(binding, field, Struct, ROWS) addArray<shared::Struct>(binding, byStruct, #Struct);
     GLINT_SCENE_ARRAYS(GLINT_ADD_ARRAY)
     std::vector<uint32_t> expected;
     std::vector<std::string> owner;
-#define GLINT_APPEND(Name, ROWS)                                                     \
+#define GLINT_APPEND(binding, array, Name, ROWS)                                     \
     ASSERT_TRUE(byStruct.contains(#Name)) << "GLINT_SCENE_ARRAYS has no " #Name;     \
     expected.insert(expected.end(), byStruct[#Name].begin(), byStruct[#Name].end()); \
     owner.resize(expected.size(), #Name);
-    GLINT_STRUCTS(GLINT_APPEND)
+    GLINT_SCENE_ARRAYS(GLINT_APPEND)
     shared::Dispatch dispatch;
     source_.fill(&dispatch, sizeof(dispatch));
     take(dispatch, expected);

@@ -22,25 +22,25 @@ void put(vec3 v) {
     put(floatBitsToUint(v.z));
 }
 
-#define GLINT_PUT_V3F(a, b) \
-    put(s.a);               \
+#define GLINT_PUT_V3F(A, a, b) \
+    put(s.a);                  \
     put(floatBitsToUint(s.b));
-#define GLINT_PUT_V3U(a, b) \
-    put(s.a);               \
+#define GLINT_PUT_V3U(A, a, b) \
+    put(s.a);                  \
     put(s.b);
-#define GLINT_PUT_U4(a1, b1, c1, d1) \
-    put(s.a1);                       \
-    put(s.b1);                       \
-    put(s.c1);                       \
+#define GLINT_PUT_U4(A, a1, b1, c1, d1) \
+    put(s.a1);                          \
+    put(s.b1);                          \
+    put(s.c1);                          \
     put(s.d1);
-#define GLINT_PUT_STRUCT(Name, ROWS)                     \
-    {                                                    \
-        Name s = load##Name(1u);                         \
-        ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4) \
+#define GLINT_PUT_STRUCT(binding, array, Name, ROWS)        \
+    {                                                       \
+        Name s = load##Name(1u);                            \
+        ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4, 0) \
     }
 
 void main() {
-    GLINT_STRUCTS(GLINT_PUT_STRUCT)
+    GLINT_SCENE_ARRAYS(GLINT_PUT_STRUCT)
 #define s dispatch
-    GLINT_DISPATCH_ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4)
+    GLINT_DISPATCH_ROWS(GLINT_PUT_V3F, GLINT_PUT_V3U, GLINT_PUT_U4, 0)
 }

@@ -99,7 +99,7 @@ Bounds quadricBounds(const PackedScene& scene, const reference::Hit& hit, const 
     const double slope = glm::length(glm::transpose(toLocal) * (squares * y + dvec3(q.linear)));
     const double reach = glm::length(dvec3(q.point) - ray.origin) + hit.t;
     const double t = 64 * kUnit * reach / cosine;
-    const bool side = (hit.primitive >> shared::kQuadricPartShift & shared::kQuadricPartMask) == 0;
+    const bool side = (hit.primitive >> shared::kPartShift & shared::kPartMask) == 0;
     return {t, side ? most / slope * t + 16 * kUnit : 8 * kUnit, 0};
 }
 

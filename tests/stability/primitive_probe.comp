@@ -1,10 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Path i against primitive i of one kind, without a tree: intersectX of intersect.glsl alone, and
+// Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
 // intersectBox. The kind comes as dispatch.lightIndex: kKind... or kProbeBox, for the first boxes of the
 // nodes. In: the path's rows kRowOrigin, kRowDirection, kRowHit (tMax). Out: kRowHit = t, u, v, 1 for a hit.
 #include "intersect.glsl"
-#include "quadric.glsl"
+#include "primitives/all.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 

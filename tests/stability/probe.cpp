@@ -91,7 +91,7 @@ Array array(uint32_t binding, const std::vector<T>& items) {
 
 // Bindings by the names of GLINT_SCENE_ARRAYS.
 struct Bindings {
-#define GLINT_NAME_BINDING(binding, field, Struct) static constexpr uint32_t field = binding;
+#define GLINT_NAME_BINDING(binding, field, Struct, ROWS) static constexpr uint32_t field = binding;
     GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 #undef GLINT_NAME_BINDING
 };

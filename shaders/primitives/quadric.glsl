@@ -1,10 +1,9 @@
 // Quadrics: where a ray meets the side or a cap, and the surface there. The reference's own versions are in
 // src/reference/quadric.cpp.
-#ifndef GLINT_QUADRIC_GLSL
-#define GLINT_QUADRIC_GLSL
+#ifndef GLINT_PRIMITIVES_QUADRIC_GLSL
+#define GLINT_PRIMITIVES_QUADRIC_GLSL
 
-#include "ray.glsl"
-#include "storage.glsl"
+#include "primitives/surface.glsl"
 
 // Farther along a ray than any box: no crossing.
 const float kNowhere = 1e37;
@@ -141,8 +140,8 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
     float unit = uintBitsToFloat(0x7f000000u - (floatBitsToUint(size) & 0x7f800000u));
     precise vec3 d = along * unit;
 
-    bool own = (ray.source & ~(kQuadricPartMask << kQuadricPartShift)) == primitive;
-    uint ownPart = (ray.source >> kQuadricPartShift) & kQuadricPartMask;
+    bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
+    uint ownPart = (ray.source >> kPartShift) & kPartMask;
     QuadricSpan p = passThrough(q, o, d, own ? ownPart : kPartSide);
 
     vec3 image = bilinear(q.squares, q.products, d);
@@ -192,7 +191,7 @@ struct QuadricPoint {
 // on a double plane: there the surface faces the ray, and an error e of the left side moves it by no more
 // than sqrt(e) in local units.
 QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
-    uint part = (hit.primitive >> kQuadricPartShift) & kQuadricPartMask;
+    uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
     vec3 y = toLocal(q, offset);
     vec3 image = bilinear(q.squares, q.products, y);
@@ -230,6 +229,22 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     found.position = position;
     found.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(found.normal);
     return found;
+}
+
+bool hitQuadric(Ray ray, RayFrame frame, Quadric quadric, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    uint part;
+    bool isHit = intersectQuadric(ray, quadric, primitive, t, part);
+    hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, quadric.id);
+    return isHit;
+}
+
+void surfaceOfQuadric(Ray ray, Hit hit, Quadric quadric, inout Surface surface) {
+    QuadricPoint found = quadricPoint(ray, hit, quadric);
+    surface.position = found.position;
+    surface.error = found.error;
+    surface.normal = found.normal;
+    surface.shadingNormal = found.normal;
 }
 
 #endif

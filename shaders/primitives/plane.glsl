@@ -1,0 +1,34 @@
+// Planes. The reference's own version is in src/reference/intersect.cpp.
+#ifndef GLINT_PRIMITIVES_PLANE_GLSL
+#define GLINT_PRIMITIVES_PLANE_GLSL
+
+#include "primitives/surface.glsl"
+#include "textbook.glsl"
+
+// t from an anchor point, not from a stored plane constant: a distant constant would cancel.
+bool intersectPlane(Ray ray, Plane plane, out float t) {
+    precise float speed = dot(plane.normal, ray.direction);
+    precise float height = dot(plane.normal, plane.point - ray.origin);
+    precise float tHit = height / speed;
+    t = tHit;
+    return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+bool meetPlane(Ray ray, Plane plane, out float t) {
+#ifdef GLINT_FP64
+    return planeInDouble(ray, plane, t);
+#else
+    return intersectPlane(ray, plane, t);
+#endif
+}
+
+void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
+    precise vec3 position = ray.origin + hit.t * ray.direction;
+    precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
+    surface.position = projected;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(plane.point));
+    surface.normal = plane.normal;
+    surface.shadingNormal = plane.normal;
+}
+
+#endif

@@ -1,0 +1,106 @@
+// Spheres. The reference's own version is in src/reference/intersect.cpp.
+#ifndef GLINT_PRIMITIVES_SPHERE_GLSL
+#define GLINT_PRIMITIVES_SPHERE_GLSL
+
+#include "primitives/surface.glsl"
+#include "textbook.glsl"
+
+// Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
+// Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.
+bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t) {
+    precise float root = sqrt(max(disc, 0.0));
+    precise float q = -(b + (b < 0.0 ? -root : root));
+    precise float r0 = c / q;
+    precise float r1 = q / a;
+    float lower = r0 < r1 ? r0 : r1;
+    float upper = r0 < r1 ? r1 : r0;
+    bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
+    bool upperIn = upper > ray.tMin && upper <= ray.tMax;
+    t = lowerIn ? lower : upper;
+    return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
+}
+
+// Discriminant from the distance of the centre to the ray (Haines, Gunther, Akenine-Moller, "Precision
+// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7), not from b^2 - a c, which loses
+// everything once the sphere is far away. An anchored sphere measures from a point of its surface, so that a
+// radius far greater than all distances cancels nothing.
+bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+    precise vec3 o = ray.origin - sphere.point;
+    precise float a = dot(ray.direction, ray.direction);
+    precise float b = dot(o, ray.direction);
+    precise vec3 perpendicular = o - (b / a) * ray.direction;
+    precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));
+    precise float c = dot(o, o) - sphere.radius * sphere.radius;
+    if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
+        precise float anchoredB = b + sphere.radius * dot(sphere.anchorNormal, ray.direction);
+        precise float anchoredC = dot(o, o) + 2.0 * sphere.radius * dot(o, sphere.anchorNormal);
+        precise float anchoredDisc = anchoredB * anchoredB - a * anchoredC;
+        b = anchoredB;
+        c = anchoredC;
+        disc = anchoredDisc;
+    }
+    if (primitive == ray.source) {
+        // The ray starts on the surface: c is zero, whatever rounding says.
+        precise float square = b * b;
+        c = 0.0;
+        disc = square;
+    }
+    return nearestRoot(ray, a, b, c, disc, t);
+}
+
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+    bool own = primitive == ray.source;
+    if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
+    if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
+#ifdef GLINT_FP64
+    return sphereInDouble(ray, sphere, own, t);
+#else
+    return intersectSphere(ray, sphere, primitive, t);
+#endif
+}
+
+bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
+    float t;
+    bool isHit = meetSphere(ray, sphere, primitive, t);
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, sphere.id);
+    return isHit;
+}
+
+// A textbook's discriminant is 0 for many rays that pass just outside: t is then that of the closest
+// approach, and the rounding of t alone says whether the normal looks at the ray. Seen from outside it does.
+// t errs by gamma_8 |w| / |d| in either form, and so n.d by gamma_8 |w| / r.
+vec3 towardsRayAtLimb(Ray ray, Sphere sphere, vec3 outward) {
+    vec3 w = ray.origin - sphereCenter(sphere);
+    float away = dot(outward, ray.direction);
+    float square = dot(w, w);
+    float size = dot(ray.direction, ray.direction);
+    bool isLimb = away > 0.0 && away * away <= gammaBound(8.0) * gammaBound(8.0) * size * square /
+                                                   (sphere.radius * sphere.radius);
+    return isLimb && square > sphere.radius * sphere.radius ? outward - 2.0 * away / size * ray.direction
+                                                            : outward;
+}
+
+// The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5),
+// plus the rounding of adding the centre.
+void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
+    precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
+    precise vec3 outward = offset / length(offset);
+    precise vec3 scaled = outward * sphere.radius;
+    if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
+        // One Newton step along the normal on |x|^2 + 2 r n.x = 0, x measured from the anchor.
+        precise vec3 away = offset / sphere.radius + sphere.anchorNormal;
+        precise vec3 unit = away / length(away);
+        precise float height = dot(offset, offset) / (2.0 * sphere.radius) + dot(offset, sphere.anchorNormal);
+        precise vec3 corrected = offset - height * unit;
+        outward = unit;
+        scaled = corrected;
+    }
+    precise vec3 position = sphere.point + scaled;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(scaled) + abs(sphere.point));
+    if (SPHERE_FORM != kSphereRobust) outward = towardsRayAtLimb(ray, sphere, outward);
+    surface.normal = outward;
+    surface.shadingNormal = outward;
+}
+
+#endif

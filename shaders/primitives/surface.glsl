@@ -1,0 +1,36 @@
+// A point of a surface, and what several kinds of primitives find it by.
+#ifndef GLINT_PRIMITIVES_SURFACE_GLSL
+#define GLINT_PRIMITIVES_SURFACE_GLSL
+
+#include "ray.glsl"
+#include "storage.glsl"
+#include "texcoord.glsl"
+
+struct Surface {
+    vec3 position;
+    vec3 error;          // the true point is within position +- error on each axis
+    vec3 normal;         // geometric, outward, unit
+    vec3 shadingNormal;  // outward, in the hemisphere of `normal`, unit
+    uint object;
+    uint primitive;
+    uint material;
+    // Texture coordinates; of triangles without their own, the barycentrics. Every kind of primitive sets
+    // them here.
+    vec2 uv;
+    vec3 color;  // of the vertices, interpolated; white without
+};
+
+// Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from
+// `anchor`: the product with the normal errs by gamma_4 of the offset, the subtraction and the anchor's
+// addition by a unit each.
+void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surface) {
+    precise vec3 offset = (ray.origin - anchor) + hit.t * ray.direction;
+    precise vec3 projected = offset - dot(normal, offset) * normal;
+    precise vec3 position = anchor + projected;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(anchor));
+    surface.normal = normal;
+    surface.shadingNormal = normal;
+}
+
+#endif

@@ -1,0 +1,164 @@
+// Triangles. The reference's own version is in src/reference/intersect.cpp.
+#ifndef GLINT_PRIMITIVES_TRIANGLE_GLSL
+#define GLINT_PRIMITIVES_TRIANGLE_GLSL
+
+#include "instance.glsl"
+#include "primitives/surface.glsl"
+#include "textbook.glsl"
+
+// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles
+// get the same products with the same roundings, so no ray slips between them. The weights are formed before
+// t: the paper's sum of products of three lengths overflows at 1e15. PBRT's bound on t's error (4th ed.,
+// sec. 6.8.7) is left out: it cost 12 to 15 % of the time, refused true grazing hits, and spared no self-hit
+// that the moved origin and the source primitive do not (docs/lab/measurements.md). The corners across the
+// ray, and of each edge on which side of it the ray passes.
+struct SeenTriangle {
+    vec2 a, b, c;
+    float ea, eb, ec;
+};
+// a, b, c: the corners as seen from the origin, turned.
+SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
+    precise vec2 a2 = a.xy - frame.shear.xy * a.z;
+    precise vec2 b2 = b.xy - frame.shear.xy * b.z;
+    precise vec2 c2 = c.xy - frame.shear.xy * c.z;
+    precise float ea = c2.x * b2.y - c2.y * b2.x;
+    precise float eb = a2.x * c2.y - a2.y * c2.x;
+    precise float ec = b2.x * a2.y - b2.y * a2.x;
+    return SeenTriangle(a2, b2, c2, ea, eb, ec);
+}
+
+bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
+    SeenTriangle seen = seenAlong(frame, a, b, c);
+    float ea = seen.ea;
+    float eb = seen.eb;
+    float ec = seen.ec;
+    precise float det = ea + eb + ec;
+    precise float az = frame.shear.z * a.z;
+    precise float bz = frame.shear.z * b.z;
+    precise float cz = frame.shear.z * c.z;
+    precise float inverse = 1.0 / det;
+    precise float wHit = ea * inverse;
+    precise float uHit = eb * inverse;
+    precise float vHit = ec * inverse;
+    precise float tHit = wHit * az + uHit * bz + vHit * cz;
+    t = tHit;
+    u = uHit;
+    v = vHit;
+
+    bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
+    return inside && det != 0.0 && tHit > 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
+}
+
+bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    return intersectTurned(ray, frame, a, b, c, t, u, v);
+}
+
+// Of an edge from p to q that the ray meets as exactly as rounding tells: the side on which a ray passes that
+// is moved by (e, e^2), e > 0 as small as one likes. (p - m) x (q - m) = p x q + e (p.y - q.y) + e^2 (q.x -
+// p.x): the other triangle of the edge, which goes from q to p, gets the other sign (Edelsbrunner, Mucke,
+// "Simulation of Simplicity", ACM Trans. Graph. 9(1), 1990).
+float sideOfEdge(float product, vec2 p, vec2 q) {
+    float moved = p.y != q.y ? p.y - q.y : q.x - p.x;
+    return product != 0.0 ? product : moved;
+}
+
+// Of a triangle that intersectTriangle says is hit: whether it is the one of those that share the edge, or
+// the corner, that the ray crosses. Where a ray ends an edge may belong to both; where it goes through and
+// counts what it crosses, to one.
+bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    SeenTriangle seen = seenAlong(frame, a, b, c);
+    bool left = sideOfEdge(seen.ea, seen.c, seen.b) > 0.0;
+    return left == (sideOfEdge(seen.eb, seen.a, seen.c) > 0.0) &&
+           left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
+}
+
+bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+    if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
+    if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
+    if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
+#ifdef GLINT_FP64
+    return triangleInDouble(ray, triangle, t, u, v);
+#else
+    return intersectTriangle(ray, frame, triangle, t, u, v);
+#endif
+}
+
+// crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
+// triangle is for itself.
+bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
+    if (INTERSECTOR != kTriangleWatertight) return true;
+#ifdef GLINT_FP64
+    return crossesInDouble(ray, triangle);
+#else
+    return crossesTriangle(ray, frame, triangle);
+#endif
+}
+
+void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
+    uint first = attributes & kAttributeFirstMask;
+    bool hasUvs = (attributes & kAttributeUvs) != 0u;
+    if (FEATURE_UVS) {
+        vec2 uv = vec2(weigh(weights, loadVertexAttribute(first).value),
+                       weigh(weights, loadVertexAttribute(first + 1u).value));
+        if (hasUvs) surface.uv = uv;
+    }
+    if (FEATURE_VERTEX_COLORS) {
+        bool colored = (attributes & kAttributeColors) != 0u;
+        uint row = first + (hasUvs ? 2u : 0u);
+        precise vec3 color = weights.x * loadVertexAttribute(row).value +
+                             weights.y * loadVertexAttribute(row + 1u).value +
+                             weights.z * loadVertexAttribute(row + 2u).value;
+        if (colored) surface.color = color;
+    }
+}
+
+// Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
+// sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
+void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
+    uint index = hit.primitive & kPrimitiveIndexMask;
+    Triangle triangle = loadTriangle(index);
+    TriangleSurface details = loadTriangleSurface(index);
+    if (FEATURE_INSTANCES && hit.instance != kNone && instance.mirrored != 0u) {
+        float u = hit.u;
+        hit.u = hit.v;
+        hit.v = u;
+    }
+    precise float w = 1.0 - hit.u - hit.v;
+    precise vec3 p0 = w * triangle.v0;
+    precise vec3 p1 = hit.u * triangle.v1;
+    precise vec3 p2 = hit.v * triangle.v2;
+    precise vec3 position = p0 + p1 + p2;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));
+    surface.normal = details.normal;
+    surface.shadingNormal = details.normal;
+    if (FEATURE_VERTEX_NORMALS) {
+        bool smoothed = details.vertexNormals != kNone;
+        VertexNormals corners = loadVertexNormals(smoothed ? details.vertexNormals : 0u);
+        vec3 weights = vec3(w, hit.u, hit.v);
+        if (FEATURE_INSTANCES && hit.instance != kNone) {
+            // Unit vectors in the world are what is interpolated there.
+            weights /= vec3(stretchOfNormal(instance, corners.n0), stretchOfNormal(instance, corners.n1),
+                            stretchOfNormal(instance, corners.n2));
+        }
+        vec3 sum = weights.x * corners.n0 + weights.y * corners.n1 + weights.z * corners.n2;
+        float size = dot(sum, sum);
+        vec3 direction = sum * inversesqrt(max(size, 1e-30));
+        if (smoothed && size > 1e-30)
+            surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
+    }
+    surface.object = details.object;
+    surface.primitive = details.primitive;
+    surface.material = details.material;
+    surface.uv = vec2(hit.u, hit.v);
+    if (FEATURE_UVS || FEATURE_VERTEX_COLORS)
+        triangleAttributes(details.attributes, vec3(w, hit.u, hit.v), surface);
+}
+
+#endif

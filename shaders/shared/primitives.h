@@ -1,0 +1,117 @@
+// The one list of primitives: what the host, the shaders and the reference generate from it, and what they
+// check against it (docs/guide or "how to add a primitive").
+#ifndef GLINT_SHARED_PRIMITIVES_H
+#define GLINT_SHARED_PRIMITIVES_H
+
+// ---- Rows (see layout.h) ----
+
+// id: the global primitive number (objects in file order, faces in file order), the tie-break for equal t.
+#define GLINT_TRIANGLE_ROWS(V3F, V3U, U4, A) \
+    V3U(A, v0, id)                           \
+    V3U(A, v1, reserved1)                    \
+    V3U(A, v2, reserved2)
+
+// Ordinary sphere: `point` is the centre, anchorNormal is zero. Anchored sphere (radius much greater than its
+// distance from the eye, so that centre and radius would cancel): `point` lies on the surface, anchorNormal n
+// is the unit outward normal there, and the surface is |x - point|^2 + 2 radius n.(x - point) = 0.
+#define GLINT_SPHERE_ROWS(V3F, V3U, U4, A) \
+    V3F(A, point, radius)                  \
+    V3U(A, anchorNormal, id)               \
+    U4(A, object, primitive, material, reserved)
+
+// normal: unit.
+#define GLINT_PLANE_ROWS(V3F, V3U, U4, A) \
+    V3U(A, point, id)                     \
+    V3U(A, normal, object)                \
+    U4(A, primitive, material, reserved0, reserved1)
+
+// normal: unit. The disc is what of the plane through `center` lies no farther than `radius` from it.
+#define GLINT_DISC_ROWS(V3F, V3U, U4, A) \
+    V3U(A, center, id)                   \
+    V3F(A, normal, radius)               \
+    U4(A, object, primitive, material, reserved)
+
+// normal: unit; point: in the plane. The outline's vertices stand from firstVertex on, the first one again at
+// the end and as often as it takes to make `trips` times kPolygonEdgesPerTrip edges: an edge without length
+// crosses nothing.
+#define GLINT_POLYGON_ROWS(V3F, V3U, U4, A) \
+    V3U(A, point, id)                       \
+    V3U(A, normal, object)                  \
+    U4(A, primitive, material, firstVertex, trips)
+
+// What of the surface y.Qy + 2 linear.y + constant = 0, y = T (x - point), lies in the box lo <= y <= hi. T
+// has the rows toLocal0..2 and makes a length of about 1 of the surface's own size, so that no square leaves
+// fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
+// is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
+// or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
+// little curvature, `point` lies on it, and constant vanishes.
+#define GLINT_QUADRIC_ROWS(V3F, V3U, U4, A) \
+    V3U(A, point, id)                       \
+    V3F(A, toLocal0, constant)              \
+    V3U(A, toLocal1, object)                \
+    V3U(A, toLocal2, primitive)             \
+    V3U(A, squares, material)               \
+    V3U(A, products, caps)                  \
+    V3F(A, linear, reserved0)               \
+    V3F(A, lo, reserved1)                   \
+    V3F(A, hi, reserved2)
+
+// A prototype, a tree of its own whose primitives have their own coordinates, ids from 0 and a material that
+// counts if the instance's is kNone. A point x of the world is W (x - place) there, W having the rows
+// toObject; the rows toWorld are those of the inverse of W as rounded. idBase: what the ids are counted from.
+// mirrored: 1 if the transform turns windings around, so that the second and third corner of triangles, and
+// with them u and v of a hit, are exchanged; else 0. wideRoot: as root, among the nodes of the wide tree, if
+// there is one (bvh/wide_tree.h); filled in for the device.
+#define GLINT_INSTANCE_ROWS(V3F, V3U, U4, A) \
+    V3U(A, place, root)                      \
+    V3U(A, toObjectX, idBase)                \
+    V3U(A, toObjectY, object)                \
+    V3U(A, toObjectZ, material)              \
+    V3U(A, toWorldX, mirrored)               \
+    V3U(A, toWorldY, wideRoot)               \
+    V3F(A, toWorldZ, reserved2)
+
+// ---- The list ----
+
+// V(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, feature id, one, many, crossings, loops,
+// uv), with
+//   A          whatever the caller hands on
+//   ROLE       how a ray comes to it, for lists of some kinds alone (GLINT_KIND_<ROLE> macros of the caller):
+//              TRIANGLES  in leaves, tested by code of their own
+//              PACKETS    in leaves; packets of rays know it
+//              LEAVES     in leaves; a scene that has some is traced ray by ray
+//              UNBOUNDED  beside the tree
+//              INSTANCES  in leaves of one, which lead into a further tree; never what is hit
+//   number     in leaves and primitive numbers (layout.h)
+//   Kind       the struct, and kKind<Kind>
+//   kinds      the array of PackedScene, and the field of SceneFeatures
+//   binding, ROWS, FEATURE, feature id   of the device's array and its specialization constant
+//   one, many  what the user calls it
+//   crossings  how often a line may meet one; of more than two the traversal asks in a loop
+//   loops      that a leaf's test runs through, one within the other, for the bound on loop trips
+//              (path_limits.cpp)
+//   uv         1: a hit brings its texture coordinates along; 0: they come from the object's frame
+#define GLINT_PRIMITIVES(V, A)                                                                               \
+    V(A, TRIANGLES, 0, Triangle, triangles, 3, GLINT_TRIANGLE_ROWS, TRIANGLES, 0, triangle, triangles, 1, 1, \
+      1)                                                                                                     \
+    V(A, PACKETS, 1, Sphere, spheres, 6, GLINT_SPHERE_ROWS, SPHERES, 1, sphere, spheres, 2, 1, 0)            \
+    V(A, UNBOUNDED, 2, Plane, planes, 7, GLINT_PLANE_ROWS, PLANES, 3, plane, planes, 1, 0, 0)                \
+    V(A, LEAVES, 3, Disc, discs, 12, GLINT_DISC_ROWS, DISCS, 11, disc, discs, 1, 1, 0)                       \
+    V(A, LEAVES, 4, Polygon, polygons, 13, GLINT_POLYGON_ROWS, POLYGONS, 12, polygon, polygons, 1, 2, 0)     \
+    V(A, LEAVES, 5, Quadric, quadrics, 15, GLINT_QUADRIC_ROWS, QUADRICS, 13, quadric, quadrics, 4, 2, 0)     \
+    V(A, INSTANCES, 6, Instance, instances, 16, GLINT_INSTANCE_ROWS, INSTANCES, 14, instance, instances, 0,  \
+      1, 0)
+
+// X(feature id, FEATURE, kinds), as GLINT_FEATURES (dispatch.h).
+#define GLINT_FEATURE_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \
+                              crossings, loops, uv)                                                \
+    X(ID, FEATURE, kinds)
+#define GLINT_PRIMITIVE_FEATURES(X) GLINT_PRIMITIVES(GLINT_FEATURE_OF_KIND, X)
+
+// X(binding, kinds, Kind, ROWS), as GLINT_SCENE_ARRAYS (layout.h).
+#define GLINT_ARRAY_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                            loops, uv)                                                                      \
+    X(binding, kinds, Kind, ROWS)
+#define GLINT_PRIMITIVE_ARRAYS(X) GLINT_PRIMITIVES(GLINT_ARRAY_OF_KIND, X)
+
+#endif

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <functional>
+
+#include "pack/packed_scene.h"
+
+namespace glint {
+
+// What the arrays and the materials that are used say of the features; those of packTextures are there
+// already, those of the camera and of shadows come later (packScene).
+SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used);
+
+}  // namespace glint

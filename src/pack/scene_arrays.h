@@ -1,0 +1,81 @@
+// Visits of a packed scene's arrays and kinds of primitives, generated from the lists of shaders/shared, so
+// that nobody keeps a list of his own.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+
+#include "pack/packed_scene.h"
+
+namespace glint {
+
+namespace detail {
+template <class Packed, class Visit>
+void visitArrays(Packed& scene, const Visit& visit) {
+#define GLINT_VISIT(binding, field, Struct, ROWS) \
+    if constexpr (requires { scene.field.data(); }) visit(#field, scene.field);
+    GLINT_SCENE_ARRAYS(GLINT_VISIT)
+#undef GLINT_VISIT
+}
+}  // namespace detail
+
+// visit(name, array) for each array of the scene, the tree's nodes among them.
+template <class Visit>
+void visitArrays(const PackedScene& scene, const Visit& visit) {
+    detail::visitArrays(scene, visit);
+}
+
+// What a kind of primitive is called, and how many of it there are.
+struct KindCount {
+    shared::PrimitiveKind kind;
+    const char* array;       // of PackedScene
+    const char *one, *many;  // for people
+    size_t count;            // a triangle that was split for the tree is one; instances as such
+};
+
+// visit(KindCount) for each kind, in the order of their numbers.
+template <class Visit>
+void visitKinds(const PackedScene& scene, const Visit& visit) {
+#define GLINT_VISIT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    visit(KindCount{                                                                                       \
+        shared::PrimitiveKind::Kind, #kinds, #one, #many,                                                  \
+        scene.kinds.size() -                                                                               \
+            (shared::kKind##Kind == shared::kKindTriangle ? scene.statistics.splitTriangles : 0)});
+    GLINT_PRIMITIVES(GLINT_VISIT, 0)
+#undef GLINT_VISIT
+}
+
+// visit(kind, array) for each kind, with the array of its primitives.
+template <class Packed, class Visit>
+void visitPrimitiveArrays(Packed& scene, const Visit& visit) {
+#define GLINT_VISIT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    visit(shared::PrimitiveKind::Kind, scene.kinds);
+    GLINT_PRIMITIVES(GLINT_VISIT, 0)
+#undef GLINT_VISIT
+}
+
+// Calls visit with primitive `index` of a kind, as shared::Triangle, shared::Sphere, ...
+template <class Visit>
+decltype(auto) visitPrimitive(const PackedScene& scene, shared::PrimitiveKind kind, uint32_t index,
+                              Visit&& visit) {
+    switch (kind) {
+#define GLINT_VISIT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    case shared::PrimitiveKind::Kind:                                                                      \
+        return visit(scene.kinds[index]);
+        GLINT_PRIMITIVES(GLINT_VISIT, 0)
+#undef GLINT_VISIT
+    }
+    throw std::logic_error("no such kind of primitive");
+}
+
+inline shared::PrimitiveKind kindOfLeaf(uint32_t leaf) {
+    return static_cast<shared::PrimitiveKind>(leaf >> shared::kLeafKindShift & shared::kLeafKindMask);
+}
+inline shared::PrimitiveKind kindOfPrimitive(uint32_t primitive) {
+    return static_cast<shared::PrimitiveKind>(primitive >> shared::kPrimitiveKindShift);
+}
+
+}  // namespace glint

@@ -1,0 +1,140 @@
+#include "reference/primitives.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/quadric.h"
+
+namespace glint::reference {
+namespace {
+
+using glm::dvec3;
+
+double greatest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+// A plane, or a part of one: `anchor` is a point of it.
+template <class Flat>
+void fillFlat(const Flat& flat, const glm::vec3& anchor, const Place& place, Surface& surface) {
+    surface.geometricNormal = glm::normalize(dvec3(flat.normal));
+    surface.shadingNormal = surface.geometricNormal;
+    const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
+    surface.position = place.point - distance * surface.geometricNormal;
+}
+
+}  // namespace
+
+// ---- Triangles
+
+void fillSurface(const shared::Triangle& triangle, const Place& place, Surface& surface) {
+    const Hit& hit = place.hit;
+    const shared::TriangleSurface& data = place.scene.triangleSurfaces[place.index()];
+    const dvec3 v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
+    const double w = 1 - hit.u - hit.v;
+    surface.object = data.object;
+    surface.primitive = data.primitive;
+    surface.material = data.material;
+    surface.position = w * v0 + hit.u * v1 + hit.v * v2;
+    surface.geometricNormal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
+    surface.shadingNormal = surface.geometricNormal;
+}
+
+double reachOf(const PackedScene&, const Methods&, const shared::Triangle& t) {
+    return std::max({greatest(t.v0), greatest(t.v1), greatest(t.v2)});
+}
+
+// ---- Spheres
+
+bool meets(const shared::Sphere& sphere, const Meeting& m, Root& root, uint32_t&) {
+    if (m.methods.spheres != SphereMethod::Robust)
+        return textbookSphere(m.methods.spheres, sphere, m.ray, m.fromItself(), m.tMax, root);
+    return intersectSphere(sphere, m.ray, m.fromItself(), m.tMax, root);
+}
+
+// The point is near the sphere: one step brings it onto the sphere, as far as double goes.
+void fillSurface(const shared::Sphere& sphere, const Place& place, Surface& surface) {
+    const dvec3 anchor(sphere.point);
+    const double radius = sphere.radius;
+    if (isAnchored(sphere)) {
+        // One Newton step along the gradient 2 (y + r n) of |y|^2 + 2 r n.y; the residue is that of o + t d
+        // squared, over r.
+        dvec3 y = place.point - anchor;
+        const dvec3 n(sphere.anchorNormal);
+        const dvec3 half = y + radius * n;
+        y -= (glm::dot(y, y) + 2 * radius * glm::dot(n, y)) / (2 * glm::dot(half, half)) * half;
+        surface.position = anchor + y;
+        surface.geometricNormal = glm::normalize(y + radius * n);
+    } else {
+        surface.geometricNormal = glm::normalize(place.point - anchor);
+        surface.position = anchor + radius * surface.geometricNormal;
+    }
+    surface.shadingNormal = surface.geometricNormal;
+}
+
+double reachOf(const PackedScene&, const Methods& methods, const shared::Sphere& s) {
+    return greatest(s.point) + (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
+}
+
+// ---- Planes
+
+bool meets(const shared::Plane& plane, const Meeting& m, Root& root, uint32_t&) {
+    return !m.fromItself() && intersectPlane(plane, m.ray, m.tMax, root);
+}
+
+void fillSurface(const shared::Plane& plane, const Place& place, Surface& surface) {
+    fillFlat(plane, plane.point, place, surface);
+}
+
+double reachOf(const PackedScene&, const Methods&, const shared::Plane& plane) {
+    return greatest(plane.point);
+}
+
+// ---- Discs
+
+bool meets(const shared::Disc& disc, const Meeting& m, Root& root, uint32_t&) {
+    return !m.fromItself() && intersectDisc(disc, m.ray, m.tMax, root);
+}
+
+void fillSurface(const shared::Disc& disc, const Place& place, Surface& surface) {
+    fillFlat(disc, disc.center, place, surface);
+}
+
+double reachOf(const PackedScene&, const Methods&, const shared::Disc& disc) {
+    return greatest(disc.center) + disc.radius;
+}
+
+// ---- Polygons
+
+bool meets(const shared::Polygon& polygon, const Meeting& m, Root& root, uint32_t&) {
+    return !m.fromItself() && intersectPolygon(polygon, outlineOf(m.scene, polygon), m.ray, m.tMax, root);
+}
+
+void fillSurface(const shared::Polygon& polygon, const Place& place, Surface& surface) {
+    fillFlat(polygon, polygon.point, place, surface);
+}
+
+double reachOf(const PackedScene& scene, const Methods&, const shared::Polygon& polygon) {
+    double most = 0;
+    for (const shared::PolygonVertex& v : outlineOf(scene, polygon))
+        most = std::max(most, greatest(v.position));
+    return most;
+}
+
+// ---- Quadrics
+
+bool meets(const shared::Quadric& quadric, const Meeting& m, Root& root, uint32_t& part) {
+    return intersectQuadric(quadric, m.ray, m.primitive, m.source, m.tMax, root, part);
+}
+
+void fillSurface(const shared::Quadric& quadric, const Place& place, Surface& surface) {
+    const QuadricSite site = quadricSite(quadric, place.part(), place.point, place.ray.direction);
+    surface.position = site.position;
+    surface.geometricNormal = surface.shadingNormal = site.normal;
+}
+
+double reachOf(const PackedScene&, const Methods&, const shared::Quadric& quadric) {
+    return greatest(quadric.point) + quadricReach(quadric);
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,86 @@
+// What the tracer asks of each kind of primitive of shaders/shared/primitives.h, by overloads that a kind
+// defines in a file of its own (those of the first kinds are in primitives.cpp); the linker names one that is
+// missing.
+#pragma once
+
+#include "pack/scene_arrays.h"
+#include "reference/intersect.h"
+#include "reference/textbook.h"
+
+namespace glint::reference {
+
+// One ray that may meet one primitive.
+struct Meeting {
+    const PackedScene& scene;
+    const Methods& methods;
+    const PreparedRay& ray;
+    uint32_t primitive;  // kind and index
+    uint32_t source;     // what the ray starts on, of a solid with its part; kNone
+    double tMax;
+
+    bool fromItself() const { return primitive == source; }
+};
+
+// A hit in the coordinates of the primitive.
+struct Place {
+    const PackedScene& scene;
+    const Ray& ray;
+    const Hit& hit;
+    glm::dvec3 point;  // origin + t direction
+
+    uint32_t index() const { return hit.primitive & shared::kLeafFirstMask; }
+    uint32_t part() const { return hit.primitive >> shared::kPartShift & shared::kPartMask; }
+};
+
+// The nearest hit within (ray.tMin, tMax], never one with what the ray starts on again. part: of a solid with
+// several surfaces, the one that is met.
+#define GLINT_MEETS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    GLINT_MEETS_##ROLE(Kind)
+#define GLINT_MEETS_ALL(Kind)                                                                      \
+    bool meets(const shared::Kind& primitive, const Meeting& meeting, Root& root, uint32_t& part); \
+    /* Position, moved onto the surface, normals, and uv where they are the primitive's own. */    \
+    void fillSurface(const shared::Kind& primitive, const Place& place, Surface& surface);         \
+    /* The greatest magnitude among the coordinates that a hit point on it is computed from. */    \
+    double reachOf(const PackedScene& scene, const Methods& methods, const shared::Kind& primitive);
+#define GLINT_MEETS_TRIANGLES(Kind) GLINT_MEETS_ALL(Kind)
+#define GLINT_MEETS_PACKETS(Kind) GLINT_MEETS_ALL(Kind)
+#define GLINT_MEETS_LEAVES(Kind) GLINT_MEETS_ALL(Kind)
+#define GLINT_MEETS_UNBOUNDED(Kind) GLINT_MEETS_ALL(Kind)
+#define GLINT_MEETS_INSTANCES(Kind)
+GLINT_PRIMITIVES(GLINT_MEETS, 0)
+
+// Here, to be inlined: most of the time goes by in it.
+inline bool meets(const shared::Triangle& triangle, const Meeting& m, Root& root, uint32_t&) {
+    // By id: a triangle that was split for the tree stands in it more than once.
+    if (m.source != shared::kNone && kindOfPrimitive(m.source) == shared::PrimitiveKind::Triangle &&
+        m.scene.triangles[m.source & shared::kPrimitiveIndexMask].id == triangle.id)
+        return false;
+    if (m.methods.triangles != TriangleMethod::Watertight)
+        return textbookTriangle(m.methods.triangles, triangle, m.ray, m.tMax, root);
+    return intersectTriangle(triangle, m.ray, m.tMax, root);
+}
+
+// True of the kinds whose hits bring texture coordinates of their own.
+constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
+#define GLINT_OWN_UV(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                     uv)                                                                                    \
+    || (uv == 1 && kind == shared::PrimitiveKind::Kind)
+    return false GLINT_PRIMITIVES(GLINT_OWN_UV, 0);
+#undef GLINT_OWN_UV
+}
+
+// Calls visit with primitive `index` of a kind that can be hit.
+template <class Visit>
+auto visitHit(const PackedScene& scene, uint32_t primitive, const Visit& visit) {
+    using Result = decltype(visit(scene.planes[0]));
+    return visitPrimitive(scene, kindOfPrimitive(primitive), primitive & shared::kLeafFirstMask,
+                          [&](const auto& one) -> Result {
+                              if constexpr (requires { one.toWorldX; })
+                                  throw std::logic_error("an instance by itself cannot be hit");
+                              else
+                                  return visit(one);
+                          });
+}
+
+}  // namespace glint::reference
