@@ -28,7 +28,6 @@ BLANKED = re.compile(
 LONGER = {
     "shaders/packet_any.glsl": "walkGroup",
     "shaders/packet_closest.glsl": "walkGroup",
-    "shaders/traversal.glsl": "testLeaf",
 }
 SCOPE = re.compile(r'^(?:template\s*<.*>\s*)?(?:inline\s+)?(?:namespace|class|struct|union|enum|extern)\b', re.DOTALL)
 

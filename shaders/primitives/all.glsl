@@ -15,5 +15,6 @@
 #include "primitives/disc.glsl"
 #include "primitives/polygon.glsl"
 #include "primitives/quadric.glsl"
+#include "primitives/cuboid.glsl"
 
 #endif

@@ -71,6 +71,18 @@
     V3U(A, toWorldY, wideRoot)               \
     V3F(A, toWorldZ, reserved2)
 
+// What lies between three pairs of parallel faces: lo <= y <= hi for y = T (x - point), T having the rows
+// toLocal0..2, unit normals of the faces. Without a transform T is the identity and point is 0, so that the
+// faces are exactly where lo and hi say. The part of a primitive (kPartShift): 2 axis + 1 for the face at hi,
+// + 0 at lo.
+#define GLINT_CUBOID_ROWS(V3F, V3U, U4, A) \
+    V3U(A, point, id)                      \
+    V3U(A, toLocal0, object)               \
+    V3U(A, toLocal1, primitive)            \
+    V3U(A, toLocal2, material)             \
+    V3F(A, lo, reserved0)                  \
+    V3F(A, hi, reserved1)
+
 // ---- The list ----
 
 // V(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, feature id, one, many, crossings, loops,
@@ -100,7 +112,8 @@
     V(A, LEAVES, 4, Polygon, polygons, 13, GLINT_POLYGON_ROWS, POLYGONS, 12, polygon, polygons, 1, 2, 0)     \
     V(A, LEAVES, 5, Quadric, quadrics, 15, GLINT_QUADRIC_ROWS, QUADRICS, 13, quadric, quadrics, 4, 2, 0)     \
     V(A, INSTANCES, 6, Instance, instances, 16, GLINT_INSTANCE_ROWS, INSTANCES, 14, instance, instances, 0,  \
-      1, 0)
+      1, 0)                                                                                                  \
+    V(A, PACKETS, 7, Cuboid, cuboids, 25, GLINT_CUBOID_ROWS, CUBOIDS, 33, box, boxes, 2, 1, 1)
 
 // X(feature id, FEATURE, kinds), as GLINT_FEATURES (dispatch.h).
 #define GLINT_FEATURE_OF_KIND(X, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \

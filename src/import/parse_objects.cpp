@@ -17,6 +17,7 @@ const KeyTable& keysOf(std::string_view type) {
     if (type == "sphere") return keys::kSphere;
     if (type == "plane") return keys::kPlane;
     if (type == "disc") return keys::kDisc;
+    if (type == "box") return keys::kBox;
     if (type == "triangle") return keys::kTriangle;
     if (type == "polygon") return keys::kPolygon;
     if (const KeyTable* table = quadricKeys(type)) return *table;
@@ -116,6 +117,7 @@ Shape ObjectParser::parseShape(const JsonCursor& object, std::string_view type) 
         disc.radius = object.require("radius").number();
         return disc;
     }
+    if (type == "box") return BoxShape{object.require("min").vector3(), object.require("max").vector3()};
     if (auto quadric = parseQuadric(object, type)) return std::move(*quadric);
     const JsonCursor vertices = object.require("vertices");
     if (type == "polygon") {

@@ -38,6 +38,7 @@ inline constexpr auto kMesh = names("file");
 inline constexpr auto kSphere = names("type", "center", "radius", "material", "transform");
 inline constexpr auto kPlane = names("type", "point", "normal", "material", "transform");
 inline constexpr auto kDisc = names("type", "center", "normal", "radius", "material", "transform");
+inline constexpr auto kBox = names("type", "min", "max", "material", "transform");
 inline constexpr auto kTriangle = names("type", "vertices", "material", "transform");
 inline constexpr auto kPolygon = names("type", "vertices", "material", "transform");
 inline constexpr auto kQuadric = names("type", "coefficients", "bounds", "material", "transform");
@@ -70,6 +71,7 @@ inline constexpr KeyTable kMesh{"mesh", detail::kMesh, detail::kNothing};
 inline constexpr KeyTable kSphere{"objects/sphere", detail::kSphere, detail::kNothing};
 inline constexpr KeyTable kPlane{"objects/plane", detail::kPlane, detail::kNothing};
 inline constexpr KeyTable kDisc{"objects/disc", detail::kDisc, detail::kNothing};
+inline constexpr KeyTable kBox{"objects/box", detail::kBox, detail::kNothing};
 inline constexpr KeyTable kTriangle{"objects/triangle", detail::kTriangle, detail::kNothing};
 inline constexpr KeyTable kPolygon{"objects/polygon", detail::kPolygon, detail::kNothing};
 inline constexpr KeyTable kQuadric{"objects/quadric", detail::kQuadric, detail::kNothing};
@@ -86,7 +88,7 @@ inline constexpr std::array kAllTables{
     kScene,       kImage,      kPerspective,   kOrthographic,   kPoint,          kDirectional, kSpot,
     kMaterial,    kMesh,       kSphere,        kPlane,          kDisc,           kTriangle,    kPolygon,
     kMeshObject,  kGroup,      kTransformStep, kQuadric,        kEllipsoid,      kCylinder,    kCone,
-    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap, kAdaptive};
+    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap, kAdaptive,    kBox};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {
@@ -99,7 +101,7 @@ namespace detail {
 inline constexpr auto kCameraTypes = names("perspective", "orthographic");
 inline constexpr auto kLightTypes = names("point", "directional", "spot");
 inline constexpr auto kObjectTypes =
-    names("sphere", "plane", "disc", "triangle", "polygon", "quadric", "ellipsoid", "cylinder", "cone",
+    names("sphere", "plane", "disc", "box", "triangle", "polygon", "quadric", "ellipsoid", "cylinder", "cone",
           "hyperboloid", "paraboloid", "mesh", "group");
 }  // namespace detail
 

@@ -44,6 +44,7 @@ class PartVisitor {
     void operator()(const SphereShape& s) const { ball(s.center, glm::dmat3(s.radius)); }
     void operator()(const PlaneShape&) const {}
     void operator()(const DiscShape& s) const { disc(s.center, s.normal, s.radius); }
+    void operator()(const BoxShape& s) const { corners(s.min, s.max); }
     void operator()(const TriangleShape& s) const { triangle(s.vertices[0], s.vertices[1], s.vertices[2]); }
     void operator()(const PolygonShape& s) const {
         for (const glm::dvec3& vertex : s.vertices) point(vertex);

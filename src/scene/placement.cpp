@@ -24,6 +24,16 @@ bool staysRound(const DiscShape& disc, const Affine& transform) {
     return discFactor(disc.normal, transform.linear).has_value();
 }
 
+// A box is one with other corners where each axis keeps its direction and sense.
+std::optional<Shape> bakedShape(const BoxShape& box, const Affine& transform) {
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            if (row == column ? !(transform.linear[column][row] > 0) : transform.linear[column][row] != 0)
+                return std::nullopt;
+    return BoxShape{transform.linear * box.min + transform.offset,
+                    transform.linear * box.max + transform.offset};
+}
+
 template <class S>
 std::optional<Shape> bakedShape(const S& shape, const Affine& transform) {
     if constexpr (requires { staysRound(shape, transform); }) {
@@ -121,9 +131,10 @@ std::optional<Shape> baked(const Shape& shape, const Affine& transform) {
 }
 
 bool takesTransform(const Shape& shape) {
-    return std::holds_alternative<QuadricShape>(shape) || std::holds_alternative<EllipsoidShape>(shape) ||
-           std::holds_alternative<CylinderShape>(shape) || std::holds_alternative<ConeShape>(shape) ||
-           std::holds_alternative<HyperboloidShape>(shape) || std::holds_alternative<ParaboloidShape>(shape);
+    return std::holds_alternative<BoxShape>(shape) || std::holds_alternative<QuadricShape>(shape) ||
+           std::holds_alternative<EllipsoidShape>(shape) || std::holds_alternative<CylinderShape>(shape) ||
+           std::holds_alternative<ConeShape>(shape) || std::holds_alternative<HyperboloidShape>(shape) ||
+           std::holds_alternative<ParaboloidShape>(shape);
 }
 
 double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize) {
@@ -133,6 +144,7 @@ double transformLoss(const glm::dmat3& linear, const glm::dvec3& halfSize) {
 }
 
 glm::dvec3 halfSizeOf(const Shape& shape) {
+    if (const auto* box = std::get_if<BoxShape>(&shape)) return 0.5 * box->max - 0.5 * box->min;
     const auto* mesh = std::get_if<MeshShape>(&shape);
     return mesh != nullptr ? halfSizeOfMesh(*mesh->mesh) : glm::dvec3(1);
 }
@@ -159,7 +171,8 @@ void placeObjects(Scene& scene) {
 bool isPlaced(const Scene& scene) {
     std::unordered_set<const Mesh*> meshes;
     for (const Object& object : scene.objects) {
-        if (object.transform && !takesTransform(object.shape)) return false;
+        if (object.transform && (!takesTransform(object.shape) || baked(object.shape, *object.transform)))
+            return false;
         const auto* mesh = std::get_if<MeshShape>(&object.shape);
         if (mesh != nullptr && !meshes.insert(mesh->mesh.get()).second) return false;
     }

@@ -183,6 +183,10 @@ struct DiscShape {
     glm::dvec3 normal{0, 1, 0};  // need not be unit length, not zero
     double radius = 1;           // > 0
 };
+// The solid between two opposite corners; axis-aligned, of any kind under a transform.
+struct BoxShape {
+    glm::dvec3 min{-1}, max{1};  // min < max, each component
+};
 struct TriangleShape {
     glm::dvec3 vertices[3];
 };
@@ -228,7 +232,7 @@ struct MeshShape {
     std::shared_ptr<const Mesh> mesh;
 };
 using Shape =
-    std::variant<SphereShape, PlaneShape, DiscShape, TriangleShape, PolygonShape, QuadricShape,
+    std::variant<SphereShape, PlaneShape, DiscShape, BoxShape, TriangleShape, PolygonShape, QuadricShape,
                  EllipsoidShape, CylinderShape, ConeShape, HyperboloidShape, ParaboloidShape, MeshShape>;
 
 // x -> linear x + offset

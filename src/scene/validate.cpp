@@ -190,6 +190,15 @@ struct ShapeCheck {
         checkDirection(place, "normal", disc.normal);
         checkRadius(place, disc.radius);
     }
+    void operator()(const BoxShape& box) const {
+        checkPoint(place, "min", box.min);
+        checkPoint(place, "max", box.max);
+        for (int axis = 0; axis < 3; axis++)
+            if (!(box.max[axis] - box.min[axis] >= kMinRadius))
+                place.fail("max", std::string("must be greater than min along each axis, by ") +
+                                      describe(kMinRadius) + " at least, which " + "xyz"[axis] + " is not" +
+                                      got(text(box.min) + " and " + text(box.max)));
+    }
     void operator()(const TriangleShape& triangle) const {
         for (int i = 0; i < 3; i++) checkPoint(place, "vertices/" + std::to_string(i), triangle.vertices[i]);
     }
@@ -218,8 +227,9 @@ void checkTransform(const Object& object, const Place& place) {
     if (!(condition <= kMaxCondition))
         place.fail("transform", "is nearly singular (condition number " + sixDigits(condition) +
                                     ", the limit is " + describe(kMaxCondition) + ")");
-    // Meshes are instances only where little is lost.
-    if (std::holds_alternative<MeshShape>(object.shape) || takesTransform(object.shape) ||
+    // Meshes are instances only where little is lost; the frames of quadrics are as round as they can be.
+    const bool isBox = std::holds_alternative<BoxShape>(object.shape);
+    if (std::holds_alternative<MeshShape>(object.shape) || (takesTransform(object.shape) && !isBox) ||
         baked(object.shape, *object.transform))
         return;
     const double loss = transformLoss(object.transform->linear, halfSizeOf(object.shape));

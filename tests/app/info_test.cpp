@@ -15,7 +15,7 @@ TEST_F(Info, EmptyScene) {
         "a.json\n"
         "  picture       800 x 600, 1 sample per pixel, at most 5 reflections\n"
         "  camera        perspective\n"
-        "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"
+        "  objects       0 (0 triangles, 0 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, 0 boxes)\n"
         "  materials     0\n"
         "  lights        0\n"
         "  bounds        no geometry\n"
@@ -27,9 +27,9 @@ TEST_F(Info, EmptyScene) {
 TEST_F(Info, PlaneOnly) {
     writeText("a.json", R"({"objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]}]})");
     const std::string out = runGlint({"info", "a.json"}).out;
-    EXPECT_NE(
-        out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics)\n"),
-        std::string::npos)
+    EXPECT_NE(out.find("  objects       1 (0 triangles, 0 spheres, 1 plane, 0 discs, 0 polygons, 0 quadrics, "
+                       "0 boxes)\n"),
+              std::string::npos)
         << out;
     EXPECT_NE(out.find("  bounds        infinite (planes only)\n  BVH           none\n"), std::string::npos)
         << out;
@@ -47,9 +47,9 @@ TEST_F(Info, CountsFeaturesAndWhatIsLeftOut) {
                   .out.find(", 16 samples per pixel (lowDiscrepancy, auto), "),
               std::string::npos)
         << "the rule goes by --spp, not by the file's number";
-    EXPECT_NE(
-        out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics)\n"),
-        std::string::npos)
+    EXPECT_NE(out.find("  objects       3 (1 triangle, 2 spheres, 0 planes, 0 discs, 0 polygons, 0 quadrics, "
+                       "0 boxes)\n"),
+              std::string::npos)
         << out;
     EXPECT_NE(out.find("  features used triangles, spheres, pointLights, specular, mirrors\n"),
               std::string::npos)

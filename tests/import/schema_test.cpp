@@ -33,6 +33,7 @@ const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"objects/sphere", "/$defs/sphere"},
     {"objects/plane", "/$defs/plane"},
     {"objects/disc", "/$defs/disc"},
+    {"objects/box", "/$defs/box"},
     {"objects/triangle", "/$defs/triangle"},
     {"objects/polygon", "/$defs/polygon"},
     {"objects/quadric", "/$defs/quadric"},

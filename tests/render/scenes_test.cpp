@@ -127,6 +127,11 @@ Bounds boundsOf(const PackedScene& scene, const reference::Hit& hit, const refer
         const double reach = glm::length(dvec3(scene.discs[index].center) - ray.origin) + hit.t;
         return {64 * kUnit * reach / cosine, 4 * kUnit, 0};
     }
+    if (kind == shared::kKindCuboid) {
+        const double reach = glm::length(dvec3(scene.cuboids[hit.primitive & shared::kLeafFirstMask].point)) +
+                             glm::length(ray.origin) + hit.t;
+        return {64 * kUnit * reach / cosine, 8 * kUnit, 0};
+    }
     if (kind == shared::kKindQuadric) return quadricBounds(scene, hit, ray, surface, cosine);
     const shared::Sphere& sphere = scene.spheres[index];
     const bool anchored = sphere.anchorNormal != glm::vec3(0);

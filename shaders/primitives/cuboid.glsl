@@ -1,0 +1,77 @@
+// Boxes: axis-aligned ones and, with a frame of their own, what a transform makes of them. The reference's
+// own version is in src/reference/primitives/cuboid.cpp.
+#ifndef GLINT_PRIMITIVES_CUBOID_GLSL
+#define GLINT_PRIMITIVES_CUBOID_GLSL
+
+#include "primitives/surface.glsl"
+
+vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
+    precise vec3 local = vec3(dot(cuboid.toLocal0, v), dot(cuboid.toLocal1, v), dot(cuboid.toLocal2, v));
+    return local;
+}
+
+// Slabs (Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986): a stretch between the last plane through
+// which the line comes in and the first through which it goes out. Both ends are numbers that a face's
+// neighbour computes too, with the same roundings, so no ray slips through an edge, nor between axis-aligned
+// boxes that share a face's plane. Boxes are closed: a ray along a face, which crosses neither of its pair,
+// is between them if it starts there.
+bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uint trips, out Hit hit) {
+    precise vec3 offset = ray.origin - cuboid.point;
+    vec3 o = cuboidLocal(cuboid, offset);
+    vec3 d = cuboidLocal(cuboid, ray.direction);
+    bvec3 parallel = lessThan(abs(d), vec3(2.3509887e-38));  // 2^-125: 1/d stays finite
+    precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
+    precise vec3 toLo = (cuboid.lo - o) * inverse;
+    precise vec3 toHi = (cuboid.hi - o) * inverse;
+    bvec3 backwards = lessThan(d, vec3(0.0));
+    bvec3 outside = greaterThan(max(cuboid.lo - o, o - cuboid.hi), vec3(0.0));
+    vec3 near = mix(mix(toLo, toHi, backwards), mix(vec3(-kInfinity), vec3(kInfinity), outside), parallel);
+    vec3 far = mix(mix(toHi, toLo, backwards), mix(vec3(kInfinity), vec3(-kInfinity), outside), parallel);
+    uvec3 farFaces = uvec3(1u, 3u, 5u) - uvec3(backwards);
+    bool own = (ray.source & ~(kPartMask << kPartShift)) == primitive;
+    if (own) {
+        // The ray starts on this box, so within all slabs, whatever rounding says, and exactly on one face.
+        uint face = (ray.source >> kPartShift) & kPartMask;
+        near = mix(near, vec3(0.0), greaterThan(near, vec3(0.0)));
+        far = mix(far, vec3(0.0), lessThan(far, vec3(0.0)));
+        far = mix(far, vec3(0.0), equal(farFaces, uvec3(face)));
+    }
+    uint nearAxis = near.x >= near.y ? (near.x >= near.z ? 0u : 2u) : (near.y >= near.z ? 1u : 2u);
+    uint farAxis = far.x <= far.y ? (far.x <= far.z ? 0u : 2u) : (far.y <= far.z ? 1u : 2u);
+    float enter = near[nearAxis];
+    float leave = far[farAxis];
+    bool meets = enter <= leave;
+    // What a line touches in one point it enters and leaves: the media count surfaces.
+    if (enter > 0.0 && leave == enter) leave = uintBitsToFloat(floatBitsToUint(enter) + 1u);
+    bool first = enter > 0.0 && enter > ray.tMin;
+    float t = first ? enter : leave;
+    uint leaveFace = farFaces[farAxis];
+    uint part = first ? 2u * nearAxis + (backwards[nearAxis] ? 1u : 0u) : leaveFace;
+    hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, cuboid.id);
+    return meets && t > 0.0 && t > ray.tMin && t <= ray.tMax;
+}
+
+// o + t d, moved back onto the face as a disc's point is onto its plane. u and v go from 0 to 1 over a face,
+// u to the right and v upwards on the sides as seen from outside; on top and bottom u goes along x
+// (docs/reference/shading.md).
+void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
+    uint part = (hit.primitive >> kPartShift) & kPartMask;
+    uint axis = part >> 1;
+    bool upper = (part & 1u) != 0u;
+    vec3 row = axis == 0u ? cuboid.toLocal0 : (axis == 1u ? cuboid.toLocal1 : cuboid.toLocal2);
+    float plane = upper ? cuboid.hi[axis] : cuboid.lo[axis];
+    precise vec3 offset = (ray.origin - cuboid.point) + hit.t * ray.direction;
+    precise vec3 projected = offset - (dot(row, offset) - plane) * row;
+    precise vec3 position = cuboid.point + projected;
+    surface.position = position;
+    surface.error = gammaBound(7.0) * (abs(projected) + abs(cuboid.point));
+    surface.normal = upper ? row : -row;
+    surface.shadingNormal = surface.normal;
+    precise vec3 share = (cuboidLocal(cuboid, projected) - cuboid.lo) / (cuboid.hi - cuboid.lo);
+    precise vec3 rest = 1.0 - share;
+    surface.uv = axis == 0u ? vec2(upper ? rest.z : share.z, share.y)
+                            : (axis == 1u ? vec2(share.x, upper ? rest.z : share.z)
+                                          : vec2(upper ? share.x : rest.x, share.y));
+}
+
+#endif

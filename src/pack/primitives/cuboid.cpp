@@ -1,0 +1,122 @@
+// Boxes (GLINT_CUBOID_ROWS). An axis-aligned one has its corners in the scene's own coordinates, so that
+// faces that boxes share lie in the same plane, to the last bit; one with a transform is measured from its
+// middle.
+#include <cmath>
+#include <limits>
+
+#include "pack/kind_packer.h"
+#include "scene/transform.h"
+
+namespace glint {
+namespace {
+
+using glm::dmat3;
+using glm::dvec3;
+
+// In the world: the middle and, as columns, half the edges.
+struct Edges {
+    dvec3 middle;
+    dmat3 half;
+};
+
+Edges edgesOf(const Object& object) {
+    const auto& box = std::get<BoxShape>(object.shape);
+    const Affine placed = object.transform.value_or(Affine{});
+    const dvec3 half = 0.5 * box.max - 0.5 * box.min;
+    return {placed.linear * (box.min + half) + placed.offset,
+            {placed.linear[0] * half.x, placed.linear[1] * half.y, placed.linear[2] * half.z}};
+}
+
+dvec3 reachOf(const dmat3& half) {
+    return glm::abs(half[0]) + glm::abs(half[1]) + glm::abs(half[2]);
+}
+
+dmat3 rowsOf(const shared::Cuboid& c) {
+    return glm::transpose(dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
+}
+
+shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
+    shared::Cuboid out;
+    if (!object.transform) {
+        const auto& box = std::get<BoxShape>(object.shape);
+        out.toLocal0.x = out.toLocal1.y = out.toLocal2.z = 1;
+        out.lo = glm::vec3(box.min - frame.origin);
+        out.hi = glm::vec3(box.max - frame.origin);
+        return out;
+    }
+    const Edges edges = edgesOf(object);
+    out.point = glm::vec3(edges.middle - frame.origin);
+    // Row i of the inverse is across the other two edges; of length 1 it measures the distance from the
+    // middle.
+    const dmat3 rows = glm::transpose(inverse({edges.half, dvec3(0)}).linear);
+    glm::vec3* const toLocal[3] = {&out.toLocal0, &out.toLocal1, &out.toLocal2};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double length = glm::length(rows[axis]);
+        *toLocal[axis] = glm::vec3(rows[axis] / length);
+        out.hi[axis] = static_cast<float>(1 / length);
+    }
+    out.lo = -out.hi;
+    return out;
+}
+
+bool isFinite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+class CuboidPacker final : public KindPacker {
+  public:
+    bool packs(const Shape& shape) const override { return std::holds_alternative<BoxShape>(shape); }
+    // Without volume after rounding, far from the scene's origin, it has a pair of faces that are one.
+    Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
+        const shared::Cuboid c = roundCuboid(object, frame);
+        if (!isFinite(c.point) || !isFinite(c.lo) || !isFinite(c.hi)) return Fate::NotFinite;
+        return glm::all(glm::lessThan(c.lo, c.hi)) ? Fate::Kept : Fate::NoArea;
+    }
+    void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
+        const Edges edges = edgesOf(object);
+        extent.include(edges.middle - reachOf(edges.half));
+        extent.include(edges.middle + reachOf(edges.half));
+    }
+    // The device's slabs are those of the tree's boxes where there is no transform. With one, rounding moves
+    // y by 2^-24 of |T| |x - point|, four times for good measure, and that comes back through |T^-1|.
+    Box box(const Object& object, uint32_t, const Frame& frame) const override {
+        const shared::Cuboid c = roundCuboid(object, frame);
+        if (!object.transform) return {c.lo, c.hi};
+        const dmat3 rows = rowsOf(c), back = inverse({rows, dvec3(0)}).linear;
+        const dvec3 size(c.hi);
+        const dvec3 reach = reachOf({back[0] * size.x, back[1] * size.y, back[2] * size.z});
+        const dvec3 moved = reachOf({rows[0] * reach.x, rows[1] * reach.y, rows[2] * reach.z});
+        const dvec3 margin = 0x1p-20 * reachOf({back[0] * moved.x, back[1] * moved.y, back[2] * moved.z});
+        Box box;
+        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, c.point[axis], reach[axis], margin[axis]);
+        return box;
+    }
+    void write(const Packing& packing, Primitives::Source source, uint32_t slot,
+               FurtherRows&) const override {
+        shared::Cuboid& cuboid = packing.packed.cuboids[slot];
+        cuboid = roundCuboid(packing.objectOf(source), packing.frame);
+        packing.identify(source, cuboid);
+    }
+    void balls(const PackedScene& scene, uint32_t index, const VisitBall& visit) const override {
+        const shared::Cuboid& c = scene.cuboids[index];
+        const dmat3 toWorld = inverse({rowsOf(c), dvec3(0)}).linear;
+        for (int i = 0; i < 8; ++i) {
+            const dvec3 corner(i & 1 ? c.hi.x : c.lo.x, i & 2 ? c.hi.y : c.lo.y, i & 4 ? c.hi.z : c.lo.z);
+            visit(dvec3(c.point) + toWorld * corner, 0);
+        }
+    }
+    double windings(const PackedScene& scene, uint32_t index, const dvec3& point) const override {
+        const shared::Cuboid& c = scene.cuboids[index];
+        const dvec3 y = rowsOf(c) * (point - dvec3(c.point));
+        return glm::all(glm::greaterThan(y, dvec3(c.lo))) && glm::all(glm::lessThan(y, dvec3(c.hi))) ? 1 : 0;
+    }
+};
+
+}  // namespace
+
+const KindPacker& packerOfCuboid() {
+    static const CuboidPacker packer;
+    return packer;
+}
+
+}  // namespace glint

@@ -1,0 +1,148 @@
+// Ray against box. Not the shader's way: each of the six faces by itself is a parallelogram, and the box is
+// convex, so that a ray which starts on it either leaves it for good or meets the first face that looks the
+// ray's way.
+#include <algorithm>
+#include <cmath>
+
+#include "reference/primitives.h"
+
+namespace glint::reference {
+namespace {
+
+using glm::dvec3;
+using Extended = long double;
+
+// An edge belongs to both of its faces, though the point that is found there errs by some roundings.
+constexpr double kEdgeSlack = 0x1p-58;
+
+struct Sum {
+    Extended value = 0, terms = 0;  // and the magnitudes that it is made of
+};
+
+// n.(v - p)
+Sum along(const glm::vec3& n, const double (&v)[3], const glm::vec3& p) {
+    Sum sum;
+    for (int i = 0; i < 3; ++i) {
+        const Extended term =
+            static_cast<Extended>(n[i]) * (static_cast<Extended>(v[i]) - static_cast<Extended>(p[i]));
+        sum.value += term;
+        sum.terms += std::abs(term);
+    }
+    return sum;
+}
+
+// A ray in distances from the box's point along the normals of its faces.
+struct Seen {
+    Sum o[3], d[3];
+
+    Seen(const shared::Cuboid& c, const PreparedRay& ray) {
+        const glm::vec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+        for (int i = 0; i < 3; ++i) {
+            o[i] = along(normals[i], ray.origin, c.point);
+            d[i] = along(normals[i], ray.direction, glm::vec3(0));
+        }
+    }
+    // Where the plane y_axis = height is crossed; d[axis] is not 0.
+    Extended reach(int axis, Extended height) const { return (height - o[axis].value) / d[axis].value; }
+    bool isBetween(const shared::Cuboid& c, int axis, Extended t) const {
+        const Extended y = o[axis].value + t * d[axis].value;
+        const Extended slack = kEdgeSlack * (o[axis].terms + std::abs(t) * d[axis].terms +
+                                             std::abs(static_cast<Extended>(c.hi[axis])) +
+                                             std::abs(static_cast<Extended>(c.lo[axis])));
+        return y >= c.lo[axis] - slack && y <= c.hi[axis] + slack;
+    }
+};
+
+bool accept(Extended t, const PreparedRay& ray, double tMax) {
+    const auto rounded = static_cast<double>(t);
+    return rounded > ray.tMin && rounded <= tMax && rounded <= std::numeric_limits<double>::max();
+}
+
+bool meetsFromItself(const shared::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
+                     uint32_t& part) {
+    const Extended outwards = (own & 1 ? 1 : -1) * seen.d[own / 2].value;
+    if (!(outwards < 0)) return false;
+    Extended first = std::numeric_limits<Extended>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (seen.d[axis].value == 0) continue;
+        const bool upper = seen.d[axis].value > 0;
+        const Extended t = seen.reach(axis, upper ? c.hi[axis] : c.lo[axis]);
+        if (t >= first) continue;
+        first = t;
+        part = static_cast<uint32_t>(2 * axis + upper);
+    }
+    root.t = static_cast<double>(first);
+    return accept(first, m.ray, m.tMax);
+}
+
+}  // namespace
+
+bool meets(const shared::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) {
+    root.u = root.v = 0;
+    const Seen seen(c, m.ray);
+    const uint32_t own = m.source >> shared::kPartShift & shared::kPartMask;
+    if (m.source == (m.primitive | own << shared::kPartShift))
+        return meetsFromItself(c, seen, own, m, root, part);
+    bool found = false;
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2;
+        if (seen.d[axis].value == 0) continue;
+        const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
+        if (!accept(t, m.ray, m.tMax) || (found && static_cast<double>(t) >= root.t)) continue;
+        if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
+        root.t = static_cast<double>(t);
+        part = static_cast<uint32_t>(face);
+        found = true;
+    }
+    return found;
+}
+
+void fillSurface(const shared::Cuboid& c, const Place& place, Surface& surface) {
+    const glm::vec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    const uint32_t axis = place.part() / 2;
+    const bool upper = place.part() % 2 == 1;
+    const dvec3 normal = glm::normalize(dvec3(normals[axis]));
+    const int a = static_cast<int>(axis);
+    const double distance = glm::dot(dvec3(normals[axis]), place.point - dvec3(c.point)) -
+                            static_cast<double>(upper ? c.hi[a] : c.lo[a]);
+    surface.position = place.point - distance * normal;
+    surface.geometricNormal = surface.shadingNormal = upper ? normal : -normal;
+    // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
+    dvec3 share;
+    for (int i = 0; i < 3; ++i)
+        share[i] =
+            (glm::dot(dvec3(normals[i]), surface.position - dvec3(c.point)) - static_cast<double>(c.lo[i])) /
+            (static_cast<double>(c.hi[i]) - static_cast<double>(c.lo[i]));
+    const double flippedX = 1 - share.x, flippedZ = 1 - share.z;
+    switch (place.part()) {
+        case 0:
+            surface.uv = {share.z, share.y};
+            break;
+        case 1:
+            surface.uv = {flippedZ, share.y};
+            break;
+        case 2:
+            surface.uv = {share.x, share.z};
+            break;
+        case 3:
+            surface.uv = {share.x, flippedZ};
+            break;
+        case 4:
+            surface.uv = {flippedX, share.y};
+            break;
+        default:
+            surface.uv = {share.x, share.y};
+    }
+}
+
+double reachOf(const PackedScene&, const Methods&, const shared::Cuboid& c) {
+    const glm::dmat3 rows =
+        glm::transpose(glm::dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
+    const glm::dmat3 back = glm::inverse(rows);
+    const dvec3 size = glm::max(glm::abs(dvec3(c.lo)), glm::abs(dvec3(c.hi)));
+    const dvec3 reach = glm::abs(dvec3(c.point)) + glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y +
+                        glm::abs(back[2]) * size.z;
+    return std::max({reach.x, reach.y, reach.z});
+}
+
+}  // namespace glint::reference
