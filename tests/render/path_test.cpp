@@ -29,7 +29,7 @@ struct Probed {
 static_assert(sizeof(Probed) == 4 * kWords);
 
 size_t samplesBinding() {
-#define GLINT_FIND(binding, field, Struct) \
+#define GLINT_FIND(binding, field, Struct, ROWS) \
     if (std::string_view(#field) == "samples") return binding;
     GLINT_SCENE_ARRAYS(GLINT_FIND)
 #undef GLINT_FIND
