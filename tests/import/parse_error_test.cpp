@@ -182,11 +182,10 @@ const Case kValues[] = {
     {"polygonOfTwoDistinct", POLYGON("[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]"),
      "s.json: /objects/0/vertices: must have three distinct points or more (got 2)"},
     {"polygonOnALine", POLYGON("[0, 0, 0], [0.1, 0.1, 0.2], [0.3, 0.3, 0.6], [0.7, 0.7, 1.4]"),
-     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
-     "itself so that equal areas lie to its left and right (make it two polygons)"},
-    {"polygonLikeABow", POLYGON("[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]"),
-     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line, or its outline crosses "
-     "itself so that equal areas lie to its left and right (make it two polygons)"},
+     "s.json: /objects/0/vertices: the polygon has no area: its points lie on a line"},
+    {"polygonThatIsASkewBow", POLYGON("[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 1]"),
+     "s.json: /objects/0/vertices/2: the polygon is not planar: this point lies 0.433013 off the plane of "
+     "all, the limit is 1.73205e-05 (split the polygon into triangles)"},
     // The plane of a square with one corner raised by 1 passes 1/4 away from each (the sum of their heights
     // is 1, alternately up and down), over |(-1/2, -1/2, 1)| = sqrt(3/2): 0.204124. 2 sqrt(3) 5e-6
     // = 1.73205e-5.

@@ -48,8 +48,36 @@ TEST(PolygonPlane, NoneWithoutArea) {
             EXPECT_TRUE(polygonPlane(line)) << scale;
         }
     }
-    EXPECT_FALSE(polygonPlane(std::vector<dvec3>{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}})) << "a bow";
     EXPECT_FALSE(polygonPlane(std::vector<dvec3>{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));
+}
+
+// Newell's sum vanishes, or rounding is all that is left of it, or it is so small that its direction says
+// little: the plane is that of three corners all the same.
+TEST(PolygonPlane, BowTies) {
+    const std::vector<dvec3> bow = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+    EXPECT_EQ(polygonPlane(bow)->normal, dvec3(0, 0, 1)) << "at its first vertex it turns left";
+    EXPECT_EQ(polygonPlane(std::vector<dvec3>(bow.rbegin(), bow.rend()))->normal, dvec3(0, 0, -1));
+    const dvec3 u(0.6, 0.48, 0.64), v(-0.8, 0.36, 0.48), n = glm::cross(u, v);
+    for (const double size : {1e-3, 1.0, 1e3}) {
+        for (const double more : {0.0, 1e-12, 1e-7, 1e-3}) {  // by how much the right half is larger
+            std::vector<dvec3> tilted, single;
+            for (const glm::dvec2 p :
+                 {glm::dvec2(-1, -1), glm::dvec2(1, 1 + more), glm::dvec2(1, -1), glm::dvec2(-1, 1)}) {
+                tilted.push_back(size * (dvec3(0.1, 0.7, -0.3) + p.x * u + p.y * v));
+                single.push_back(dvec3(glm::vec3(tilted.back())));
+            }
+            for (const auto& vertices : {tilted, single}) {
+                const auto plane = polygonPlane(vertices);
+                ASSERT_TRUE(plane);
+                EXPECT_LE(plane->deviation, planarTolerance(vertices)) << size << ' ' << more;
+                const double front = more > 1e-5 ? -1 : 1;  // what is on the right is clockwise
+                EXPECT_GT(front * glm::dot(plane->normal, n), 1 - 1e-9) << size << ' ' << more;
+            }
+        }
+    }
+    // Four points in space whose sum vanishes are no polygon: the plane of three leaves the fourth far off.
+    const std::vector<dvec3> skew = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 1}};
+    EXPECT_GT(polygonPlane(skew)->deviation, 0.1);
 }
 
 // A regular ring with one vertex raised by h: its plane is off by no more than h there, and the raised vertex
