@@ -18,10 +18,12 @@ constexpr std::string_view kListNames[kGltfLists] = {"accessors", "buffers",  "b
 
 constexpr std::string_view kLightsExtension = "KHR_lights_punctual";
 
-constexpr std::string_view kExtensions[] = {"KHR_lights_punctual",   "KHR_materials_emissive_strength",
-                                            "KHR_materials_ior",     "KHR_materials_transmission",
-                                            "KHR_materials_unlit",   "KHR_materials_volume",
-                                            "KHR_mesh_quantization", "KHR_texture_transform"};
+constexpr std::string_view kExtensions[] = {
+    "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume",       "KHR_mesh_quantization",
+    "KHR_texture_transform"};
 
 bool supported(std::string_view extension) {
     return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);

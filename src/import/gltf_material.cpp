@@ -16,6 +16,8 @@ constexpr double kGreatestShininess = 1e5;
 constexpr double kLeastAttenuationColor = 1e-6;
 // Where a texture decides what is blended, the nearer of there and not there.
 constexpr double kBlendCutoff = 0.5;
+// What dielectrics reflect, most of them: a reflectance beyond it is a metal's.
+constexpr double kDielectric = 0.04;
 
 double greatest(const Color& c) {
     return std::max({c.x, c.y, c.z});
@@ -30,6 +32,7 @@ struct GltfMaterials::Surface {
     double alpha = 1;
     uint32_t baseTexture = Material::kNoTexture;
     double metallic = 1, roughness = 1;
+    std::optional<Color> reflectance;  // head on, in the place of what ior, metallic and base make
     Color emission{0};
     uint32_t emissionTexture = Material::kNoTexture;
     bool unlit = false;
@@ -82,26 +85,64 @@ void GltfMaterials::noteTexCoord(const Reference& reference, Surface& surface) {
     if (!surface.texCoord) surface.texCoord = reference.texCoord;
 }
 
+void GltfMaterials::readBaseTexture(const JsonCursor& pbr, std::string_view key, Surface& surface) {
+    const auto info = pbr.find(key);
+    if (!info) return;
+    const Reference reference = texture(*info);
+    surface.baseTexture = reference.texture;
+    noteTexCoord(reference, surface);
+}
+
+void GltfMaterials::readMetallicRoughness(const JsonCursor& pbr, Surface& surface) {
+    const std::vector<double> factor = gltfNumbers(pbr, "baseColorFactor", 4);
+    if (!factor.empty()) {
+        surface.base = {factor[0], factor[1], factor[2]};
+        surface.alpha = std::clamp(factor[3], 0.0, 1.0);
+    }
+    surface.metallic = gltfNumber(pbr, "metallicFactor", 1);
+    surface.roughness = gltfNumber(pbr, "roughnessFactor", 1);
+    readBaseTexture(pbr, "baseColorTexture", surface);
+    if (const auto info = pbr.find("metallicRoughnessTexture")) {
+        file_.warn("metallicRoughnessTexture is replaced by its mean values");
+        surface.roughness *= mean(*info, 1);
+        surface.metallic *= mean(*info, 2);
+    }
+}
+
+// The reflectance is given, and what it leaves is scattered: c_diff = diffuse (1 - max(specular)), in the
+// extension's words.
+void GltfMaterials::readSpecularGlossiness(const JsonCursor& pbr, Surface& surface) {
+    file_.warn("KHR_materials_pbrSpecularGlossiness is drawn as metallic-roughness is, which took its place");
+    surface.metallic = 0;
+    surface.base = Color(1);
+    surface.baseTexture = Material::kNoTexture;
+    const std::vector<double> factor = gltfNumbers(pbr, "diffuseFactor", 4);
+    if (!factor.empty()) {
+        surface.base = {factor[0], factor[1], factor[2]};
+        surface.alpha = std::clamp(factor[3], 0.0, 1.0);
+    }
+    readBaseTexture(pbr, "diffuseTexture", surface);
+    Color specular = gltfVector(pbr, "specularFactor", Color(1));
+    double glossiness = gltfNumber(pbr, "glossinessFactor", 1);
+    if (const auto info = pbr.find("specularGlossinessTexture")) {
+        file_.warn("specularGlossinessTexture is replaced by its mean values");
+        if (const auto found = means(*info)) {
+            specular *= found->color;
+            glossiness *= found->numbers[3];
+        }
+    }
+    surface.reflectance = glm::clamp(specular, Color(0), Color(1));
+    surface.base *= 1 - greatest(*surface.reflectance);
+    surface.roughness = 1 - glossiness;
+}
+
 void GltfMaterials::readBase(const JsonCursor& material, Surface& surface) {
-    if (const auto pbr = material.find("pbrMetallicRoughness")) {
+    const bool old =
+        withExtension(material, "KHR_materials_pbrSpecularGlossiness",
+                      [&](const JsonCursor& extension) { readSpecularGlossiness(extension, surface); });
+    if (const auto pbr = material.find("pbrMetallicRoughness"); pbr && !old) {
         pbr->expectObject();
-        const std::vector<double> factor = gltfNumbers(*pbr, "baseColorFactor", 4);
-        if (!factor.empty()) {
-            surface.base = {factor[0], factor[1], factor[2]};
-            surface.alpha = std::clamp(factor[3], 0.0, 1.0);
-        }
-        surface.metallic = gltfNumber(*pbr, "metallicFactor", 1);
-        surface.roughness = gltfNumber(*pbr, "roughnessFactor", 1);
-        if (const auto info = pbr->find("baseColorTexture")) {
-            const Reference reference = texture(*info);
-            surface.baseTexture = reference.texture;
-            noteTexCoord(reference, surface);
-        }
-        if (const auto info = pbr->find("metallicRoughnessTexture")) {
-            file_.warn("metallicRoughnessTexture is replaced by its mean values");
-            surface.roughness *= mean(*info, 1).value_or(1);
-            surface.metallic *= mean(*info, 2).value_or(1);
-        }
+        readMetallicRoughness(*pbr, surface);
     }
     surface.metallic = std::clamp(surface.metallic, 0.0, 1.0);
     surface.roughness = std::clamp(surface.roughness, 0.0, 1.0);
@@ -133,7 +174,7 @@ void GltfMaterials::readTransmission(const JsonCursor& material, Surface& surfac
         surface.transmission = std::clamp(gltfNumber(extension, "transmissionFactor", 0), 0.0, 1.0);
         if (const auto info = extension.find("transmissionTexture"); info && surface.transmission > 0) {
             file_.warn("transmissionTexture is replaced by its mean value");
-            surface.transmission *= mean(*info, 0).value_or(1);
+            surface.transmission *= mean(*info, 0);
         }
     });
     withExtension(material, "KHR_materials_volume", [&](const JsonCursor& extension) {
@@ -175,7 +216,8 @@ Material GltfMaterials::whitted(const Surface& s) {
     material.name = s.name;
     const double alpha = s.roughness * s.roughness;
     const double ratio = (s.ior - 1) / (s.ior + 1);
-    const Color normalReflectance = glm::mix(Color(ratio * ratio), s.base, s.metallic);
+    const Color normalReflectance =
+        s.reflectance.value_or(glm::mix(Color(ratio * ratio), s.base, s.metallic));
     const double clear = (1 - s.metallic) * s.transmission;
     const double sharp = std::max(0.0, 1 - 2 * s.roughness);
     const double there = 1 - s.seeThrough;
@@ -225,7 +267,9 @@ void GltfMaterials::setAmbient(const Surface& s, Material& material) {
     }
     // What a rough metal reflects of its surroundings no mirror colour can say.
     const double rough = std::min(1.0, 2 * s.roughness);
-    const Color reflected = s.unlit ? Color(0) : material.diffuse + there * s.metallic * rough * s.base;
+    const Color metal =
+        s.reflectance ? glm::max(*s.reflectance - Color(kDielectric), Color(0)) : s.metallic * s.base;
+    const Color reflected = s.unlit ? Color(0) : material.diffuse + there * rough * metal;
     const bool oneTexture = !emits || (s.emissionTexture == s.baseTexture);
     material.ambient = (oneTexture ? reflected : Color(0)) + emission / scene_.ambient;
 }

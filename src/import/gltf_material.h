@@ -1,9 +1,11 @@
-// glTF's metallic-roughness materials as Whitted's: the formulas are in docs/reference/file-formats.md.
+// glTF's metallic-roughness materials, and the older specular-glossiness ones, as Whitted's: the formulas are
+// in docs/reference/file-formats.md.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/image.h"
 #include "import/gltf_file.h"
@@ -36,11 +38,15 @@ class GltfMaterials {
         uint32_t texture = Material::kNoTexture;
         size_t texCoord = 0;
     };
-    struct Raw {  // of a picture that holds numbers, not colours
-        double means[3];
+    struct Means {          // of a picture
+        double numbers[4];  // as they stand in the file; the last one is alpha
+        Color color{0};     // linear
     };
     Use convert(size_t index);
     void readBase(const JsonCursor& material, Surface& surface);
+    void readMetallicRoughness(const JsonCursor& pbr, Surface& surface);
+    void readSpecularGlossiness(const JsonCursor& pbr, Surface& surface);
+    void readBaseTexture(const JsonCursor& pbr, std::string_view key, Surface& surface);
     void readEmission(const JsonCursor& material, Surface& surface);
     void readTransmission(const JsonCursor& material, Surface& surface);
     void applyAlpha(const JsonCursor& material, Surface& surface);
@@ -52,7 +58,9 @@ class GltfMaterials {
     Texture sampled(const JsonCursor& texture, std::shared_ptr<const Image> image);
     std::optional<size_t> imageOf(const JsonCursor& info);
     std::shared_ptr<const Image> image(size_t index);
-    std::optional<double> mean(const JsonCursor& info, int channel);
+    // Nothing for a picture that cannot be read.
+    std::optional<Means> means(const JsonCursor& info);
+    double mean(const JsonCursor& info, int channel);
 
     GltfFile& file_;
     Scene& scene_;
@@ -61,7 +69,7 @@ class GltfMaterials {
     std::optional<uint32_t> default_;
     std::map<size_t, Use> uses_;
     std::map<size_t, std::shared_ptr<const Image>> images_;
-    std::map<size_t, Raw> means_;
+    std::map<size_t, Means> means_;
 };
 
 }  // namespace glint

@@ -82,7 +82,7 @@ Texture GltfMaterials::sampled(const JsonCursor& texture, std::shared_ptr<const 
             file_.item(GltfList::Samplers, file_.index(GltfList::Samplers, *reference));
         source.wrapU = wrapOf(sampler, "wrapS");
         source.wrapV = wrapOf(sampler, "wrapT");
-        source.nearest = gltfNumber(sampler, "magFilter", 9729) == 9728;
+        if (gltfNumber(sampler, "magFilter", 9729) == 9728) source.filter = TexelFilter::Nearest;
     }
     Texture result;
     result.source = std::move(source);
@@ -113,26 +113,35 @@ GltfMaterials::Reference GltfMaterials::texture(const JsonCursor& info) {
     return {static_cast<uint32_t>(scene_.textures.size() - 1), static_cast<size_t>(texCoord)};
 }
 
-// Of one channel, as the numbers stand in the file.
-std::optional<double> GltfMaterials::mean(const JsonCursor& info, int channel) {
+std::optional<GltfMaterials::Means> GltfMaterials::means(const JsonCursor& info) {
     const auto index = imageOf(info);
     const auto picture = index ? image(*index) : nullptr;
     if (!picture) return std::nullopt;
-    auto known = means_.find(*index);
-    if (known == means_.end()) {
-        Raw raw{};
-        const auto pixels = static_cast<size_t>(picture->width) * static_cast<size_t>(picture->height);
-        const auto channels = static_cast<size_t>(picture->channels);
-        for (size_t c = 0; c < 3; c++) {
-            double sum = 0;
-            for (size_t i = 0; i < pixels; i++)
-                sum +=
-                    srgbEncoded(static_cast<double>(picture->pixels[i * channels + (channels < 3 ? 0 : c)]));
-            raw.means[c] = sum / static_cast<double>(pixels);
+    if (const auto known = means_.find(*index); known != means_.end()) return known->second;
+    Means means{};
+    const auto pixels = static_cast<size_t>(picture->width) * static_cast<size_t>(picture->height);
+    const auto channels = static_cast<size_t>(picture->channels);
+    for (size_t c = 0; c < 3; c++) {
+        double sum = 0, linear = 0;
+        for (size_t i = 0; i < pixels; i++) {
+            const auto value = static_cast<double>(picture->pixels[i * channels + (channels < 3 ? 0 : c)]);
+            sum += srgbEncoded(value);
+            linear += value;
         }
-        known = means_.emplace(*index, raw).first;
+        means.numbers[c] = sum / static_cast<double>(pixels);
+        means.color[static_cast<glm::length_t>(c)] = linear / static_cast<double>(pixels);
     }
-    return known->second.means[channel];
+    double alpha = 0;
+    for (size_t i = 0; i < pixels; i++)
+        alpha += channels == 4 ? static_cast<double>(picture->pixels[i * channels + 3]) : 1;
+    means.numbers[3] = alpha / static_cast<double>(pixels);
+    return means_.emplace(*index, means).first->second;
+}
+
+// Of one channel; 1, which changes nothing, for a picture that cannot be read.
+double GltfMaterials::mean(const JsonCursor& info, int channel) {
+    const auto found = means(info);
+    return found ? found->numbers[channel] : 1;
 }
 
 }  // namespace glint

@@ -2,6 +2,7 @@
 // it rounds double properties to float (123456.123456789 becomes 123456.125), takes a truncated ascii file
 // for a whole one and fills the rest with whatever was in memory, and lets bad vertex indices pass.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -131,20 +132,21 @@ class PlyBody {
         : source_(source), header_(header), file_(file) {}
 
     ImportedMesh read() {
-        const PlyElement* faces = nullptr;
+        uint64_t faces = 0;
         for (const PlyElement& element : header_.elements) {
             if (element.name == "vertex") {
                 readVertices(element);
             } else if (element.name == "face") {
-                faces = &element;
+                faces += element.count;
                 readFaces(element);
+            } else if (element.name == "tristrips") {
+                faces += element.count;
+                readStrips(element);
             } else {
-                if (element.name == "tristrips")
-                    fail("triangle strips are not supported, write faces instead");
                 skip(element);
             }
         }
-        if (!faces || faces->count == 0) fail("holds no faces; a point cloud cannot be rendered");
+        if (faces == 0) fail("holds no faces; a point cloud cannot be rendered");
         addFaces();
         return builder_.finish(file_, {}, {});
     }
@@ -242,29 +244,79 @@ class PlyBody {
         }
     }
 
-    void readFaces(const PlyElement& element) {
+    // Of the faces, or the strips: the list of their vertices.
+    const PlyProperty& indicesOf(const PlyElement& element, const std::string& plural) const {
         int list = element.find("vertex_indices");
         if (list < 0) list = element.find("vertex_index");
-        if (list < 0) fail("the faces have neither a list vertex_indices nor vertex_index");
+        if (list < 0) fail("the " + plural + " have neither a list vertex_indices nor vertex_index");
         const PlyProperty& indices = element.properties[static_cast<size_t>(list)];
         if (!indices.isList || !isInteger(indices.type))
             fail("\"" + indices.name + "\" must be a list of integers");
-        vertexCount_ = countOfVertices();
+        return indices;
+    }
 
-        const uint64_t expected = std::min(element.count, source_.atMost(element));
-        faceEnds_.reserve(expected);
-        corners_.reserve(3 * expected);
+    // Calls read(indices) where the list of vertices stands, and skips all other properties.
+    template <typename Read>
+    void readLists(const PlyElement& element, const PlyProperty& indices, const Read& read) {
         for (uint64_t i = 0; i < element.count; i++) {
             source_.beginElement(element, i);
             for (const PlyProperty& property : element.properties) {
                 if (&property == &indices)
-                    readCorners(property);
+                    read(property);
                 else
                     skipProperty(property);
             }
             source_.endElement();
-            faceEnds_.push_back(corners_.size());
         }
+    }
+
+    void readFaces(const PlyElement& element) {
+        const PlyProperty& indices = indicesOf(element, "faces");
+        vertexCount_ = countOfVertices();
+        const uint64_t expected = std::min(element.count, source_.atMost(element));
+        faceEnds_.reserve(faceEnds_.size() + expected);
+        corners_.reserve(corners_.size() + 3 * expected);
+        readLists(element, indices, [&](const PlyProperty& property) {
+            readCorners(property);
+            faceEnds_.push_back(corners_.size());
+        });
+    }
+
+    void readStrips(const PlyElement& element) {
+        const PlyProperty& indices = indicesOf(element, "triangle strips");
+        vertexCount_ = countOfVertices();
+        readLists(element, indices, [&](const PlyProperty& property) { readStrip(property); });
+    }
+
+    // As scanners write them (Cyberware, Stanford): each vertex makes a triangle with the two before it,
+    // every other one the other way round, so that all face the same side; -1 begins anew. Vertices that are
+    // repeated, to join strips, make no triangle.
+    void readStrip(const PlyProperty& property) {
+        const int64_t count = readCount(property);
+        std::array<uint32_t, 2> last{};
+        uint32_t length = 0;  // since the last -1
+        for (int64_t i = 0; i < count; i++) {
+            const int64_t index = source_.nextInteger(property.type);
+            if (index == -1) {
+                length = 0;
+                continue;
+            }
+            const uint32_t vertex = checkedVertex(index);
+            if (length >= 2 && vertex != last[0] && vertex != last[1] && last[0] != last[1]) {
+                const bool turned = length % 2 != 0;
+                corners_.insert(corners_.end(), {last[turned ? 1 : 0], last[turned ? 0 : 1], vertex});
+                faceEnds_.push_back(corners_.size());
+            }
+            last = {last[1], vertex};
+            length++;
+        }
+    }
+
+    uint32_t checkedVertex(int64_t index) const {
+        if (index < 0 || index >= vertexCount_)
+            source_.fail("uses vertex " + std::to_string(index) + ", the file has " +
+                         std::to_string(vertexCount_) + " (numbered from 0)");
+        return static_cast<uint32_t>(index);
     }
 
     void readCorners(const PlyProperty& property) {
@@ -273,11 +325,7 @@ class PlyBody {
             source_.fail("has " + std::to_string(count) + " vertices, the limit is " +
                          std::to_string(kMaxPolygonCorners));
         for (int64_t i = 0; i < count; i++) {
-            const int64_t index = source_.nextInteger(property.type);
-            if (index < 0 || index >= vertexCount_)
-                source_.fail("uses vertex " + std::to_string(index) + ", the file has " +
-                             std::to_string(vertexCount_) + " (numbered from 0)");
-            corners_.push_back(static_cast<uint32_t>(index));
+            corners_.push_back(checkedVertex(source_.nextInteger(property.type)));
         }
     }
 

@@ -68,6 +68,57 @@ const Mesh& meshOf(const Scene& scene) {
 
 }  // namespace
 
+std::string specularGlossiness(const std::string& members) {
+    return R"("extensions": {"KHR_materials_pbrSpecularGlossiness": {)" + members + "}}";
+}
+
+// Reflectance 0.04 and glossiness 1/2 are a dielectric of roughness 1/2, whose base colour is 0.96 of the
+// diffuse one: all numbers of ARoughDielectric but diffuse follow.
+TEST(GltfMaterial, SpecularGlossinessAsMetallicRoughness) {
+    const std::string members = specularGlossiness(
+        R"("diffuseFactor": [0.8, 0.4, 0.2, 1], "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0.5)");
+    const Material m = material(members);
+    expectNear(m.diffuse, 0.96 * Color(0.8, 0.4, 0.2));
+    EXPECT_DOUBLE_EQ(m.shininess, 30);
+    expectNear(m.specular, Color(0.16));
+    EXPECT_EQ(m.mirror, Color(0));
+    EXPECT_EQ(m.ambient, m.diffuse);
+    // A smooth metal: nothing is scattered, the mirror has the specular colour.
+    const Material gold = material(specularGlossiness(R"("specularFactor": [1, 0.75, 0.3])"));
+    EXPECT_EQ(gold.diffuse, Color(0));
+    expectNear(gold.mirror, Color(1, 0.75, 0.3));
+    // A rough one: 1 - 0.04 of its red surroundings' light, as nothing else shows them.
+    const Material rough =
+        material(specularGlossiness(R"("specularFactor": [1, 0.04, 0.54], "glossinessFactor": 0)"));
+    EXPECT_EQ(rough.mirror, Color(0));
+    expectNear(rough.ambient, Color(0.96, 0, 0.5));
+    // It counts where both are given, and is asked for without complaint where a file requires it.
+    const Scene both =
+        load(triangleGltf("\"materials\": [{" + pbr(R"("baseColorFactor": [0, 0, 1, 1])") + ", " + members +
+                          R"(}], "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"],
+        "extensionsRequired": ["KHR_materials_pbrSpecularGlossiness"])"));
+    EXPECT_EQ(both.materials.at(0).diffuse, m.diffuse);
+    EXPECT_EQ(both.warnings, std::vector<std::string>{"KHR_materials_pbrSpecularGlossiness is drawn as "
+                                                      "metallic-roughness is, which took its place"});
+}
+
+// A texture's colours are sRGB, its alpha is a number: 188 is half of the light (IEC 61966-2-1), 51 a fifth.
+TEST(GltfMaterial, SpecularGlossinessTextures) {
+    const Scene scene = textured(specularGlossiness(R"("diffuseTexture": {"index": 0, "texCoord": 1},
+        "specularGlossinessTexture": {"index": 0}, "glossinessFactor": 0.5)"),
+                                 png(1, 1, 4, {188, 0, 0, 204}));
+    const Material& m = scene.materials.at(0);
+    const double half = linearFromSrgb(188 / 255.0);
+    EXPECT_NEAR(half, 0.5, 0.005);
+    expectNear(m.diffuse, Color(1 - half), 1e-6);
+    EXPECT_NE(m.diffuseTexture, Material::kNoTexture);
+    EXPECT_EQ(m.specularTexture, Material::kNoTexture);
+    const double alpha = 0.6 * 0.6;  // roughness 1 - 0.5 * 204 / 255
+    EXPECT_NEAR(m.shininess, 2 / (alpha * alpha) - 2, 1e-5);
+    expectNear(m.specular, Color((m.shininess + 2) / 8 * half, 0, 0), 1e-6);
+    EXPECT_EQ(scene.warnings.back(), "specularGlossinessTexture is replaced by its mean values");
+}
+
 TEST(GltfMaterial, ARoughDielectric) {
     const Material m = material(pbr(R"("baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0,
         "roughnessFactor": 0.5)"));
@@ -177,7 +228,7 @@ TEST(GltfMaterial, Textures) {
     const auto& image = std::get<ImageTexture>(scene.textures.at(0).source);
     EXPECT_EQ(image.wrapU, Wrap::Clamp);
     EXPECT_EQ(image.wrapV, Wrap::Mirror);
-    EXPECT_TRUE(image.nearest);
+    EXPECT_EQ(image.filter, TexelFilter::Nearest);
     EXPECT_EQ(image.image->at(0, 0, 0), 1.0f);
     EXPECT_EQ(image.image->at(1, 0, 1), static_cast<float>(linearFromSrgb(128.0 / 255)));
     // glTF's v counts from the top.

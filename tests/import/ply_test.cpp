@@ -250,9 +250,64 @@ TEST(Ply, ContentsThatCannotBeDrawn) {
                                                 "element face 1\nproperty list uchar float vertex_index\n") +
                             "0 0 0\n"),
               "m.ply: \"vertex_index\" must be a list of integers");
-    EXPECT_EQ(importErrorOf(header("ascii", "element vertex 1\n" + kXyz + "element tristrips 1\n" + kList) +
-                            "0 0 0\n"),
-              "m.ply: triangle strips are not supported, write faces instead");
+}
+
+const std::string kStrips = "element tristrips 1\nproperty list int int vertex_indices\n";
+
+// A row of four triangles over five vertices and, after -1, one of a sixth: (0 1 2), (1 2 3) turned round,
+// ... Runs of fewer than three vertices and repeated vertices make none.
+TEST(Ply, TriangleStrips) {
+    const std::string vertices = "0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n9 9 9\n";
+    const std::string head = header("ascii", "element vertex 6\n" + kXyz + kStrips);
+    const ImportedMesh plain = import(head + vertices + "9 0 1 2 3 4 -1 5 0 1\n");
+    EXPECT_EQ(plain.mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {5, 0, 1}}));
+    EXPECT_TRUE(plain.mesh.faces.empty()) << "each is a face of its own";
+    EXPECT_TRUE(plain.warnings.empty());
+    // The repeated vertex counts: (3 2 4) is the third after (0 1 2), and turned round.
+    const ImportedMesh joined = import(head + vertices + "11 -1 -1 0 1 -1 0 1 2 2 3 4\n");
+    EXPECT_EQ(joined.mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {3, 2, 4}}));
+}
+
+std::string binaryStrip(bool big) {
+    std::string bytes =
+        header(big ? "binary_big_endian" : "binary_little_endian", "element vertex 4\n" + kXyz + kStrips);
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
+        put<float>(bytes, x, big);
+    put<int32_t>(bytes, 6, big);
+    for (const int32_t index : {0, 1, 2, 3, -1, 0}) put<int32_t>(bytes, index, big);
+    return bytes;
+}
+
+TEST(Ply, BinaryTriangleStrips) {
+    for (const bool big : {false, true}) {
+        const std::string bytes = binaryStrip(big);
+        EXPECT_EQ(import(bytes).mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 3}})) << big;
+        EXPECT_EQ(importErrorOf(bytes.substr(0, bytes.size() - 1)),
+                  "m.ply: the file ends after 0 of 1 elements \"tristrips\"");
+    }
+}
+
+TEST(Ply, StripsBesideFaces) {
+    const ImportedMesh both =
+        import(header("ascii", kSquare + kStrips) + kSquareVertices + "3 0 1 2\n3 0 2 3\n3 3 2 1\n");
+    EXPECT_EQ(both.mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
+}
+
+TEST(Ply, StripsThatCannotBeDrawn) {
+    const std::string head = header("ascii", "element vertex 3\n" + kXyz + kStrips) + "0 0 0\n1 0 0\n0 1 0\n";
+    EXPECT_EQ(importErrorOf(head + "3 0 1 3\n"),
+              "m.ply:14: tristrips uses vertex 3, the file has 3 (numbered from 0)");
+    EXPECT_EQ(importErrorOf(head + "3 0 1 -2\n"),
+              "m.ply:14: tristrips uses vertex -2, the file has 3 (numbered from 0)");
+    EXPECT_EQ(importErrorOf(head + "-1 0 1 2\n"),
+              "m.ply:14: tristrips list \"vertex_indices\" has -1 entries");
+    EXPECT_NE(importErrorOf(head + "4 0 1 2\n"), "no error") << "the line ends too early";
+    EXPECT_EQ(importErrorOf(head), "m.ply:13: the file ends after 0 of 1 elements \"tristrips\"");
+    EXPECT_EQ(importErrorOf(head + "2 0 1\n"), "m.ply: holds no faces; points and lines cannot be rendered");
+    EXPECT_EQ(
+        importErrorOf(header("ascii", "element vertex 1\n" + kXyz + "element tristrips 1\nproperty int n\n") +
+                      "0 0 0\n1\n"),
+        "m.ply: the triangle strips have neither a list vertex_indices nor vertex_index");
 }
 
 TEST(Ply, DegenerateFacesAreCounted) {
