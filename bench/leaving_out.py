@@ -5,7 +5,12 @@
 
 The scene is 100,000 triangles under one light, matte: it needs nothing but triangles and pointLights. `glint bench --with FEATURE` draws it with
 a pipeline that holds the code of one feature more, `--full` with that of all. SPIR-V is what the driver is given, machine instructions what
-it made of it (lavapipe only; needs zstd and objdump, see kernel_code.py). About three minutes on two idle cores.
+it made of it (lavapipe only; needs zstd and objdump, see kernel_code.py).
+
+All take turns, several rounds of them, and every third run is of the pipeline that holds what the scene needs alone. Each run is compared with
+the nearest of these in its round, so that what else the machine does meets both; the rounds' ratios have a median and quartiles. How far two
+runs of the same pipeline are apart is measured in the same way: a row whose quartiles overlap those says that it is within noise. About
+six minutes on two idle cores.
 """
 import pathlib
 import re
@@ -31,10 +36,12 @@ def machine_instructions(cache):
     return sum(sizes[:KERNELS]) or None
 
 
-def measured(glint, scene, *options):
-    """One cold run of `glint bench`; the cache starts empty, so compiling is cold and its objects can be counted."""
-    with tempfile.TemporaryDirectory() as cache:
-        result = measure.bench(glint, scene, *options, environment={"MESA_SHADER_CACHE_DIR": cache, "MESA_SHADER_CACHE_DISABLE": "false"})
+def measured(glint, scene, cache, *options):
+    """A run of `glint bench` with a cache of its own: the first one starts empty, so compiling is cold and its objects can be counted."""
+    cold = not cache.exists()
+    cache.mkdir(exist_ok=True)
+    result = measure.bench(glint, scene, *options, environment={"MESA_SHADER_CACHE_DIR": str(cache), "MESA_SHADER_CACHE_DISABLE": "false"})
+    if cold:
         result["instructions"] = machine_instructions(cache)
     return result
 
@@ -49,44 +56,87 @@ def rate(result, kind):
     return result["rays"][kind]["perSecond"]["median"]
 
 
-def row(name, result, base):
-    ratio = lambda kind: f"{rate(result, kind) / 1e6:.3g} ({rate(result, kind) / rate(base, kind):.2f})"
-    same = "same" if result["picture"] == base["picture"] else "**differs**"
-    return [name, f"{result['bytes']['spirv'] / 1024:.0f}", result["instructions"] or "-", f"{result['seconds']['compile'] * 1e3:.0f}", ratio("primary"),
-            ratio("shadow"), f"{result['seconds']['trace']['median'] * 1e3:.1f}", f"{result['seconds']['trace']['median'] / base['seconds']['trace']['median']:.2f}",
-            f"{result['bytes']['hostPeak'] / 2**20:.0f}", f"{result['bytes']['device'] / 2**20:.0f}", same]
+def processors(result):
+    return result["seconds"]["processors"]["median"]
+
+
+def quartiles(values):
+    if len(values) < 2:
+        return values[0], values[0], values[0]
+    q = statistics.quantiles(values, n=4, method="inclusive")
+    return q[0], q[1], q[2]
+
+
+def ratios(pairs, figure):
+    return quartiles([figure(run) / figure(base) for run, base in pairs])
+
+
+def spread(q):
+    return f"{q[1]:.2f} ({q[0]:.2f}..{q[2]:.2f})"
+
+
+def verdict(times, noise):
+    """Whether the quartiles of a row are apart from those of the same pipeline, measured against itself."""
+    return "within noise" if times[0] <= noise[2] and noise[0] <= times[2] else "slower" if times[1] > 1 else "faster"
+
+
+def row(name, first, pairs, noise):
+    times = ratios(pairs, processors)
+    same = "same" if all(run["picture"] == base["picture"] for run, base in pairs) else "**differs**"
+    return [name, f"{first['bytes']['spirv'] / 1024:.0f}", first["instructions"] or "-", f"{first['seconds']['compile'] * 1e3:.0f}",
+            spread(ratios(pairs, lambda r: rate(r, "primary"))), spread(ratios(pairs, lambda r: rate(r, "shadow"))), spread(times),
+            "-" if noise is None else verdict(times, noise), f"{first['bytes']['hostPeak'] / 2**20:.0f}", f"{first['bytes']['device'] / 2**20:.0f}", same]
+
+
+def take_turns(run, variants, rounds):
+    """Of each variant its first run, and every run with the nearest one of the base in its round; "" is the base, paired with itself."""
+    first, pairs = {}, {name: [] for name in ["", *variants]}
+    for turn in range(rounds):
+        order = variants[turn % len(variants):] + variants[: turn % len(variants)]
+        base = run("")
+        first.setdefault("", base)
+        for i in range(0, len(order), 2):
+            two = [(name, run(name)) for name in order[i:i + 2]]
+            after = run("")
+            pairs[""].append((after, base))
+            for j, (name, result) in enumerate(two):
+                first.setdefault(name, result)
+                pairs[name].append((result, after if j == 1 else base))
+            base = after
+            print(f"round {turn + 1} of {rounds}: {min(i + 2, len(order))} of {len(order)}", file=sys.stderr)
+    return first, pairs
 
 
 def main():
     parser = measure.arguments(__doc__)
     parser.add_argument("--traversal", default="auto")
+    parser.add_argument("--rounds", type=int, default=7)
     options = parser.parse_args()
-    repeat = "3" if options.quick else "7"
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         mesh = folder / "terrain.ply"
         scaling.terrain(mesh, 10**4 if options.quick else 10**5)
         scene = scaling.terrain_scene(folder, "terrain", mesh)
-        run = lambda *more: measured(options.glint, scene, "--repeat", repeat, "--traversal", options.traversal, *more)
-        bases, rows = [run()], []
-        extra = [f for f in features() if f not in bases[0]["features"]]
-        if options.quick:
-            extra = ["spheres", "transmission"]
-        results = []
-        for i, feature in enumerate(extra):
-            results.append((feature, run("--with", feature)))
-            if i == len(extra) // 2:
-                bases.append(run())
-            print(f"{feature} done", file=sys.stderr)
-        full = run("--full")
-        bases.append(run())
-        # The machine's pace drifts: the pruned pipeline is measured first, in between and last.
-        base = sorted(bases, key=lambda r: r["seconds"]["trace"]["median"])[len(bases) // 2]
-        base["seconds"]["compile"] = statistics.median(b["seconds"]["compile"] for b in bases)
-        rows = [row("**what the scene needs**", base, base)] + [row(n, r, base) for n, r in results] + [row("**everything (`--full`)**", full, base)]
-    header = ["code of", "SPIR-V, KiB", "machine instructions", "compile, ms, cold", "primary, Mrays/s", "shadow, Mrays/s", "trace, ms", "times slower", "host, MiB",
-              "device, MiB", "picture"]
-    publish = f"{measure.machine(base)}, {base['traversal']}s, 512 x 512:\n\n" + measure.table(header, rows)
+
+        def run(variant):
+            code = ["--full"] if variant == "full" else ["--with", variant] if variant else []
+            return measured(options.glint, scene, folder / f"cache-{variant}", "--repeat", "3", "--traversal", options.traversal, *code)
+
+        used = run("")["features"]
+        shutil.rmtree(folder / "cache-")
+        extra = ["spheres", "transmission"] if options.quick else [f for f in features() if f not in used]
+        first, pairs = take_turns(run, [*extra, "full"], 2 if options.quick else options.rounds)
+    noise = ratios(pairs[""], processors)
+    rows = [row("**what the scene needs**", first[""], pairs[""], None)] + [row(n, first[n], pairs[n], noise) for n in extra]
+    rows += [row("**everything (`--full`)**", first["full"], pairs["full"], noise)]
+    header = ["code of", "SPIR-V, KiB", "machine instructions", "compile, ms, cold", "primary rays/s", "shadow rays/s", "processor time", "verdict",
+              "host, MiB", "device, MiB", "picture"]
+    base, absolute = first[""], [run for run, _ in pairs[""]]
+    median = lambda figure: statistics.median(figure(r) for r in absolute)
+    publish = (f"{measure.machine(base)}, {base['traversal']}s, 512 x 512, {len(pairs['full'])} rounds. What the scene needs: primary "
+               f"{median(lambda r: rate(r, 'primary')) / 1e6:.3g}, shadow {median(lambda r: rate(r, 'shadow')) / 1e6:.3g} Mrays/s, "
+               f"{median(processors) * 1e3:.3g} ms of processor time a picture; all else against it, in turns: median (quartiles).\n\n"
+               + measure.table(header, rows))
     measure.publish(options.page, "leaving_out", publish)
 
 
