@@ -61,7 +61,7 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
     double openSeconds = 0;
     if (command.backend == Backend::Gpu) {
         const Stopwatch watch;
-        device.emplace(gpu::DeviceOptions{command.device.selector, command.device.validation, {}, false});
+        device.emplace(openDevice(command.device, true, false));
         openSeconds = watch.seconds();
     }
     const bool json = command.stats == "json";

@@ -8,7 +8,10 @@
 #include "app/exit_code.h"
 #include "app/options.h"
 #include "app/usage.h"
+#include "core/enum_names.h"
 #include "core/error.h"
+#include "core/near_names.h"
+#include "report/plan.h"
 #include "scene/limits.h"
 
 namespace glint::app {
@@ -39,6 +42,13 @@ Text parseStats(const Text& text) {
     return text;
 }
 
+// An option that takes one of an enumeration's names.
+template <NamedEnum E, typename Target>
+void addNamed(CLI::App& command, const char* name, const Text& description, Target& target) {
+    addText(command, name, alternatives<E>().c_str(), description,
+            [&target, name](const Text& t) { target = parseNamed<E>(name, t); });
+}
+
 void addFlag(CLI::App& command, const char* names, bool& flag, const Text& description) {
     command.add_flag(names, flag, description)->disable_flag_override();
 }
@@ -57,20 +67,19 @@ void addSceneOverrides(CLI::App& command, SceneOptions& options) {
     addText(command, "--max-depth", "N",
             "greatest number of reflections and refractions in a row instead of the scene's",
             [&](const Text& t) { options.maxDepth = parseWhole("--max-depth", t, 0, kMaxBounces); });
-    addText(command, "--build-quality", "fast|default|high",
-            "time spent on the BVH: binned (fast); split and improved where cheap (default) or at "
-            "all (high)",
-            [&](const Text& t) { options.buildQuality = parseBuildQuality(t); });
+    addNamed<BuildQuality>(command, "--build-quality",
+                           "time spent on the BVH: " + explainedChoices<BuildQuality>(),
+                           options.buildQuality);
 }
 
 void addMethods(CLI::App& command, SceneOptions& options) {
-    addText(command, "--intersector", "NAME",
-            "of triangles: watertight (default); of textbooks, with their faults: barycentric, projection, "
-            "planar3d",
-            [&](const Text& t) { options.methods.triangles = parseIntersector(t); });
-    addText(command, "--sphere", "NAME",
-            "of spheres: robust (default); of textbooks, with their faults: algebraic, geometric",
-            [&](const Text& t) { options.methods.spheres = parseSphereMethod(t); });
+    addNamed<TriangleMethod>(
+        command, "--intersector",
+        "test of triangles: all but the default, watertight, are textbooks', with their faults",
+        options.methods.triangles);
+    addNamed<SphereMethod>(command, "--sphere",
+                           "test of spheres: all but the default, robust, are textbooks', with their faults",
+                           options.methods.spheres);
 }
 
 void addMinContribution(CLI::App& command, SceneOptions& options) {
@@ -81,10 +90,10 @@ void addMinContribution(CLI::App& command, SceneOptions& options) {
 }
 
 void addSampling(CLI::App& command, SceneOptions& options) {
-    addText(command, "--sampler", "NAME", "auto, grid, jittered or lowDiscrepancy instead of the scene's",
-            [&](const Text& t) { options.sampler = parseSampler(t); });
+    addNamed<Sampler>(command, "--sampler", "where the samples of a pixel lie, instead of the scene's",
+                      options.sampler);
     addText(command, "--filter", "NAME[,RADIUS]",
-            "box, tent, gaussian or mitchell instead of the scene's; radius in pixels",
+            choices<Filter>() + " instead of the scene's; radius in pixels",
             [&](const Text& t) { options.filter = parseFilter(t); });
     addText(command, "--seed", "N", "of the jittered and the lowDiscrepancy sampler, instead of the scene's",
             [&](const Text& t) { options.seed = parseSeed(t); });
@@ -102,22 +111,21 @@ void addDevice(CLI::App& command, DeviceChoice& device) {
 }
 
 void addTraversal(CLI::App& command, DeviceChoice& device) {
-    addText(command, "--traversal", "auto|lane|packet|bvh4|cwbvh",
-            "how the device finds hits: ray by ray, by packets of rays, or ray by ray in a wide tree "
-            "(default auto: see glint info)",
-            [&](const Text& t) { device.traversal = parseTraversal(t); });
+    addNamed<render::Traversal>(
+        command, "--traversal",
+        "how the device finds hits: ray by ray, by packets of rays, or ray by ray in a wide tree "
+        "(default auto: see glint info)",
+        device.traversal);
 }
 
 void addBackend(CLI::App& command, Backend& backend) {
-    addText(command, "--backend", "gpu|cpu",
-            "gpu (default), or cpu: the double-precision reference, needs no Vulkan",
-            [&](const Text& t) { backend = parseBackend(t); });
+    addNamed<Backend>(command, "--backend",
+                      "gpu (default), or cpu: the double-precision reference, needs no Vulkan", backend);
 }
 
 void addProgress(CLI::App& command, ProgressMode& mode) {
-    addText(command, "--progress", "auto|bar|plain|none",
-            "on standard error (default auto: a bar on a terminal)",
-            [&](const Text& t) { mode = parseProgress(t); });
+    addNamed<ProgressMode>(command, "--progress", "on standard error (default auto: a bar on a terminal)",
+                           mode);
 }
 
 void addRender(CLI::App& app, RenderCommand& c) {
@@ -137,9 +145,8 @@ void addRender(CLI::App& app, RenderCommand& c) {
     addDevice(command, c.device);
     addTraversal(command, c.device);
     addText(command, "--aov", "LIST",
-            "layers, with commas: color alpha depth position normal uv object primitive material bounces "
-            "cost; an EXR holds "
-            "them all, other formats get a file for each",
+            "layers, with commas: " + joinNames(kEnumNames<Aov>) +
+                "; an EXR holds them all, other formats get a file for each",
             [&](const Text& t) { c.aovs = parseAovs(t); });
     addText(command, "--crop", "x0,y0,x1,y1",
             "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
@@ -215,14 +222,16 @@ void addReport(CLI::App& app, ReportCommand& c) {
             [&](const Text& t) { c.repeats = parseWhole("--repeats", t, 1, 1000); });
     addText(command, "--truth-spp", "N", "samples for each pixel of the converged picture (default 256)",
             [&](const Text& t) { c.truthSamples = parseWhole("--truth-spp", t, 1, kMaxSamplesPerPixel); });
-    addText(command, "--truth", "cpu|gpu",
-            "who draws the converged picture: the double-precision reference (default) or the device",
-            [&](const Text& t) { c.truth = parseBackend(t, "--truth"); });
+    addNamed<Backend>(
+        command, "--truth",
+        "who draws the converged picture: the double-precision reference (cpu, default) or the device",
+        c.truth);
     addText(command, "--budget", "SECONDS", "after which no further setting is started",
             [&](const Text& t) { c.budget = parseWhole("--budget", t, 0, 10'000'000); });
+    const auto& families = report::familyStarts();
     addText(command, "--only", "LIST",
-            "with commas, the settings to measure: grid, jittered, lowDiscrepancy, default, "
-            "triangles, spheres, offset, slab, nothing, storage, texel, ray, fp64, depth, cut",
+            "with commas, the settings to measure: " +
+                joinNames(std::vector<std::string_view>(families.begin(), families.end())),
             [&](const Text& t) { c.only = parseFamilies(t); });
     addDevice(command, c.device);
     addProgress(command, c.progress);
@@ -237,15 +246,17 @@ void addBench(CLI::App& app, BenchCommand& c) {
     addMinContribution(command, c.common);
     addBackend(command, c.backend);
     addDevice(command, c.device);
-    addText(command, "--traversal", "auto|lane|packet|bvh4|cwbvh|all",
+    addText(command, "--traversal", (alternatives<render::Traversal>() + "|all").c_str(),
             "how the device finds hits (default auto: see glint info); all: each way in turn besides",
             [&](const Text& t) {
                 c.everyWalk = t == "all";
-                c.device.traversal = c.everyWalk ? render::Traversal::Auto : parseTraversal(t);
+                c.device.traversal =
+                    c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>("--traversal", t);
             });
-    addText(command, "--compaction", "auto|on|off",
-            "after a bounce, whether kernels run over the paths that go on alone (default auto: if fewer)",
-            [&](const Text& t) { c.compaction = parseCompaction(t); });
+    addNamed<render::Compaction>(
+        command, "--compaction",
+        "after a bounce, whether kernels run over the paths that go on alone (default auto: if fewer)",
+        c.compaction);
     addText(command, "--repeat", "N", "pictures to take the median of, after the warm-up (default 7)",
             [&](const Text& t) { c.repeats = parseWhole("--repeat", t, 1, 1000); });
     addText(command, "--with", "LIST",

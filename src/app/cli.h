@@ -58,7 +58,7 @@ struct RenderCommand {
     std::filesystem::path output;  // empty: the scene's stem with .png, in the current folder
     Backend backend = Backend::Gpu;
     DeviceChoice device;
-    std::vector<std::string> aovs;  // empty: color
+    std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;
     std::string stats;  // "" or "json"
     ProgressMode progress = ProgressMode::Auto;

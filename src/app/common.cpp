@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -59,6 +60,33 @@ Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
     request.methods = options.methods;
     request.minContribution = options.minContribution;
     return request;
+}
+
+namespace {
+
+bool anyUsableDevice() {
+    try {
+        const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+        return std::any_of(devices.begin(), devices.end(), [](const gpu::DeviceInfo& d) { return d.usable; });
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace
+
+Error withAdvice(const Error& error) {
+    if (anyUsableDevice()) return error;
+    return {error.kind(), std::string(error.what()) + ", or use --backend cpu"};
+}
+
+gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms) {
+    try {
+        return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
+    } catch (const Error& error) {
+        if (!hostWould) throw;
+        throw withAdvice(error);
+    }
 }
 
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {

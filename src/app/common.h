@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/cli.h"
+#include "core/error.h"
 #include "core/wording.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
@@ -17,6 +18,13 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 
 // The scene's picture, whole, with what the command line says about it.
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
+
+// Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
+// so.
+gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
+
+// The error with the advice to use --backend cpu, if no device can be used.
+Error withAdvice(const Error& error);
 
 // Prints what the validation layer said; throws Error(Device) if it said anything, or was asked for and is
 // not there.

@@ -99,7 +99,7 @@ std::string samplerText(const ImageSettings& image) {
     const Sampler sampler = samplerOf(image);
     if (image.samplesPerPixel == 1 && sampler == Sampler::Grid) return "";
     const char* const how = image.sampler == Sampler::Auto ? ", auto)" : ")";
-    return std::string(" (") + nameOf(sampler) + how;
+    return " (" + std::string(nameOf(sampler)) + how;
 }
 
 void printImage(const std::string& file, const Image& image, std::ostream& out) {
@@ -154,15 +154,20 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
 }
 
 int runDevices(std::ostream& out) {
-    const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+    std::vector<gpu::DeviceInfo> devices;
+    try {
+        devices = gpu::listDevices();
+    } catch (const Error& e) {
+        throw withAdvice(e);
+    }
     uint32_t chosen = shared::kNone;
     std::string refusal;
     try {
         chosen = gpu::chooseDevice(devices, "").index;
     } catch (const Error& e) {
         // The list below says more about each device; the error comes after it.
-        refusal =
-            devices.empty() ? e.what() : "no usable Vulkan device (reasons above); --backend cpu needs none";
+        refusal = devices.empty() ? withAdvice(e).what()
+                                  : "no usable Vulkan device (reasons above); --backend cpu needs none";
     }
     for (const gpu::DeviceInfo& d : devices) {
         out << d.index << "  " << d.name << "\n   " << d.type << ", " << d.driver << ", Vulkan " << d.api

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "core/error.h"
 #include "core/near_names.h"
+#include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
 #include "shared/dispatch.h"
@@ -17,10 +19,6 @@
 namespace glint::app {
 
 namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& wanted, const std::string& text) {
-    throw Error(ErrorKind::Argument, option + ": expected " + wanted + ", got " + quoted(text));
-}
 
 // Numbers too large for 64 bits become the largest one, so that range checks see them.
 std::optional<int64_t> wholeNumber(std::string_view text) {
@@ -71,7 +69,35 @@ std::string trimmed(const std::string& text) {
     return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+// The parts of "a, b", each of which must be one of `known`; messages show lists of up to kShown in full.
+constexpr size_t kShown = 16;
+std::vector<std::string> namesIn(const std::string& text, const std::string& option, const std::string& what,
+                                 std::span<const std::string_view> known) {
+    std::vector<std::string> names;
+    for (const std::string& part : split(text, ',')) {
+        const std::string name = trimmed(part);
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            std::string hint = suggestion(name, known, "known");
+            if (!hint.starts_with("did") && known.size() <= kShown) hint = "known: " + joinNames(known);
+            throw Error(ErrorKind::Argument,
+                        option + ": unknown " + what + " " + quoted(name) + " (" + hint + ")");
+        }
+        names.push_back(name);
+    }
+    return names;
+}
+
+double parseNotNegative(const std::string& option, const std::string& text) {
+    const auto value = number(text);
+    if (!value || *value < 0) refuse(option, "a number from 0 up", text);
+    return *value;
+}
+
 }  // namespace
+
+void refuse(const std::string& option, const std::string& wanted, const std::string& text) {
+    throw Error(ErrorKind::Argument, option + ": expected " + wanted + ", got " + quoted(text));
+}
 
 std::string quoted(const std::string& text) {
     constexpr size_t kLongest = 60;
@@ -116,41 +142,20 @@ std::pair<int, int> parsePixel(const std::string& text) {
     return {v[0], v[1]};
 }
 
-std::vector<std::string> parseAovs(const std::string& text) {
-    std::vector<std::string> names;
-    for (const std::string& part : split(text, ',')) {
-        const std::string name = trimmed(part);
-        const auto& known = aovNames();
-        if (std::find(known.begin(), known.end(), name) == known.end()) {
-            std::string list;
-            for (const std::string& n : known) list += (list.empty() ? "" : " ") + n;
-            const std::vector<std::string_view> views(known.begin(), known.end());
-            const std::string nearest = name.empty() ? "" : suggestion(name, views, "known");
-            throw Error(ErrorKind::Argument, "--aov: unknown layer " + quoted(name) + " (" +
-                                                 (nearest.starts_with("did") ? nearest : "known: " + list) +
-                                                 ")");
-        }
-        if (std::find(names.begin(), names.end(), name) != names.end()) {
+std::vector<Aov> parseAovs(const std::string& text) {
+    std::vector<Aov> aovs;
+    for (const std::string& name : namesIn(text, "--aov", "layer", kEnumNames<Aov>)) {
+        const Aov aov = named<Aov>(name).value();
+        if (std::find(aovs.begin(), aovs.end(), aov) != aovs.end())
             throw Error(ErrorKind::Argument, "--aov: the layer " + quoted(name) + " is given twice");
-        }
-        names.push_back(name);
+        aovs.push_back(aov);
     }
-    return names;
+    return aovs;
 }
 
 std::vector<std::string> parseFamilies(const std::string& text) {
-    static const std::vector<std::string_view> known = {
-        "grid",    "jittered", "lowDiscrepancy", "default", "triangles", "spheres", "offset", "slab",
-        "nothing", "storage",  "texel",          "ray",     "fp64",      "depth",   "cut"};
-    std::vector<std::string> names;
-    for (const std::string& part : split(text, ',')) {
-        const std::string name = trimmed(part);
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(ErrorKind::Argument, "--only: unknown setting " + quoted(name) + " (" +
-                                                 suggestion(name, known, "known") + ")");
-        names.push_back(name);
-    }
-    return names;
+    const std::vector<std::string>& starts = report::familyStarts();
+    return namesIn(text, "--only", "setting", std::vector<std::string_view>(starts.begin(), starts.end()));
 }
 
 SceneFeatures parseFeatures(const std::string& text) {
@@ -160,79 +165,13 @@ SceneFeatures parseFeatures(const std::string& text) {
 #undef GLINT_NAME
     };
     SceneFeatures features;
-    for (const std::string& part : split(text, ',')) {
-        const std::string name = trimmed(part);
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(ErrorKind::Argument, "--with: unknown feature " + quoted(name) + " (" +
-                                                 suggestion(name, known, "known") + ")");
+    for (const std::string& name : namesIn(text, "--with", "feature", known)) {
 #define GLINT_SET(ID, NAME, field) \
     if (name == #field) features.field = true;
         GLINT_FEATURES(GLINT_SET)
 #undef GLINT_SET
     }
     return features;
-}
-
-Backend parseBackend(const std::string& text, const std::string& option) {
-    if (text == "gpu") return Backend::Gpu;
-    if (text == "cpu") return Backend::Cpu;
-    refuse(option, "gpu or cpu", text);
-}
-
-TriangleMethod parseIntersector(const std::string& text) {
-    const auto& names = kTriangleMethodNames;
-    const auto found = std::find(names.begin(), names.end(), text);
-    if (found == names.end())
-        refuse("--intersector", "watertight, barycentric, projection or planar3d", text);
-    return static_cast<TriangleMethod>(found - names.begin());
-}
-
-SphereMethod parseSphereMethod(const std::string& text) {
-    const auto& names = kSphereMethodNames;
-    const auto found = std::find(names.begin(), names.end(), text);
-    if (found == names.end()) refuse("--sphere", "robust, algebraic or geometric", text);
-    return static_cast<SphereMethod>(found - names.begin());
-}
-
-BuildQuality parseBuildQuality(const std::string& text) {
-    if (text == "fast") return BuildQuality::Fast;
-    if (text == "default") return BuildQuality::Default;
-    if (text == "high") return BuildQuality::High;
-    refuse("--build-quality", "fast, default or high", text);
-}
-
-namespace {
-
-double parseNotNegative(const std::string& option, const std::string& text) {
-    const auto value = number(text);
-    if (!value || *value < 0) refuse(option, "a number from 0 up", text);
-    return *value;
-}
-
-}  // namespace
-
-render::Traversal parseTraversal(const std::string& text) {
-    if (text == "auto") return render::Traversal::Auto;
-    if (text == "lane") return render::Traversal::Lane;
-    if (text == "packet") return render::Traversal::Packet;
-    if (text == "bvh4") return render::Traversal::Bvh4;
-    if (text == "cwbvh") return render::Traversal::Cwbvh;
-    refuse("--traversal", "auto, lane, packet, bvh4 or cwbvh", text);
-}
-
-render::Compaction parseCompaction(const std::string& text) {
-    if (text == "auto") return render::Compaction::Auto;
-    if (text == "on") return render::Compaction::On;
-    if (text == "off") return render::Compaction::Off;
-    refuse("--compaction", "auto, on or off", text);
-}
-
-ProgressMode parseProgress(const std::string& text) {
-    try {
-        return parseProgressMode(text);
-    } catch (const Error&) {
-        refuse("--progress", "auto, bar, plain or none", text);
-    }
 }
 
 double parseTolerance(const std::string& text) {
@@ -243,23 +182,16 @@ double parseMinContribution(const std::string& text) {
     return parseNotNegative("--min-contribution", text);
 }
 
-Sampler parseSampler(const std::string& text) {
-    const auto sampler = samplerNamed(text);
-    if (!sampler) refuse("--sampler", "auto, grid, jittered or lowDiscrepancy", text);
-    return *sampler;
-}
-
 FilterChoice parseFilter(const std::string& text) {
     const std::vector<std::string> parts = split(text, ',');
-    const auto filter = filterNamed(parts[0]);
+    const auto filter = named<Filter>(parts[0]);
     FilterChoice choice;
     if (filter) choice.filter = *filter;
     if (parts.size() == 2) choice.radius = number(parts[1]);
     const bool badRadius = parts.size() == 2 && !(choice.radius && *choice.radius >= kMinFilterRadius &&
                                                   *choice.radius <= kMaxFilterRadius);
     if (!filter || parts.size() > 2 || badRadius)
-        refuse("--filter",
-               "box, tent, gaussian or mitchell, and perhaps a radius from 0.01 to 8 pixels as in tent,1.5",
+        refuse("--filter", choices<Filter>() + ", and perhaps a radius from 0.01 to 8 pixels as in tent,1.5",
                text);
     return choice;
 }

@@ -32,14 +32,13 @@ struct Outcome {
     double writeSeconds = 0, totalSeconds = 0;
 };
 
-bool wants(const RenderCommand& command, const char* layer) {
-    return std::find(command.aovs.begin(), command.aovs.end(), layer) != command.aovs.end();
+bool wants(const RenderCommand& command, Aov aov) {
+    return std::find(command.aovs.begin(), command.aovs.end(), aov) != command.aovs.end();
 }
 
-// Layers that come from Picture::data.
 bool needsData(const RenderCommand& command) {
     return std::any_of(command.aovs.begin(), command.aovs.end(),
-                       [](const std::string& name) { return name != "color" && name != "alpha"; });
+                       [](Aov aov) { return glint::needsData(aov); });
 }
 
 std::filesystem::path outputOf(const RenderCommand& command) {
@@ -61,8 +60,8 @@ Region checkedRegion(const RenderCommand& command, const Scene& scene) {
 // The picture itself and a copy of each layer for the file; what a device or the encoder holds on top is
 // bounded or smaller.
 uint64_t bytesPerPixel(const RenderCommand& command) {
-    const uint64_t layers = std::max<size_t>(command.aovs.size(), 1);
-    return 4 * sizeof(float) + 1 + (needsData(command) ? sizeof(PixelData) : 0) + layers * 3 * sizeof(float);
+    return 4 * sizeof(float) + 1 + (needsData(command) ? sizeof(PixelData) : 0) +
+           command.aovs.size() * 3 * sizeof(float);
 }
 
 Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
@@ -70,7 +69,7 @@ Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const
     Request request = requestOf(loaded, command.scene);
     request.region = region;
     request.data = needsData(command);
-    request.cost = wants(command, "cost");
+    request.cost = wants(command, Aov::Cost);
     request.ledger = loaded.packed.features.transmission || !command.stats.empty();
     request.progress = [&progress](double fraction) { progress.update(fraction); };
     request.cancelled = interrupted;
@@ -136,7 +135,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     const render::StageTimes& t = outcome.times;
     nlohmann::json json;
     json["scene"] = command.scene.scene.string();
-    json["backend"] = command.backend == Backend::Cpu ? "cpu" : "gpu";
+    json["backend"] = nameOf(command.backend);
     json["device"] = outcome.device;
     json["driver"] = outcome.driver;
     if (!outcome.traversal.empty()) json["traversal"] = outcome.traversal;
@@ -232,9 +231,8 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     // each other. What is wrong with the scene is said first.
     std::future<gpu::Device> opening;
     if (command.backend == Backend::Gpu) {
-        opening = std::async(std::launch::async | std::launch::deferred, [&device = command.device] {
-            return gpu::Device({device.selector, device.validation});
-        });
+        opening = std::async(std::launch::async | std::launch::deferred,
+                             [&device = command.device] { return openDevice(device, true); });
     }
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     const Region region = checkedRegion(command, loaded.scene);
@@ -261,9 +259,7 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     if (!anyDone) checkComplete(outcome);
 
     const Stopwatch writing;
-    const std::vector<std::string> layers =
-        command.aovs.empty() ? std::vector<std::string>{"color"} : command.aovs;
-    outcome.files = writeLayers(output, makeLayers(outcome.picture, layers));
+    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs));
     outcome.writeSeconds = writing.seconds();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);

@@ -44,7 +44,7 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
     const Stopwatch watch;
     makeFolder(command.folder);
     // What compiling takes is told of each setting.
-    const gpu::Device device({command.device.selector, command.device.validation, {}, false});
+    const gpu::Device device = openDevice(command.device, false, false);
     installInterruptHandler();
     report::Options options = optionsOf(command);
     options.late = [&] { return command.budget && watch.seconds() >= *command.budget; };

@@ -42,7 +42,7 @@ void print(const TraceCommand& command, const std::vector<WorldHit>& hits, int d
 
 void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::ostream& out,
                    std::ostream& err) {
-    const gpu::Device device({command.device.selector, command.device.validation});
+    const gpu::Device device = openDevice(command.device, true);
     std::vector<WorldHit> hits;
     {
         render::Options options;

@@ -63,7 +63,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
 
 int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
     checkOutputFolder(command.folder);
-    const gpu::Device device({command.device.selector, command.device.validation});
+    const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
     out << "device: " << device.info().name << ", " << device.info().driver << '\n';
     const auto pictures = pictureNames(command);

@@ -64,7 +64,7 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm
     out << "    pixel " << pixel.x << ',' << pixel.y;
     if (manySamples) out << " sample " << pixel.sample;
     std::snprintf(line, sizeof(line), ": difference %.6g, %s", pixel.difference,
-                  verify::reasonName(pixel.reason));
+                  std::string(nameOf(pixel.reason)).c_str());
     out << line;
     if (pixel.reason != verify::Reason::Unexplained) {
         std::snprintf(line, sizeof(line), " (rays moved by %.3g x 2^-24)", pixel.ulps);
@@ -102,7 +102,7 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     out << line;
     std::snprintf(line, sizeof(line),
                   "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g (99th percentile of the pixels)\n",
-                  report.kappa, verify::className(verify::classOf(report.kappa)),
+                  report.kappa, std::string(nameOf(verify::classOf(report.kappa))).c_str(),
                   report.kappa * verify::kFloatUnit, report.p99);
     out << line;
     for (const verify::DifferingPixel& pixel : report.worst) {

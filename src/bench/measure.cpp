@@ -189,7 +189,7 @@ class Contestant {
         result_.device = device.info().name;
         result_.driver = device.info().driver;
         result_.traversal = nameOf(renderer_.traversal(request_.methods));
-        result_.access = renderer_.access() == gpu::Access::TexelBuffer ? "texel" : "storage";
+        result_.access = nameOf(renderer_.access());
     }
 
     void warmUp() {
@@ -253,26 +253,21 @@ Result measureOnDevice(const Task& task, const gpu::Device& device, const Result
 // machine does meets all alike.
 std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, const Result& described) {
     using enum render::Traversal;
-    const struct {
-        render::Traversal traversal;
-        const char* name;
-        render::StackPlace stack;
-    } ways[] = {
-        {Lane, "lane", render::StackPlace::Private},     {Lane, "lane", render::StackPlace::Shared},
-        {Packet, "packet", render::StackPlace::Private}, {Bvh4, "bvh4", render::StackPlace::Private},
-        {Bvh4, "bvh4", render::StackPlace::Shared},      {Cwbvh, "cwbvh", render::StackPlace::Private},
-        {Cwbvh, "cwbvh", render::StackPlace::Shared}};
+    using enum render::StackPlace;
+    const std::pair<render::Traversal, render::StackPlace> ways[] = {
+        {Lane, Private}, {Lane, Shared},   {Packet, Private}, {Bvh4, Private},
+        {Bvh4, Shared},  {Cwbvh, Private}, {Cwbvh, Shared}};
     std::vector<std::unique_ptr<Contestant>> contestants;
-    for (const auto& way : ways) {
-        if (way.traversal == Packet && !render::runsPackets(device.info())) continue;
-        if (nameOf(chooseTraversal(way.traversal, device.info(), task.loaded.packed, task.request.methods)) !=
-            std::string(way.name))
+    for (const auto& [traversal, stack] : ways) {
+        if (traversal == Packet && !render::runsPackets(device.info())) continue;
+        if (nameOf(chooseTraversal(traversal, device.info(), task.loaded.packed, task.request.methods)) !=
+            nameOf(traversal))
             continue;
         render::Options options = profiled(task.options.renderer);
-        options.traversal = way.traversal;
-        options.stack = way.stack;
+        options.traversal = traversal;
+        options.stack = stack;
         Result base = described;
-        base.stack = way.stack == render::StackPlace::Shared ? "shared" : "private";
+        base.stack = nameOf(stack);
         contestants.push_back(std::make_unique<Contestant>(device, task, options, base));
         contestants.back()->warmUp();
     }

@@ -66,7 +66,7 @@ Json walkJson(const Result& r) {
 Json sceneJson(const Result& r) {
     Json json;
     json["scene"] = r.scene;
-    json["backend"] = r.backend == Backend::Cpu ? "cpu" : "gpu";
+    json["backend"] = nameOf(r.backend);
     json["device"] = r.device;
     json["driver"] = r.driver;
     if (!r.traversal.empty()) json["traversal"] = r.traversal;
@@ -114,7 +114,8 @@ std::string milliseconds(const Quartiles& q) {
 }
 
 std::string traversalText(const Result& r) {
-    const bool wide = r.traversal != "lane" && r.traversal != "packet";
+    const auto traversal = named<render::Traversal>(r.traversal);
+    const bool wide = traversal != render::Traversal::Lane && traversal != render::Traversal::Packet;
     return wide ? "lanes in a " + r.traversal : r.traversal + "s";
 }
 

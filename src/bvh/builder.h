@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/enum_names.h"
+
 namespace glint {
 
 struct Box {
@@ -29,6 +31,12 @@ struct Box {
 
 // How much time to spend on a tree, see build_tree.h.
 enum class BuildQuality { Fast, Default, High };
+constexpr auto entriesOf(BuildQuality) {
+    return std::to_array<EnumEntry<BuildQuality>>(
+        {{BuildQuality::Fast, "fast", "binned"},
+         {BuildQuality::Default, "default", "split and improved where that is cheap"},
+         {BuildQuality::High, "high", "split and improved everywhere"}});
+}
 
 struct BvhOptions {
     uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize

@@ -53,15 +53,6 @@ Progress::Clock steadyClock() {
 
 }  // namespace
 
-ProgressMode parseProgressMode(std::string_view text) {
-    if (text == "auto") return ProgressMode::Auto;
-    if (text == "bar") return ProgressMode::Bar;
-    if (text == "plain") return ProgressMode::Plain;
-    if (text == "none") return ProgressMode::None;
-    throw Error(ErrorKind::Argument,
-                "unknown progress mode '" + std::string(text) + "' (use auto, bar, plain or none)");
-}
-
 Progress::Progress(std::string label, ProgressMode mode, std::ostream& sink, bool terminal, Clock clock)
     : label_(std::move(label)),
       mode_(resolve(mode, terminal)),

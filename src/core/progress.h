@@ -6,7 +6,8 @@
 #include <iosfwd>
 #include <mutex>
 #include <string>
-#include <string_view>
+
+#include "core/enum_names.h"
 
 namespace glint {
 
@@ -16,9 +17,12 @@ enum class ProgressMode {
     Plain,  // a new line every 2 s or every 10 %, whichever comes first
     None
 };
-
-// "auto", "bar", "plain" or "none"; throws Error(Usage) for anything else.
-ProgressMode parseProgressMode(std::string_view text);
+constexpr auto entriesOf(ProgressMode) {
+    return std::to_array<EnumEntry<ProgressMode>>({{ProgressMode::Auto, "auto", "a bar on a terminal"},
+                                                   {ProgressMode::Bar, "bar"},
+                                                   {ProgressMode::Plain, "plain", "a line now and then"},
+                                                   {ProgressMode::None, "none"}});
+}
 
 // Shows nothing in the first second, so that short computations stay silent. All members may be called from
 // any thread; `sink` must outlive the object and is written to under a lock.

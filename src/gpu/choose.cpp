@@ -69,9 +69,8 @@ DeviceRefs matching(const std::vector<DeviceInfo>& devices, const std::string& s
 
 const DeviceInfo& chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
     if (devices.empty()) {
-        throw Error(
-            ErrorKind::Device,
-            "no Vulkan device found: install a driver such as mesa-vulkan-drivers, or use --backend cpu");
+        throw Error(ErrorKind::Device,
+                    "no Vulkan device found: install a driver such as mesa-vulkan-drivers");
     }
     const DeviceRefs matches = matching(devices, selector);
     if (matches.empty()) {

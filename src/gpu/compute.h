@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "gpu/device.h"
 
 namespace glint::gpu {
@@ -15,6 +16,10 @@ namespace glint::gpu {
 // How shaders see a buffer: as a storage buffer of uvec4, or as a storage texel buffer of format rgba32ui.
 // On lavapipe an imageLoad from the latter costs a fifth of a storage buffer load.
 enum class Access { StorageBuffer, TexelBuffer };
+constexpr auto entriesOf(Access) {
+    return std::to_array<EnumEntry<Access>>(
+        {{Access::StorageBuffer, "storage"}, {Access::TexelBuffer, "texel"}});
+}
 
 enum class MemoryKind {
     Device,  // fastest for the device; filled by upload(), read by download()

@@ -17,13 +17,12 @@ void openLoader() {
     if (opened != VK_SUCCESS) {
         throw Error(ErrorKind::Device,
                     "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as "
-                    "mesa-vulkan-drivers, or use --backend cpu");
+                    "mesa-vulkan-drivers");
     }
     // A loader of Vulkan 1.0 lacks the function that tells the version.
     if (volkGetInstanceVersion() < VK_API_VERSION_1_1) {
         throw Error(ErrorKind::Device,
-                    "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1, or use "
-                    "--backend cpu");
+                    "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1");
     }
 }
 

@@ -200,9 +200,9 @@ class GltfReader {
         if (type.string() == "directional") {
             scene_.lights.emplace_back(DirectionalLight{direction, intensity});
         } else if (type.string() == "point") {
-            scene_.lights.emplace_back(PointLight{place.offset, intensity, true});
+            scene_.lights.emplace_back(PointLight{place.offset, intensity, Falloff::InverseSquare});
         } else if (type.string() == "spot") {
-            SpotLight spot{place.offset, direction, 0, 45, intensity, true};
+            SpotLight spot{place.offset, direction, 0, 45, intensity, Falloff::InverseSquare};
             if (const auto cone = light.find("spot")) readCone(*cone, spot);
             scene_.lights.emplace_back(spot);
         } else {

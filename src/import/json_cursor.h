@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/enum_names.h"
 #include "import/json_document.h"
 
 namespace glint {
@@ -56,5 +57,13 @@ class JsonCursor {
     size_t index_ = 0;
     const std::string* file_;
 };
+
+// The value of an enumeration by its name; fails with the names that there are.
+template <NamedEnum E>
+E readNamed(const JsonCursor& value) {
+    const std::optional<E> found = named<E>(value.string());
+    if (!found) value.failWanted("must be " + quotedChoices<E>());
+    return *found;
+}
 
 }  // namespace glint

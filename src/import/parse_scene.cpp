@@ -36,19 +36,10 @@ void readColor(const JsonCursor& object, std::string_view key, Color& target) {
     if (const auto found = object.find(key)) target = found->color();
 }
 
-template <typename Enum>
-Enum readName(const JsonCursor& value, std::optional<Enum> (*named)(std::string_view), const char* names) {
-    const auto found = named(value.string());
-    if (!found) value.failWanted(std::string("must be ") + names);
-    return *found;
-}
-
 void parseSampling(const JsonCursor& image, ImageSettings& settings) {
-    if (const auto sampler = image.find("sampler"))
-        settings.sampler =
-            readName(*sampler, samplerNamed, "\"auto\", \"grid\", \"jittered\" or \"lowDiscrepancy\"");
+    if (const auto sampler = image.find("sampler")) settings.sampler = readNamed<Sampler>(*sampler);
     if (const auto filter = image.find("filter")) {
-        settings.filter = readName(*filter, filterNamed, "\"box\", \"tent\", \"gaussian\" or \"mitchell\"");
+        settings.filter = readNamed<Filter>(*filter);
         settings.filterRadius = defaultRadius(settings.filter);
     }
     readInto(image, "filterRadius", settings.filterRadius);
@@ -81,8 +72,7 @@ Projection readProjection(const JsonCursor& camera) {
         type->fail(
             "a perspective or orthographic camera is made oblique by \"planeNormal\"; \"oblique\" is no "
             "type");
-    const bool orthographic = readType(*type, keys::kCameraTypes) == "orthographic";
-    return orthographic ? Projection::Orthographic : Projection::Perspective;
+    return named<Projection>(readType(*type, keys::kCameraTypes)).value();
 }
 
 void parseCamera(const JsonCursor& camera, Camera& result) {
@@ -118,13 +108,9 @@ void parseCamera(const JsonCursor& camera, Camera& result) {
     }
 }
 
-bool readFalloff(const JsonCursor& light) {
+Falloff readFalloff(const JsonCursor& light) {
     const auto falloff = light.find("falloff");
-    if (!falloff) return false;
-    const std::string& name = falloff->string();
-    if (name != "none" && name != "inverseSquare")
-        falloff->failWanted("must be \"none\" or \"inverseSquare\"");
-    return name == "inverseSquare";
+    return falloff ? readNamed<Falloff>(*falloff) : Falloff::None;
 }
 
 PointLight parsePoint(const JsonCursor& light) {
@@ -132,7 +118,7 @@ PointLight parsePoint(const JsonCursor& light) {
     PointLight point;
     point.position = light.require("position").vector3();
     readColor(light, "intensity", point.intensity);
-    point.inverseSquare = readFalloff(light);
+    point.falloff = readFalloff(light);
     return point;
 }
 
@@ -144,7 +130,7 @@ SpotLight parseSpot(const JsonCursor& light) {
     spot.angle = light.require("angle").number();
     readInto(light, "penumbra", spot.penumbra);
     readColor(light, "intensity", spot.intensity);
-    spot.inverseSquare = readFalloff(light);
+    spot.falloff = readFalloff(light);
     return spot;
 }
 
@@ -186,12 +172,6 @@ void parseDielectric(const JsonCursor& material, Material& result, TextureParser
     readInteger(material, "priority", -kMaxPriority, kMaxPriority, result.priority);
     // Glass scatters nothing unless told to.
     if (result.transmission != Color(0)) result.diffuse = Color(0);
-}
-
-TransmissiveShadows readTransmissiveShadows(const JsonCursor& shadows) {
-    const std::string& name = shadows.string();
-    if (name != "colored" && name != "full") shadows.failWanted("must be \"colored\" or \"full\"");
-    return name == "full" ? TransmissiveShadows::Full : TransmissiveShadows::Colored;
 }
 
 Material parseMaterial(const JsonCursor& material, std::string_view name, TextureParser& textures) {
@@ -243,7 +223,7 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     readColor(root, "ambient", scene.ambient);
     readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
     if (const auto shadows = root.find("transmissiveShadows"))
-        scene.transmissiveShadows = readTransmissiveShadows(*shadows);
+        scene.transmissiveShadows = readNamed<TransmissiveShadows>(*shadows);
     if (const auto lights = root.find("lights"))
         for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
     if (const auto materials = root.find("materials")) {

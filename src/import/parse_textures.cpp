@@ -32,32 +32,21 @@ glm::dvec2 readOffset(const JsonCursor& source) {
     return {offset->item(0).number(), offset->item(1).number()};
 }
 
-Wrap wrapMode(const JsonCursor& mode) {
-    const std::string& name = mode.string();
-    if (name == "repeat") return Wrap::Repeat;
-    if (name == "clamp") return Wrap::Clamp;
-    if (name == "mirror") return Wrap::Mirror;
-    mode.failWanted("must be \"repeat\", \"clamp\" or \"mirror\"");
-}
-
 void readWrap(const JsonCursor& source, ImageTexture& image) {
     const auto wrap = source.find("wrap");
     if (!wrap) return;
     if (!wrap->value().array()) {
-        image.wrapU = image.wrapV = wrapMode(*wrap);
+        image.wrapU = image.wrapV = readNamed<Wrap>(*wrap);
         return;
     }
     if (wrap->size() != 2) wrap->failWanted("must be a wrap mode, or two of them [u, v]");
-    image.wrapU = wrapMode(wrap->item(0));
-    image.wrapV = wrapMode(wrap->item(1));
+    image.wrapU = readNamed<Wrap>(wrap->item(0));
+    image.wrapV = readNamed<Wrap>(wrap->item(1));
 }
 
-bool readNearest(const JsonCursor& source) {
+TexelFilter readFilter(const JsonCursor& source) {
     const auto filter = source.find("filter");
-    if (!filter) return false;
-    const std::string& name = filter->string();
-    if (name != "bilinear" && name != "nearest") filter->failWanted("must be \"bilinear\" or \"nearest\"");
-    return name == "nearest";
+    return filter ? readNamed<TexelFilter>(*filter) : TexelFilter::Bilinear;
 }
 
 }  // namespace
@@ -78,7 +67,7 @@ Texture TextureParser::parseImage(const JsonCursor& source) {
     image.file = file.string();
     image.image = load(file);
     readWrap(source, image);
-    image.nearest = readNearest(source);
+    image.filter = readFilter(source);
     return {std::move(image), readScale(source), readOffset(source)};
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "import/json_cursor.h"
+#include "scene/scene.h"
 
 namespace glint::keys {
 
@@ -98,14 +99,13 @@ struct TypeTable {
 };
 
 namespace detail {
-inline constexpr auto kCameraTypes = names("perspective", "orthographic");
 inline constexpr auto kLightTypes = names("point", "directional", "spot");
 inline constexpr auto kObjectTypes =
     names("sphere", "plane", "disc", "box", "triangle", "polygon", "quadric", "ellipsoid", "cylinder", "cone",
           "hyperboloid", "paraboloid", "mesh", "group");
 }  // namespace detail
 
-inline constexpr TypeTable kCameraTypes{"camera", detail::kCameraTypes, detail::kNothing};
+inline constexpr TypeTable kCameraTypes{"camera", kEnumNames<Projection>, detail::kNothing};
 inline constexpr TypeTable kLightTypes{"light", detail::kLightTypes, detail::kNothing};
 inline constexpr TypeTable kObjectTypes{"object", detail::kObjectTypes, detail::kNothing};
 

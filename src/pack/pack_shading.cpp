@@ -44,11 +44,13 @@ shared::Light roundLight(const Light& light, const glm::dvec3& origin) {
     shared::Light out;
     if (const auto* point = std::get_if<PointLight>(&light)) {
         out.position = glm::vec3(point->position - origin);
-        out.kind = point->inverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
+        out.kind =
+            point->falloff == Falloff::InverseSquare ? shared::kLightPointInverseSquare : shared::kLightPoint;
         out.intensity = glm::vec3(point->intensity);
     } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
         out.position = glm::vec3(spot->position - origin);
-        out.kind = spot->inverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
+        out.kind =
+            spot->falloff == Falloff::InverseSquare ? shared::kLightSpotInverseSquare : shared::kLightSpot;
         out.intensity = glm::vec3(spot->intensity);
         out.axis = glm::vec3(unitVector(spot->direction).value());
         out.inner = oneMinusCosine(spot->angle);

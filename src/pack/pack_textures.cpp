@@ -62,7 +62,7 @@ class TexturePacker {
         } else {
             const auto& image = std::get<ImageTexture>(texture.source);
             out.flags = wrapFlag(image.wrapU) | wrapFlag(image.wrapV) << shared::kTextureWrapVShift |
-                        (image.nearest ? shared::kTextureNearest : 0);
+                        (image.filter == TexelFilter::Nearest ? shared::kTextureNearest : 0);
             addImage(*image.image, image.file, out);
             packed_.features.textures = true;
         }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "pack/packed_scene.h"
 #include "pack/request_environment.h"
 
@@ -95,7 +96,13 @@ struct Losses {
 };
 
 enum class RayClass { Primary, Shadow, Mirrored, Refracted };
-constexpr size_t kRayClasses = 4;
+constexpr auto entriesOf(RayClass) {
+    return std::to_array<EnumEntry<RayClass>>({{RayClass::Primary, "primary"},
+                                               {RayClass::Shadow, "shadow"},
+                                               {RayClass::Mirrored, "mirrored"},
+                                               {RayClass::Refracted, "refracted"}});
+}
+constexpr size_t kRayClasses = kEnumNames<RayClass>.size();
 
 // Rays of one class, and the boxes and primitives that they tested.
 struct RayTally {

@@ -3,15 +3,20 @@
 
 #include <cstdint>
 
+#include "core/enum_names.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
 
 enum class Compaction {
     Auto,  // where it pays, see LivePaths
-    Off,   // every kernel runs over all paths of the slice, those that have ended too
-    On     // after every bounce, the paths that go on alone
+    On,    // after every bounce, the paths that go on alone
+    Off    // every kernel runs over all paths of the slice, those that have ended too
 };
+constexpr auto entriesOf(Compaction) {
+    return std::to_array<EnumEntry<Compaction>>(
+        {{Compaction::Auto, "auto"}, {Compaction::On, "on"}, {Compaction::Off, "off"}});
+}
 
 // All paths of a slice, until it pays to go by the list of those that go on, which `shade` writes.
 class LivePaths {

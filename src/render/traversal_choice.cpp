@@ -87,10 +87,17 @@ bool runsPackets(const gpu::DeviceInfo& device) {
     return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
 }
 
-const char* nameOf(const TraversalChoice& choice) {
-    if (choice.packets) return "packet";
-    static const char* const names[] = {"lane", "bvh4", "cwbvh"};
-    return names[static_cast<size_t>(choice.nodes)];
+std::string_view nameOf(const TraversalChoice& choice) {
+    if (choice.packets) return glint::nameOf(Traversal::Packet);
+    switch (choice.nodes) {
+        case NodeFormat::Two:
+            return glint::nameOf(Traversal::Lane);
+        case NodeFormat::Four:
+            return glint::nameOf(Traversal::Bvh4);
+        case NodeFormat::Compressed:
+            return glint::nameOf(Traversal::Cwbvh);
+    }
+    return "";
 }
 
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
@@ -102,10 +109,11 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
         return chooseWide(wanted, scene, methods);
     const bool able = runsPackets(device);
     if (wanted == Traversal::Packet && !able) {
-        throw Error(ErrorKind::Device,
-                    "packets of rays need subgroups of " + std::to_string(shared::kPacketWidth) +
-                        " lanes that can shuffle; \"" + device.name + "\" has " +
-                        std::to_string(device.limits.subgroupSize) + " lanes: use --traversal auto or lane");
+        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
+                                           std::to_string(shared::kPacketWidth) +
+                                           " lanes that can shuffle; \"" + device.name + "\" has " +
+                                           std::to_string(device.limits.subgroupSize) +
+                                           " lanes: choose the traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
     if (const std::string name = unknownToPackets(features); !name.empty())

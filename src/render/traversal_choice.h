@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bvh/wide_tree.h"
+#include "core/enum_names.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "trace/methods.h"
@@ -32,10 +33,21 @@ enum class Traversal {
     Bvh4,    // each lane walks a tree of four children a node
     Cwbvh    // or one of compressed nodes of eight
 };
+constexpr auto entriesOf(Traversal) {
+    return std::to_array<EnumEntry<Traversal>>({{Traversal::Auto, "auto"},
+                                                {Traversal::Lane, "lane"},
+                                                {Traversal::Packet, "packet"},
+                                                {Traversal::Bvh4, "bvh4"},
+                                                {Traversal::Cwbvh, "cwbvh"}});
+}
 
 // Where the stack of a ray that walks by itself is: in memory of the lane's own, or in that which its
 // workgroup shares. The values are kStack... of shared/dispatch.h.
 enum class StackPlace : uint32_t { Private, Shared };
+constexpr auto entriesOf(StackPlace) {
+    return std::to_array<EnumEntry<StackPlace>>(
+        {{StackPlace::Private, "private"}, {StackPlace::Shared, "shared"}});
+}
 static_assert(static_cast<uint32_t>(StackPlace::Shared) == shared::kStackShared);
 
 struct TraversalChoice {
@@ -45,8 +57,8 @@ struct TraversalChoice {
         NodeFormat::Two;  // of rays that walk by themselves, further bounces beside packets too
 };
 
-// As --traversal names it.
-const char* nameOf(const TraversalChoice& choice);
+// What was chosen, never Auto: its name.
+std::string_view nameOf(const TraversalChoice& choice);
 
 // What may be wanted with tests in double precision, which packets do not know: Lane, or else `wanted`
 // itself. Throws Error(Device) if the device has no double precision.

@@ -31,7 +31,7 @@ bool isDefaultOf(const SceneReport& scene, const Measured& m) {
     if (contestOf(m) == Contest::Methods) return m.family == kDefaultAmongMethods;
     if (contestOf(m) == Contest::None) return false;
     ImageSettings image;
-    image.sampler = samplerNamed(scene.defaultSampler).value_or(Sampler::Auto);
+    image.sampler = named<Sampler>(scene.defaultSampler).value_or(Sampler::Auto);
     image.samplesPerPixel = m.spp;
     return m.family == nameOf(samplerOf(image));
 }
@@ -63,7 +63,7 @@ std::string briefly(const SceneReport& scene, Contest contest) {
 
 Contest contestOf(const Measured& m) {
     if (m.family == "depth" || m.family == "cut") return Contest::None;
-    const auto sampler = samplerNamed(m.family);
+    const auto sampler = named<Sampler>(m.family);
     return sampler && *sampler != Sampler::Auto ? Contest::Samplers : Contest::Methods;
 }
 

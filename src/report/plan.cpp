@@ -9,20 +9,9 @@ namespace glint::report {
 
 namespace {
 
-constexpr Sampler kSamplers[] = {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy};
 // Samples at which methods are compared: one, where a pixel is one path, and few.
 constexpr int kMethodSamples[] = {1, 4};
 constexpr int kSweepSamples = 4;
-
-const char* nameOf(SlabPad pad) {
-    static const char* const names[] = {"gamma7", "gamma3", "none"};
-    return names[static_cast<size_t>(pad)];
-}
-
-const char* nameOf(OriginOffset offset) {
-    static const char* const names[] = {"errorBox", "fixed", "none"};
-    return names[static_cast<size_t>(offset)];
-}
 
 std::string number(double value) {
     char text[32];
@@ -96,7 +85,7 @@ void addSamplers(Batch& batch) {
 std::string keyOf(const Configuration& c) {
     std::string key = std::string(nameOf(c.sampler)) + ' ' + std::to_string(c.spp) + ' ';
     key += std::string(nameOf(c.methods.triangles)) + ' ' + std::string(nameOf(c.methods.spheres)) + ' ';
-    key += std::string(nameOf(c.methods.slabs)) + ' ' + nameOf(c.methods.offsets);
+    key += std::string(nameOf(c.methods.slabs)) + ' ' + std::string(nameOf(c.methods.offsets));
     key += " depth=" + (c.maxDepth ? std::to_string(*c.maxDepth) : std::string("scene"));
     key += " cut=" + number(c.minContribution) + (c.leaveOut ? " pruned" : " full");
     if (c.family == kDefaultAmongMethods) key += " among methods";
@@ -135,6 +124,22 @@ std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int ma
         batches[2].configurations.push_back(c);
     }
     return batches;
+}
+
+const std::vector<std::string>& familyStarts() {
+    static const std::vector<std::string> starts = [] {
+        std::vector<std::string> list;
+        for (const gpu::Access other : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
+            for (const Batch& batch : planScene(allFeatures(), true, 1, other, true, true)) {
+                for (const Configuration& c : batch.configurations) {
+                    const std::string start = c.family.substr(0, c.family.find_first_of(" :"));
+                    if (std::find(list.begin(), list.end(), start) == list.end()) list.push_back(start);
+                }
+            }
+        }
+        return list;
+    }();
+    return starts;
 }
 
 const Measured* SceneReport::find(const std::string& key) const {

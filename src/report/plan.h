@@ -1,6 +1,7 @@
 // What `glint report` measures: configurations in order of importance, and what is known of each.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@
 #include "trace/methods.h"
 
 namespace glint::report {
+
+// Those that are compared: Auto is one of them.
+inline constexpr std::array kSamplers = {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy};
 
 struct Configuration {
     std::string family;  // the curve it belongs to: the sampler's name of the default, else what differs
@@ -46,6 +50,10 @@ struct Batch {
 // whether the default methods go by packets of rays or wide nodes, which do not know all others.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets);
+
+// What the names of all families that there are start with, in order of measurement: "grid", ..., "default",
+// "triangles" ...
+const std::vector<std::string>& familyStarts();
 
 struct Measured {
     std::string key, family, sampler;

@@ -88,7 +88,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     const render::Renderer probe(device_, loaded_.packed);
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
-                         nameOf(probe.traversal()) != std::string("lane"));
+                         nameOf(probe.traversal()) != nameOf(render::Traversal::Lane));
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
 }
@@ -235,7 +235,7 @@ bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
     if (report.stiffness.empty() && !runs.empty()) {
         report.kappa = verify::conditionNumber(reference::Tracer(loaded_.packed), camera_,
                                                loaded_.scene.image.width, loaded_.scene.image.height);
-        report.stiffness = verify::className(verify::classOf(report.kappa));
+        report.stiffness = nameOf(verify::classOf(report.kappa));
     }
     for (int round = 0; round < limits_.repeats; ++round) {
         for (Run& run : runs) {

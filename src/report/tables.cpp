@@ -11,8 +11,6 @@ namespace glint::report {
 
 namespace {
 
-constexpr const char* kSamplers[] = {"grid", "jittered", "lowDiscrepancy"};
-
 std::string row(const std::vector<std::string>& cells) {
     std::string line = "|";
     for (const std::string& cell : cells) line += " " + cell + " |";
@@ -30,10 +28,11 @@ std::string milliseconds(double seconds) {
 }
 
 bool isSampler(const std::string& family) {
-    return std::find(std::begin(kSamplers), std::end(kSamplers), family) != std::end(kSamplers);
+    const auto sampler = named<Sampler>(family);
+    return sampler && *sampler != Sampler::Auto;
 }
 
-std::string nameOf(const Measured& m) {
+std::string settingOf(const Measured& m) {
     const std::string name = m.family + ", " + std::to_string(m.spp) + " spp";
     return isSampler(m.family) ? name : name + " lowDiscrepancy";
 }
@@ -41,7 +40,8 @@ std::string nameOf(const Measured& m) {
 std::string samplingTable(const SceneReport& scene) {
     std::string out = header(
         {"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "max", "> 1/255 %", "Mrays/s"});
-    for (const char* sampler : kSamplers) {
+    for (const Sampler s : kSamplers) {
+        const std::string sampler(nameOf(s));
         for (const Measured* m : familyOf(scene, sampler)) {
             const double rate = m->wall.median > 0 ? static_cast<double>(m->rays) / m->wall.median / 1e6 : 0;
             out +=
@@ -57,14 +57,15 @@ std::string samplingTable(const SceneReport& scene) {
 
 std::string slopeLine(const SceneReport& scene) {
     std::string out = "Slopes of error against samples:";
-    for (const char* sampler : kSamplers) {
+    for (const Sampler s : kSamplers) {
+        const std::string sampler(nameOf(s));
         std::vector<double> x, y;
         for (const Measured* m : familyOf(scene, sampler)) {
             x.push_back(m->spp);
             y.push_back(m->total.rmse);
         }
         const auto slope = logSlope(x, y);
-        out += std::string(" ") + sampler + " " + (slope ? shortNumber(*slope) : "not measured") + ",";
+        out += " " + sampler + " " + (slope ? shortNumber(*slope) : "not measured") + ",";
     }
     return out +
            " where -1/2 is expected of random samples, -3/4 of stratified ones at edges, -1 of smooth "
@@ -129,7 +130,7 @@ std::string cheapestFor(const SceneReport& scene, double wanted) {
         if (best == nullptr || m.wall.median < best->wall.median) best = &m;
     }
     if (best == nullptr) return "Nothing measured reaches an error of " + shortNumber(wanted) + ". ";
-    return "For an error of " + shortNumber(wanted) + " the cheapest is " + nameOf(*best) + ": " +
+    return "For an error of " + shortNumber(wanted) + " the cheapest is " + settingOf(*best) + ": " +
            shortNumber(best->wall.median * 1e3) + " ms. ";
 }
 
@@ -177,7 +178,7 @@ std::string conclusionOf(const SceneReport& scene) {
     const std::string methods = defaultInWords(scene, Contest::Methods);
     if (!methods.empty()) out += "The default methods are " + methods + ". ";
     std::string front;
-    for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + nameOf(*m);
+    for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + settingOf(*m);
     return out + "The front by medians: " + front + ".";
 }
 

@@ -14,36 +14,6 @@ double radicalInverse2(uint32_t i) {
 
 }  // namespace
 
-namespace {
-
-constexpr const char* kSamplers[] = {"auto", "grid", "jittered", "lowDiscrepancy"};
-constexpr const char* kFilters[] = {"box", "tent", "gaussian", "mitchell"};
-
-template <typename Enum, size_t N>
-std::optional<Enum> find(const char* const (&names)[N], std::string_view name) {
-    for (size_t i = 0; i < N; ++i)
-        if (name == names[i]) return static_cast<Enum>(i);
-    return std::nullopt;
-}
-
-}  // namespace
-
-std::optional<Sampler> samplerNamed(std::string_view name) {
-    return find<Sampler>(kSamplers, name);
-}
-
-std::optional<Filter> filterNamed(std::string_view name) {
-    return find<Filter>(kFilters, name);
-}
-
-const char* nameOf(Sampler sampler) {
-    return kSamplers[static_cast<int>(sampler)];
-}
-
-const char* nameOf(Filter filter) {
-    return kFilters[static_cast<int>(filter)];
-}
-
 Sampler samplerOf(const ImageSettings& image) {
     if (image.sampler != Sampler::Auto) return image.sampler;
     const bool many = image.samplesPerPixel >= kLeastLowDiscrepancySamples;

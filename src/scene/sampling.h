@@ -1,21 +1,12 @@
-// Names and rules of samplers and filters.
+// Rules of samplers and filters.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "scene/sampling.h"
 #include "scene/scene.h"
 
 namespace glint {
-
-// By the name in scene files and on the command line.
-std::optional<Sampler> samplerNamed(std::string_view name);
-std::optional<Filter> filterNamed(std::string_view name);
-const char* nameOf(Sampler sampler);
-const char* nameOf(Filter filter);
 
 // From how many samples on Auto takes LowDiscrepancy. Measured (docs/lab/accuracy.md): up to there the grid
 // errs as little or less in most scenes, from there on it errs less in few and up to 2.6 times more in the

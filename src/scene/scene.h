@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/image.h"
 
 namespace glint {
@@ -20,9 +21,21 @@ using Color = glm::dvec3;  // linear RGB radiance or reflectance
 // Jittered: one random point in each cell of a grid. LowDiscrepancy: a sequence, scrambled for each pixel.
 // Auto: Grid or LowDiscrepancy by the number of samples, see samplerOf (scene/sampling.h).
 enum class Sampler { Auto, Grid, Jittered, LowDiscrepancy };
+constexpr auto entriesOf(Sampler) {
+    return std::to_array<EnumEntry<Sampler>>({{Sampler::Auto, "auto"},
+                                              {Sampler::Grid, "grid"},
+                                              {Sampler::Jittered, "jittered"},
+                                              {Sampler::LowDiscrepancy, "lowDiscrepancy"}});
+}
 
 // How samples are weighted into pixels, by their distance from the pixel's centre.
 enum class Filter { Box, Tent, Gaussian, Mitchell };
+constexpr auto entriesOf(Filter) {
+    return std::to_array<EnumEntry<Filter>>({{Filter::Box, "box"},
+                                             {Filter::Tent, "tent"},
+                                             {Filter::Gaussian, "gaussian"},
+                                             {Filter::Mitchell, "mitchell"}});
+}
 
 // More samples where the first ones differ: pixels go on taking `samplesPerPixel` more until neighbouring
 // samples agree within `threshold` or maxSamples are taken.
@@ -52,6 +65,10 @@ struct ViewWindow {
 
 // Rays from the eye through the image plane, or parallel rays from the image plane.
 enum class Projection { Perspective, Orthographic };
+constexpr auto entriesOf(Projection) {
+    return std::to_array<EnumEntry<Projection>>(
+        {{Projection::Perspective, "perspective"}, {Projection::Orthographic, "orthographic"}});
+}
 
 struct Camera {
     Projection projection = Projection::Perspective;
@@ -75,10 +92,17 @@ struct Camera {
     double focusDistance = 0;  // > 0 with a lens; 0: the distance to the target
 };
 
+// How light fades with the distance: not at all, or as intensity / distance^2.
+enum class Falloff { None, InverseSquare };
+constexpr auto entriesOf(Falloff) {
+    return std::to_array<EnumEntry<Falloff>>(
+        {{Falloff::None, "none"}, {Falloff::InverseSquare, "inverseSquare"}});
+}
+
 struct PointLight {
     glm::dvec3 position{0};
     Color intensity{1};
-    bool inverseSquare = false;  // falloff: intensity / distance^2 instead of intensity
+    Falloff falloff = Falloff::None;
 };
 
 struct DirectionalLight {
@@ -94,19 +118,31 @@ struct SpotLight {
     double angle = 30;               // degrees, >= 0
     double penumbra = 0;             // degrees, >= 0; angle + penumbra in [kMinSpotAngle, 180]
     Color intensity{1};
-    bool inverseSquare = false;
+    Falloff falloff = Falloff::None;
 };
 
 using Light = std::variant<PointLight, DirectionalLight, SpotLight>;
 
+// Beyond the edge of an image.
 enum class Wrap { Repeat, Clamp, Mirror };
+constexpr auto entriesOf(Wrap) {
+    return std::to_array<EnumEntry<Wrap>>(
+        {{Wrap::Repeat, "repeat"}, {Wrap::Clamp, "clamp"}, {Wrap::Mirror, "mirror"}});
+}
+
+// Between the texels of an image.
+enum class TexelFilter { Bilinear, Nearest };
+constexpr auto entriesOf(TexelFilter) {
+    return std::to_array<EnumEntry<TexelFilter>>(
+        {{TexelFilter::Bilinear, "bilinear"}, {TexelFilter::Nearest, "nearest"}});
+}
 
 // An image on a surface, by its (u, v): u to the right, v upwards, (0, 0) the lower left corner of the image.
 struct ImageTexture {
     std::string file;                    // for messages
     std::shared_ptr<const Image> image;  // linear
     Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
-    bool nearest = false;  // else bilinear
+    TexelFilter filter = TexelFilter::Bilinear;
 };
 
 // Two colours in squares of the (u, v) plane, or, `solid`, in cubes of object space. Material colours are
@@ -267,6 +303,10 @@ struct EnvironmentMap {
 // What a transmissive object does to shadow rays: block them, or let through what its transmission and
 // attenuation leave, straight on (docs/reference/shading.md).
 enum class TransmissiveShadows { Colored, Full };
+constexpr auto entriesOf(TransmissiveShadows) {
+    return std::to_array<EnumEntry<TransmissiveShadows>>(
+        {{TransmissiveShadows::Colored, "colored"}, {TransmissiveShadows::Full, "full"}});
+}
 
 struct Scene {
     ImageSettings image;

@@ -161,8 +161,7 @@ void checkPolygon(const Place& place, std::span<const glm::dvec3> vertices) {
         place.fail("vertices",
                    "must have three distinct points or more" + got(std::to_string(distinct.size())));
     const auto plane = polygonPlane(vertices);
-    if (!plane)
-        place.fail("vertices", "the polygon has no area: its points lie on a line");
+    if (!plane) place.fail("vertices", "the polygon has no area: its points lie on a line");
     const double tolerance = planarTolerance(vertices);
     if (plane->deviation > tolerance)
         place.fail("vertices/" + std::to_string(plane->farthest),

@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
-
-#include "core/error.h"
 
 namespace glint {
 
 namespace {
-
-using Fill = std::function<void(const PixelData&, float*)>;
-struct Aov {
-    std::string name;
-    int channels;
-    Fill fill;
-};
 
 float index(uint32_t value) {
     return value == PixelData::kNoIndex ? -1.0f : static_cast<float>(value);
@@ -28,22 +18,58 @@ void fillVector(const glm::vec3& v, float* out) {
     out[2] = v.z;
 }
 
-const std::vector<Aov>& dataAovs() {
-    static const std::vector<Aov> aovs = {
-        {"depth", 1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.depth); }},
-        {"position", 3, [](const PixelData& p, float* out) { fillVector(glm::vec3(p.position), out); }},
-        {"normal", 3, [](const PixelData& p, float* out) { fillVector(p.normal, out); }},
-        {"uv", 2,
-         [](const PixelData& p, float* out) {
-             out[0] = p.u;
-             out[1] = p.v;
-         }},
-        {"object", 1, [](const PixelData& p, float* out) { *out = index(p.object); }},
-        {"primitive", 1, [](const PixelData& p, float* out) { *out = index(p.primitive); }},
-        {"material", 1, [](const PixelData& p, float* out) { *out = index(p.material); }},
-        {"bounces", 1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.bounces); }},
-        {"cost", 1, [](const PixelData& p, float* out) { *out = static_cast<float>(p.cost); }}};
-    return aovs;
+int channelsOf(Aov aov) {
+    switch (aov) {
+        case Aov::Radiance:
+        case Aov::Position:
+        case Aov::Normal:
+            return 3;
+        case Aov::Uv:
+            return 2;
+        case Aov::Alpha:
+        case Aov::Depth:
+        case Aov::ObjectId:
+        case Aov::PrimitiveId:
+        case Aov::MaterialId:
+        case Aov::Bounces:
+        case Aov::Cost:
+            return 1;
+    }
+    return 0;
+}
+
+void fill(Aov aov, const PixelData& p, float* out) {
+    switch (aov) {
+        case Aov::Radiance:
+        case Aov::Alpha:
+            return;  // not of the data
+        case Aov::Depth:
+            *out = static_cast<float>(p.depth);
+            return;
+        case Aov::Position:
+            return fillVector(glm::vec3(p.position), out);
+        case Aov::Normal:
+            return fillVector(p.normal, out);
+        case Aov::Uv:
+            out[0] = p.u;
+            out[1] = p.v;
+            return;
+        case Aov::ObjectId:
+            *out = index(p.object);
+            return;
+        case Aov::PrimitiveId:
+            *out = index(p.primitive);
+            return;
+        case Aov::MaterialId:
+            *out = index(p.material);
+            return;
+        case Aov::Bounces:
+            *out = static_cast<float>(p.bounces);
+            return;
+        case Aov::Cost:
+            *out = static_cast<float>(p.cost);
+            return;
+    }
 }
 
 Image colorChannels(const Picture& picture, int first, int count) {
@@ -74,36 +100,18 @@ void blackenNotFinite(Picture& picture) {
     }
 }
 
-const std::vector<std::string>& aovNames() {
-    static const std::vector<std::string> names = [] {
-        std::vector<std::string> list = {"color", "alpha"};
-        for (const Aov& aov : dataAovs()) list.push_back(aov.name);
-        return list;
-    }();
-    return names;
-}
-
-std::vector<Layer> makeLayers(const Picture& picture, const std::vector<std::string>& names) {
+std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs) {
     std::vector<Layer> layers;
-    for (const std::string& name : names) {
-        if (name == "color") {
-            layers.push_back({name, colorChannels(picture, 0, 3)});
+    for (const Aov aov : aovs) {
+        const std::string name(nameOf(aov));
+        const int channels = channelsOf(aov);
+        if (!needsData(aov)) {
+            layers.push_back({name, colorChannels(picture, aov == Aov::Radiance ? 0 : 3, channels)});
             continue;
         }
-        if (name == "alpha") {
-            layers.push_back({name, colorChannels(picture, 3, 1)});
-            continue;
-        }
-        const auto& aovs = dataAovs();
-        const auto aov = std::find_if(aovs.begin(), aovs.end(), [&](const Aov& a) { return a.name == name; });
-        if (aov == aovs.end()) {
-            std::string known;
-            for (const std::string& n : aovNames()) known += (known.empty() ? "" : " ") + n;
-            throw Error(ErrorKind::Argument, "--aov: unknown layer \"" + name + "\" (known: " + known + ")");
-        }
-        Image image(picture.region.width(), picture.region.height(), aov->channels);
+        Image image(picture.region.width(), picture.region.height(), channels);
         for (size_t i = 0; i < picture.data.size(); ++i)
-            aov->fill(picture.data[i], &image.pixels[i * aov->channels]);
+            fill(aov, picture.data[i], &image.pixels[i * static_cast<size_t>(channels)]);
         layers.push_back({name, std::move(image)});
     }
     return layers;

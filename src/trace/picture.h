@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
-#include <string>
+#include <span>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/image.h"
 
 namespace glint {
@@ -103,12 +104,40 @@ struct Picture {
 // Alpha, the count and the place stay.
 void blackenNotFinite(Picture& picture);
 
-// The AOVs that makeLayers knows, in the order of the documentation: color alpha depth position normal uv
-// object primitive material bounces cost.
-const std::vector<std::string>& aovNames();
+// What a picture holds for each pixel, as layers of files (docs/reference/shading.md).
+enum class Aov {
+    Radiance,
+    Alpha,
+    Depth,
+    Position,
+    Normal,
+    Uv,
+    ObjectId,
+    PrimitiveId,
+    MaterialId,
+    Bounces,
+    Cost
+};
+constexpr auto entriesOf(Aov) {
+    return std::to_array<EnumEntry<Aov>>({{Aov::Radiance, "color"},
+                                          {Aov::Alpha, "alpha"},
+                                          {Aov::Depth, "depth"},
+                                          {Aov::Position, "position"},
+                                          {Aov::Normal, "normal"},
+                                          {Aov::Uv, "uv"},
+                                          {Aov::ObjectId, "object"},
+                                          {Aov::PrimitiveId, "primitive"},
+                                          {Aov::MaterialId, "material"},
+                                          {Aov::Bounces, "bounces"},
+                                          {Aov::Cost, "cost"}});
+}
 
-// The named layers of a picture. A picture without `data` has only color and alpha. Throws Error(Usage) for
-// an unknown name.
-std::vector<Layer> makeLayers(const Picture& picture, const std::vector<std::string>& names);
+// Radiance and Alpha are in every picture, all others come from Picture::data.
+constexpr bool needsData(Aov aov) {
+    return aov != Aov::Radiance && aov != Aov::Alpha;
+}
+
+// Layers of a picture, under the names of the AOVs; black where it has no data for them.
+std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs);
 
 }  // namespace glint

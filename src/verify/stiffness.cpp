@@ -75,9 +75,4 @@ StiffnessClass classOf(double kappa) {
     return kappa <= 1e5 ? StiffnessClass::Stiff : StiffnessClass::BeyondFp32;
 }
 
-const char* className(StiffnessClass stiffness) {
-    static const char* const names[] = {"non-stiff", "stiff", "beyond fp32"};
-    return names[static_cast<int>(stiffness)];
-}
-
 }  // namespace glint::verify

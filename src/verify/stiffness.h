@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "reference/tracer.h"
 
 namespace glint::verify {
@@ -31,8 +32,12 @@ double conditionNumber(const reference::Tracer& tracer, const shared::Camera& ca
 
 // Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
 enum class StiffnessClass { NonStiff, Stiff, BeyondFp32 };
+constexpr auto entriesOf(StiffnessClass) {
+    return std::to_array<EnumEntry<StiffnessClass>>({{StiffnessClass::NonStiff, "non-stiff"},
+                                                     {StiffnessClass::Stiff, "stiff"},
+                                                     {StiffnessClass::BeyondFp32, "beyond fp32"}});
+}
 StiffnessClass classOf(double kappa);
-const char* className(StiffnessClass stiffness);
 
 // The 99th percentile, 0 of nothing; no NaN.
 double percentile99(std::vector<float> values);

@@ -134,11 +134,6 @@ void keepWorst(Report& report, size_t count) {
 
 }  // namespace
 
-const char* reasonName(Reason reason) {
-    static const char* const names[] = {"tie", "edge", "unexplained"};
-    return names[static_cast<int>(reason)];
-}
-
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options) {
     Report report;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/image.h"
 #include "reference/tracer.h"
 #include "render/renderer.h"
@@ -24,7 +25,10 @@ enum class Reason {
     Edge,  // explained: the reference gives the device's answer for a ray moved by no more than rounding
     Unexplained  // a defect, in the shader, the reference or the scene's packing
 };
-const char* reasonName(Reason reason);
+constexpr auto entriesOf(Reason) {
+    return std::to_array<EnumEntry<Reason>>(
+        {{Reason::Tie, "tie"}, {Reason::Edge, "edge"}, {Reason::Unexplained, "unexplained"}});
+}
 
 // What is to be compared: each sample (adaptive: of the first round) is a picture of its own, of the whole
 // view. Region and what a request wants besides colour are not looked at.

@@ -54,8 +54,11 @@ std::string save(const gpu::Device& device, SaveRequest request, JobControl& con
             if (i % 4 != 3) picture.color.pixels[i] *= gain;
         }
     }
-    const std::vector<std::string> layers =
-        isExr(request.file) ? aovNames() : std::vector<std::string>{"color"};
+    std::vector<Aov> layers = {Aov::Radiance};
+    if (isExr(request.file)) {
+        layers.clear();
+        for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>) layers.push_back(entry.value);
+    }
     writeLayers(request.file, makeLayers(picture, layers));
     return "saved " + request.file.string() + " (" + std::to_string(request.width) + "x" +
            std::to_string(request.height) +

@@ -13,22 +13,6 @@ namespace glint::view {
 
 namespace {
 
-struct LayerText {
-    const char* name;
-    const char* help;
-};
-constexpr std::array<LayerText, kViewLayers> kTexts = {{
-    {"color", "radiance"},
-    {"depth", "distance from the eye: white is nearest, dark grey the farthest twentieth, black nothing"},
-    {"normal", "outward shading normal: x, y, z as red, green, blue"},
-    {"uv", "barycentric u, v of a triangle, or texture coordinates, as red, green"},
-    {"object", "one colour for each object"},
-    {"primitive", "one colour for each face"},
-    {"material", "one colour for each material"},
-    {"bounces", "reflections followed: blue none, red the most in the picture"},
-    {"cost", "boxes and primitives tested: blue few, red the most in the picture"},
-}};
-
 constexpr uint32_t kNothing = packColor(0, 0, 0);
 
 uint32_t packUnit(double r, double g, double b) {
@@ -129,20 +113,6 @@ void forRows(int height, const std::function<void(int)>& body) {
 }
 
 }  // namespace
-
-const char* layerName(ViewLayer layer) {
-    return kTexts[static_cast<size_t>(layer)].name;
-}
-const char* layerHelp(ViewLayer layer) {
-    return kTexts[static_cast<size_t>(layer)].help;
-}
-
-std::optional<ViewLayer> layerNamed(const std::string& name) {
-    for (int i = 0; i < kViewLayers; ++i) {
-        if (name == kTexts[static_cast<size_t>(i)].name) return static_cast<ViewLayer>(i);
-    }
-    return std::nullopt;
-}
 
 Canvas colorize(const Picture& picture, ViewLayer layer, double exposure) {
     Canvas canvas(picture.region.width(), picture.region.height());

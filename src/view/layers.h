@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/enum_names.h"
 #include "trace/picture.h"
 #include "view/canvas.h"
 
@@ -11,11 +12,21 @@ namespace glint::view {
 
 // In the order of the panel and of the key L.
 enum class ViewLayer { Color, Depth, Normal, Uv, Object, Primitive, Material, Bounces, Cost };
-inline constexpr int kViewLayers = 9;
-
-const char* layerName(ViewLayer layer);  // as `glint render --aov` calls it
-const char* layerHelp(ViewLayer layer);  // what its colours mean
-std::optional<ViewLayer> layerNamed(const std::string& name);
+// Named as `glint render --aov` names them; the help says what their colours mean.
+constexpr auto entriesOf(ViewLayer) {
+    return std::to_array<EnumEntry<ViewLayer>>(
+        {{ViewLayer::Color, "color", "radiance"},
+         {ViewLayer::Depth, "depth",
+          "distance from the eye: white is nearest, dark grey the farthest twentieth, black nothing"},
+         {ViewLayer::Normal, "normal", "outward shading normal: x, y, z as red, green, blue"},
+         {ViewLayer::Uv, "uv", "barycentric u, v of a triangle, or texture coordinates, as red, green"},
+         {ViewLayer::Object, "object", "one colour for each object"},
+         {ViewLayer::Primitive, "primitive", "one colour for each face"},
+         {ViewLayer::Material, "material", "one colour for each material"},
+         {ViewLayer::Bounces, "bounces", "reflections followed: blue none, red the most in the picture"},
+         {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the picture"}});
+}
+inline constexpr int kViewLayers = static_cast<int>(kEnumNames<ViewLayer>.size());
 
 // Colour needs Picture::color alone; everything else comes from Picture::data.
 inline bool needsData(ViewLayer layer) {

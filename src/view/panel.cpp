@@ -58,15 +58,15 @@ void drawFacts(const PanelModel& m) {
 }
 
 void drawView(PanelModel& m) {
-    const auto name = [](ViewLayer layer) { return layerName(layer); };
-    if (ImGui::BeginCombo("layer", name(m.settings.layer))) {
+    const auto name = [](ViewLayer layer) { return std::string(nameOf(layer)); };
+    if (ImGui::BeginCombo("layer", name(m.settings.layer).c_str())) {
         for (int i = 0; i < kViewLayers; ++i) {
             const auto layer = static_cast<ViewLayer>(i);
-            if (ImGui::Selectable(name(layer), layer == m.settings.layer)) m.settings.layer = layer;
+            if (ImGui::Selectable(name(layer).c_str(), layer == m.settings.layer)) m.settings.layer = layer;
         }
         ImGui::EndCombo();
     }
-    wrapped(layerHelp(m.settings.layer), kDim);
+    wrapped(std::string(helpOf(m.settings.layer)), kDim);
     auto exposure = static_cast<float>(m.exposure);
     if (ImGui::SliderFloat("exposure", &exposure, -8, 8, "%+.1f stops"))
         m.exposure = static_cast<double>(exposure);

@@ -325,7 +325,7 @@ void Viewer::reportValidation() {
     if (!options_.validation) return;
     if (!device_->validationActive()) {
         throw Error(ErrorKind::Device,
-                    "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
+                    "the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
                     "vulkan-validationlayers)");
     }
     for (const std::string& message : device_->validationMessages()) validation_.push_back(message);

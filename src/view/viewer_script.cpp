@@ -87,7 +87,7 @@ void Viewer::start(const ScriptCommand& command) {
             return true;
         };
     } else if (name == "aov") {
-        const std::optional<ViewLayer> layer = layerNamed(command.arguments[0]);
+        const std::optional<ViewLayer> layer = named<ViewLayer>(command.arguments[0]);
         if (!layer)
             throw Error(ErrorKind::Argument,
                         command.place + ": no such layer: '" + command.arguments[0] + "'");
@@ -160,7 +160,7 @@ bool Viewer::startExpectation(const ScriptCommand& command) {
         const PixelSize size = window_.size();
         found = std::to_string(size.width) + " " + std::to_string(size.height);
     } else if (name == "expect-layer") {
-        found = layerName(session_->settings().layer);
+        found = nameOf(session_->settings().layer);
     } else if (name == "expect-error") {
         if (model_.sceneError.find(wanted) == std::string::npos)
             failScript(command, "the message is '" + model_.sceneError + "'");

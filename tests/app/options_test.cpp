@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Value{"trace", "--pixel", "3,4", ""}));
 
 const std::string kKnown =
-    " (known: color alpha depth position normal uv object primitive material bounces cost)";
+    " (known: color, alpha, depth, position, normal, uv, object, primitive, material, bounces, cost)";
 INSTANTIATE_TEST_SUITE_P(
     Aovs, OptionValue,
     ::testing::Values(
@@ -116,7 +116,7 @@ TEST(Options, ValuesArrive) {
     const Region crop = parseCrop("1,2,30,40");
     EXPECT_EQ(std::vector({crop.x0, crop.y0, crop.x1, crop.y1}), std::vector({1, 2, 30, 40}));
     EXPECT_EQ(parsePixel("7,-8"), std::pair(7, -8));
-    EXPECT_EQ(parseAovs("color, depth ,cost"), (std::vector<std::string>{"color", "depth", "cost"}));
+    EXPECT_EQ(parseAovs("color, depth ,cost"), (std::vector<Aov>{Aov::Radiance, Aov::Depth, Aov::Cost}));
     EXPECT_EQ(parseWhole("--spp", "12", 1, 16), 12);
 }
 

@@ -189,14 +189,5 @@ TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {
     EXPECT_GT(count, 5);
 }
 
-TEST(ProgressModeNames, AreParsed) {
-    EXPECT_EQ(parseProgressMode("auto"), ProgressMode::Auto);
-    EXPECT_EQ(parseProgressMode("bar"), ProgressMode::Bar);
-    EXPECT_EQ(parseProgressMode("plain"), ProgressMode::Plain);
-    EXPECT_EQ(parseProgressMode("none"), ProgressMode::None);
-    EXPECT_EQ(test::errorOf(ErrorKind::Argument, [] { parseProgressMode("Bar"); }),
-              "unknown progress mode 'Bar' (use auto, bar, plain or none)");
-}
-
 }  // namespace
 }  // namespace glint

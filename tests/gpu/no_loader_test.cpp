@@ -8,8 +8,7 @@ namespace glint::gpu {
 namespace {
 
 const std::string kMessage =
-    "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as mesa-vulkan-drivers, "
-    "or use --backend cpu";
+    "no Vulkan loader (libvulkan.so.1) found: install libvulkan1 and a driver such as mesa-vulkan-drivers";
 
 template <typename Call>
 void expectNoLoader(Call call) {

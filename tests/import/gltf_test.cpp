@@ -218,7 +218,7 @@ TEST(Gltf, Lights) {
     const auto& point = std::get<PointLight>(scene.lights[0]);
     EXPECT_EQ(point.position, dvec3(1, 2, 3));
     expectNear(point.intensity, Color(10, 5, 0) / pi);
-    EXPECT_TRUE(point.inverseSquare);
+    EXPECT_EQ(point.falloff, Falloff::InverseSquare);
     const auto& sun = std::get<DirectionalLight>(scene.lights[1]);
     expectNear(glm::normalize(sun.direction), {0, -1, 0});  // -z turned by -90 degrees about x
     expectNear(sun.intensity, Color(1) / pi);
@@ -226,7 +226,7 @@ TEST(Gltf, Lights) {
     EXPECT_EQ(spot.direction, dvec3(0, 0, -1));
     EXPECT_NEAR(spot.angle, 0.25 * 180 / pi, 1e-12);
     EXPECT_NEAR(spot.penumbra, 0.25 * 180 / pi, 1e-12);
-    EXPECT_TRUE(spot.inverseSquare);
+    EXPECT_EQ(spot.falloff, Falloff::InverseSquare);
     EXPECT_EQ(scene.ambient, Color(0));
     EXPECT_EQ(scene.warnings,
               std::vector<std::string>{"the range of lights is ignored: they fall off by the square"});

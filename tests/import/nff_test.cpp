@@ -76,7 +76,7 @@ TEST(Nff, LightsWithoutAColorShareIntensity) {
     const Scene one = load("l 1 2 3\ns 0 0 0 1\n");
     EXPECT_EQ(std::get<PointLight>(one.lights.at(0)).position, dvec3(1, 2, 3));
     EXPECT_EQ(std::get<PointLight>(one.lights[0]).intensity, Color(0.5));
-    EXPECT_FALSE(std::get<PointLight>(one.lights[0]).inverseSquare);
+    EXPECT_EQ(std::get<PointLight>(one.lights[0]).falloff, Falloff::None);
     EXPECT_EQ(one.ambient, Color(0.5));
     const Scene four = load("l 1 2 3\nl 0 0 9 # a comment\nl 1 1 1 0.5 0.25 2\nl 4 4 4\ns 0 0 0 1\n");
     ASSERT_EQ(four.lights.size(), 4u);

@@ -121,10 +121,10 @@ TEST(Parse, Lights) {
     const auto& first = std::get<PointLight>(scene.lights[0]);
     EXPECT_EQ(first.position, dvec3(2, 5, 3));
     EXPECT_EQ(first.intensity, Color(1));
-    EXPECT_FALSE(first.inverseSquare);
+    EXPECT_EQ(first.falloff, Falloff::None);
     EXPECT_EQ(std::get<PointLight>(scene.lights[1]).intensity, Color(1, 2, 3));
-    EXPECT_TRUE(std::get<PointLight>(scene.lights[1]).inverseSquare);
-    EXPECT_FALSE(std::get<PointLight>(scene.lights[2]).inverseSquare);
+    EXPECT_EQ(std::get<PointLight>(scene.lights[1]).falloff, Falloff::InverseSquare);
+    EXPECT_EQ(std::get<PointLight>(scene.lights[2]).falloff, Falloff::None);
     const auto& sun = std::get<DirectionalLight>(scene.lights[3]);
     EXPECT_EQ(sun.direction, dvec3(0, -2, 0));
     EXPECT_EQ(sun.intensity, Color(0.5));
@@ -142,12 +142,12 @@ TEST(Parse, SpotLights) {
     EXPECT_EQ(sharp.angle, 30);
     EXPECT_EQ(sharp.penumbra, 0);
     EXPECT_EQ(sharp.intensity, Color(1));
-    EXPECT_FALSE(sharp.inverseSquare);
+    EXPECT_EQ(sharp.falloff, Falloff::None);
     const auto& soft = std::get<SpotLight>(scene.lights[1]);
     EXPECT_EQ(soft.angle, 0);
     EXPECT_EQ(soft.penumbra, 12.5);
     EXPECT_EQ(soft.intensity, Color(1, 2, 3));
-    EXPECT_TRUE(soft.inverseSquare);
+    EXPECT_EQ(soft.falloff, Falloff::InverseSquare);
 }
 
 TEST(Parse, MaterialsKeepFileOrderAndAmbientFollowsDiffuse) {

@@ -119,6 +119,22 @@ TEST(Schema, DefaultsAreTheParsersDefaults) {
     EXPECT_EQ(defaultOf("/$defs/material", "mirror"), material.mirror.x);
 }
 
+template <NamedEnum E>
+void expectNames(const json& schema, const std::string& place) {
+    const auto names = schema.at(json::json_pointer(place + "/enum")).get<std::vector<std::string>>();
+    EXPECT_EQ(names, std::vector<std::string>(kEnumNames<E>.begin(), kEnumNames<E>.end())) << place;
+}
+
+TEST(Schema, HasTheNamesOfTheEnumerations) {
+    const json schema = loadSceneSchema();
+    expectNames<TransmissiveShadows>(schema, "/properties/transmissiveShadows");
+    expectNames<Sampler>(schema, "/$defs/image/properties/sampler");
+    expectNames<Filter>(schema, "/$defs/image/properties/filter");
+    expectNames<Falloff>(schema, "/$defs/falloff");
+    expectNames<Wrap>(schema, "/$defs/wrapMode");
+    expectNames<TexelFilter>(schema, "/$defs/imageTexture/properties/filter");
+}
+
 // Texts that both accept.
 const char* const kGood[] = {
     R"({})",

@@ -37,7 +37,7 @@ TEST_F(TextureFilesTest, ImagesAreReadOnceAndDecoded) {
     EXPECT_EQ(image.image->at(1, 0, 3), 0);
     EXPECT_EQ(image.wrapU, Wrap::Clamp);
     EXPECT_EQ(image.wrapV, Wrap::Mirror);
-    EXPECT_TRUE(image.nearest);
+    EXPECT_EQ(image.filter, TexelFilter::Nearest);
     EXPECT_EQ(scene.textures[0].scale, glm::dvec2(2, 3));
     EXPECT_EQ(scene.textures[0].offset, glm::dvec2(0.5, -1));
     EXPECT_EQ(scene.materials[0].diffuse, Color(1, 0.5, 0));

@@ -17,7 +17,7 @@ Scene sceneAt(const glm::dvec3& offset) {
     Scene scene;
     scene.camera.eye = offset + glm::dvec3(0.5, 1.25, 4);
     scene.camera.target = offset;
-    scene.lights.push_back(PointLight{offset + glm::dvec3(2, 5, 3.75), {1, 1, 1}, false});
+    scene.lights.push_back(PointLight{offset + glm::dvec3(2, 5, 3.75), {1, 1, 1}});
     scene.lights.push_back(DirectionalLight{{1, -2, 3}, {1, 1, 1}});
     addObject(scene, MeshShape{gridMesh(4, offset + glm::dvec3(-2, -2, 0.25))});
     addObject(scene, SphereShape{offset + glm::dvec3(0, 0, -1), 3});

@@ -109,7 +109,7 @@ TEST(PackFeatures, DroppedTrianglesDoNotCount) {
 
 TEST(PackFeatures, Lights) {
     Scene scene;
-    scene.lights.push_back(PointLight{{0, 1, 0}, {1, 1, 1}, true});
+    scene.lights.push_back(PointLight{{0, 1, 0}, {1, 1, 1}, Falloff::InverseSquare});
     SceneFeatures expected;
     expected.pointLights = true;
     EXPECT_EQ(featuresOf(scene), expected);
@@ -117,8 +117,8 @@ TEST(PackFeatures, Lights) {
     expected = {};
     expected.directionalLights = true;
     EXPECT_EQ(featuresOf(scene), expected);
-    for (const bool inverseSquare : {false, true}) {
-        scene.lights[0] = SpotLight{.inverseSquare = inverseSquare};
+    for (const Falloff falloff : {Falloff::None, Falloff::InverseSquare}) {
+        scene.lights[0] = SpotLight{.falloff = falloff};
         expected = {};
         expected.spotLights = true;
         EXPECT_EQ(featuresOf(scene), expected);

@@ -248,8 +248,8 @@ TEST(PackScene, LightsAndEnvironment) {
     scene.background = {0.25, 0.5, 1};
     scene.ambient = {0.125, 0, 2};
     scene.maxDepth = 7;
-    scene.lights.push_back(PointLight{{1, 2, 3}, {4, 5, 6}, false});
-    scene.lights.push_back(PointLight{{-1, 2, 3}, {1, 1, 1}, true});
+    scene.lights.push_back(PointLight{{1, 2, 3}, {4, 5, 6}});
+    scene.lights.push_back(PointLight{{-1, 2, 3}, {1, 1, 1}, Falloff::InverseSquare});
     scene.lights.push_back(DirectionalLight{{0, -3, -4}, {7, 8, 9}});
     const PackedScene packed = packScene(scene);
     ASSERT_EQ(packed.lights.size(), 3u);
@@ -273,9 +273,9 @@ TEST(PackScene, LightsAndEnvironment) {
 // digits that 1 - cos in fp32 would lose: of 0.01 degrees it has one.
 TEST(PackScene, SpotLights) {
     Scene scene;
-    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 60, 30, {4, 5, 6}, false});
-    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 180, 0, {4, 5, 6}, true});
-    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 0, 0.01, {4, 5, 6}, true});
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 60, 30, {4, 5, 6}});
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 180, 0, {4, 5, 6}, Falloff::InverseSquare});
+    scene.lights.push_back(SpotLight{{1, 2, 3}, {0, -3, -4}, 0, 0.01, {4, 5, 6}, Falloff::InverseSquare});
     const PackedScene packed = packScene(scene);
     ASSERT_EQ(packed.lights.size(), 3u);
     const shared::Light& wide = packed.lights[0];

@@ -205,9 +205,9 @@ TEST(Report, LimitFollowsThePredictionAndExcusesNothingUnexplained) {
 }
 
 TEST(Report, ReasonsHaveNames) {
-    EXPECT_STREQ(reasonName(Reason::Tie), "tie");
-    EXPECT_STREQ(reasonName(Reason::Edge), "edge");
-    EXPECT_STREQ(reasonName(Reason::Unexplained), "unexplained");
+    EXPECT_EQ(nameOf(Reason::Tie), "tie");
+    EXPECT_EQ(nameOf(Reason::Edge), "edge");
+    EXPECT_EQ(nameOf(Reason::Unexplained), "unexplained");
 }
 
 class VerifyTest : public render::test::RenderTest {};
@@ -244,7 +244,7 @@ TEST_F(VerifyTest, SensitiveScenesAreJudgedByTheirPrediction) {
         for (int y = -2; y <= 2; ++y)
             for (int z = -1; z <= 1; ++z) render::test::addSphere(scene, {x, y, z}, 0.45, mirror);
     scene.background = Color(0.5);
-    scene.lights = {PointLight{{3, 4, 9}, Color(1), false}};
+    scene.lights = {PointLight{{3, 4, 9}, Color(1)}};
     scene.camera.eye = {0.3, 0.2, 8};
     scene.maxDepth = 8;
     const Case c = render::test::makeCase(scene, 96, 72);

@@ -13,7 +13,7 @@ TEST_F(ShadowTest, LightCloseToASurface) {
         Scene scene = emptyScene();
         addTriangle(scene, {-10, 0, -10}, {10, 0, -10}, {0, 0, 15});
         addTriangle(scene, {-8, 0.5 * distance, -8}, {8, 0.5 * distance, -8}, {0, 0.5 * distance, 12});
-        scene.lights.push_back(PointLight{{0, distance, 0}, Color(1), false});
+        scene.lights.push_back(PointLight{{0, distance, 0}, Color(1)});
         scene.camera.eye = {0, 0.25 * distance, 0};
         scene.camera.target = {0, 0, -0.5 * distance};
         scene.camera.fovY = 40;

@@ -88,15 +88,15 @@ TEST_F(SpotTest, LightsADiscOfTheConesRadius) {
 
 // A cone of 180 degrees is a point light, also straight behind, where its light comes at a cosine of -1.
 TEST_F(SpotTest, FullSphereIsAPointLight) {
-    for (const bool inverseSquare : {false, true}) {
+    for (const Falloff falloff : {Falloff::None, Falloff::InverseSquare}) {
         Scene scene = floorFromAbove(3);
         scene.camera.eye.y = 0.5;
         SpotLight lamp = lampAt(1, 180, 0);
         lamp.direction = {0, 1, 0};
-        lamp.inverseSquare = inverseSquare;
+        lamp.falloff = falloff;
         scene.lights.push_back(lamp);
         const Picture spot = draw(device(), makeCase(scene, kSize, kSize));
-        scene.lights[0] = PointLight{lamp.position, lamp.intensity, inverseSquare};
+        scene.lights[0] = PointLight{lamp.position, lamp.intensity, falloff};
         EXPECT_TRUE(sameBits(spot, draw(device(), makeCase(scene, kSize, kSize))));
     }
 }

@@ -214,7 +214,7 @@ Scene roof() {
     addMesh(scene, half, std::vector<glm::uvec3>(kPages, {0, 1, 2}));
     addTriangle(scene, {3, 3, 2}, {-3, 3, 2.5}, {3, -3, 3});
     addPlane(scene, {0, 0, 0}, {0, 0, 1});
-    scene.lights.push_back(PointLight{{0, 0, 10}, Color(1), false});
+    scene.lights.push_back(PointLight{{0, 0, 10}, Color(1)});
     scene.camera.eye = {0, 0, 1.8};
     scene.camera.target = {0, 0.2, 0};
     scene.camera.fovY = 80;

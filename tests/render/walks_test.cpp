@@ -75,7 +75,7 @@ TEST(LaneRule, IsThisTable) {
     for (const auto& row : rows) {
         const TraversalChoice choice =
             chooseTraversal(row.wanted, deviceOf(row.type, row.llvmpipe), row.scene, row.methods);
-        EXPECT_STREQ(nameOf(choice), row.expected)
+        EXPECT_EQ(nameOf(choice), row.expected)
             << row.type << ", wanted " << static_cast<int>(row.wanted) << ", " << row.scene.triangles.size()
             << " triangles: " << choice.reason;
         EXPECT_FALSE(choice.reason.empty());

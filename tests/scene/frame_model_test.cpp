@@ -218,7 +218,7 @@ TEST(FrameModel, NoSizeOrNothingAtAll) {
 
 TEST(FrameModel, LightsThatAreThereStay) {
     Scene scene = withTriangles(boxCorners({0, 0, 0}, {1, 1, 1}));
-    scene.lights.push_back(PointLight{{1, 2, 3}, Color(4), true});
+    scene.lights.push_back(PointLight{{1, 2, 3}, Color(4), Falloff::InverseSquare});
     frameModel(scene);
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights[0]));

@@ -72,7 +72,7 @@ TEST_F(FiniteTest, VertexNormalsOfNoLength) {
         mesh->normalCorners = {{0, 1, 2}};
         scene.objects.push_back({"mesh", MeshShape{mesh}, 0});
         scene.camera.eye = {0, 0, 3};
-        scene.lights.push_back(PointLight{{1, 1, 3}, Color(1), false});
+        scene.lights.push_back(PointLight{{1, 1, 3}, Color(1)});
         const Picture picture = draw(device(), render::test::makeCase(scene, 33, 33));
         EXPECT_EQ(picture.notFinite, 0u);
         for (const PixelData& data : picture.data) {

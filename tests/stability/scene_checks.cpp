@@ -154,7 +154,7 @@ Case acneCase(Kind kind, double offset, double size, bool moved) {
     if (!moved) render::test::addSphere(scene, -4.0 * center - dvec3(0, 9 * size, 0), size);
     scene.camera.eye = center + size * dvec3(0.5, 2.5, 1);
     scene.camera.target = center;
-    scene.lights.push_back(PointLight{center + size * dvec3(3, 4, 1), Color(1), false});
+    scene.lights.push_back(PointLight{center + size * dvec3(3, 4, 1), Color(1)});
     scene.lights.push_back(DirectionalLight{{1, -2, 1}, Color(0.5)});
     return render::test::makeCase(scene, 40, 40);
 }
@@ -217,7 +217,7 @@ Case lidCase(double height, double gap) {
     square(2, height + gap);
     // Keeps the packing from moving the origin.
     render::test::addSphere(scene, {0, -height - 2, 0}, 0.5);
-    scene.lights.push_back(PointLight{{0.3, height + 2, 0.1}, Color(1), false});
+    scene.lights.push_back(PointLight{{0.3, height + 2, 0.1}, Color(1)});
     scene.camera.eye = {0, height + 0.5 * gap, 0.5};
     scene.camera.target = {0, height, 0.5 - 4 * gap};
     scene.camera.fovY = 60;

@@ -42,10 +42,10 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     if (chaotic || ties) options.maxExplainedShare = 1;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.kappa << " ("
-              << verify::className(verify::classOf(report.kappa)) << "), expected "
-              << report.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges " << report.edges
-              << ", ties " << report.ties << ", unexplained " << report.unexplained
-              << "; RMSE on the same paths " << report.rmseSamePath << '\n';
+              << nameOf(verify::classOf(report.kappa)) << "), expected " << report.kappa * verify::kFloatUnit
+              << ", p99 " << report.p99 << "; edges " << report.edges << ", ties " << report.ties
+              << ", unexplained " << report.unexplained << "; RMSE on the same paths " << report.rmseSamePath
+              << '\n';
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed(options)) << report.explained() << " of " << report.pixels;
     if (ties) {
@@ -134,7 +134,7 @@ class FarTest : public RenderTest {
         scene.camera.target = base + glm::dvec3(0.25, 0.25, 0);
         scene.camera.up = {0, 0, 1};
         scene.ambient = Color(0.1);
-        scene.lights = {PointLight{base + glm::dvec3(-0.5, 0.2, 0.4), Color(0.9), false}};
+        scene.lights = {PointLight{base + glm::dvec3(-0.5, 0.2, 0.4), Color(0.9)}};
         return draw(device(), makeCase(std::move(scene), 160, 120));
     }
 };

@@ -32,8 +32,8 @@ TEST(ViewerPage, NamesEveryKeyAndGesture) {
 
 TEST(ViewerPage, NamesEveryLayer) {
     const std::string text = page();
-    for (int i = 0; i < kViewLayers; ++i)
-        expectRow(text, layerName(static_cast<ViewLayer>(i)), layerHelp(static_cast<ViewLayer>(i)));
+    for (const EnumEntry<ViewLayer>& entry : kEnumEntries<ViewLayer>)
+        expectRow(text, std::string(entry.name), std::string(entry.help));
 }
 
 TEST(ViewerPage, NamesEveryScriptCommand) {

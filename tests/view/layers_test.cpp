@@ -20,13 +20,8 @@ Picture pictureOf(int width, int height) {
 }
 
 TEST(Layers, NamesAreThoseOfTheCommandLine) {
-    for (int i = 0; i < kViewLayers; ++i) {
-        const auto layer = static_cast<ViewLayer>(i);
-        EXPECT_EQ(layerNamed(layerName(layer)), layer);
-        const auto& known = aovNames();
-        EXPECT_NE(std::find(known.begin(), known.end(), layerName(layer)), known.end()) << layerName(layer);
-    }
-    EXPECT_EQ(layerNamed("colour"), std::nullopt);
+    for (const EnumEntry<ViewLayer>& entry : kEnumEntries<ViewLayer>)
+        EXPECT_TRUE(named<Aov>(entry.name)) << entry.name;
 }
 
 // sRGB of linear 0.5 is 188 (IEC 61966-2-1: 1.055 * 0.5^(1/2.4) - 0.055 = 0.7354, times 255 = 187.5).
