@@ -64,7 +64,9 @@ TEST(TripBudget, LeavesRoomForEveryLane) {
                       shared::kMaxPlanes * (1 + shared::kMaskTrips),
                   65535u)
             << lanes;
-        EXPECT_GE(masked, 400u) << lanes;
+        // Each kind of primitive costs some: its loops are entered once more in every trip (387 with 16
+        // lanes).
+        EXPECT_GE(masked, 350u) << lanes;
     }
 }
 
