@@ -14,6 +14,10 @@ namespace {
 GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 #undef GLINT_NAME_BINDING
 
+// A packet's 8 lanes load as many texels from a triangle on, which has three itself (packet_closest.glsl): so
+// many bytes behind the last one must be there. What they hold is not used.
+constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
+
 // Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
 struct Others {
     shared::Camera camera;
@@ -49,7 +53,7 @@ uint64_t largestArray(const PackedScene& scene) {
     visitArrays(scene, Others{}, [&](uint32_t, const char*, std::span<const std::byte> data) {
         largest = std::max<uint64_t>(largest, data.size());
     });
-    return largest;
+    return std::max<uint64_t>(largest, scene.triangles.size() * sizeof(scene.triangles[0]) + kPacketOverrun);
 }
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
@@ -61,7 +65,8 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
                         {}};
     visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
-        buffers_[binding] = gpu::Buffer(device, name, data.size(), access, gpu::MemoryKind::Device);
+        const size_t overrun = traversal.packets && binding == trianglesBinding ? kPacketOverrun : 0;
+        buffers_[binding] = gpu::Buffer(device, name, data.size() + overrun, access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);
     });
     if (tree.roots.empty()) return;
