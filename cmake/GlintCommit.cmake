@@ -32,5 +32,6 @@ function(glint_commit target output)
     COMMAND ${CMAKE_COMMAND} -DSOURCE=${CMAKE_SOURCE_DIR} -DOUTPUT=${output} -P ${GLINT_COMMIT_SCRIPT}
     BYPRODUCTS ${output} COMMENT "" VERBATIM)
   target_sources(${target} PRIVATE ${output})
+  set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # it changes with every commit
   add_dependencies(${target} ${target}_commit)
 endfunction()

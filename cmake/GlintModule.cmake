@@ -1,24 +1,31 @@
-# One static library per module. A module names the modules to its left; tests/module_dependencies checks
-# the #include lines against the same order (docs/design/architecture.md).
+# One static library per module. APART: sources with private names that others of the module have too; GLINT_UNITY compiles them on their
+# own. A module names the modules to its left; tests/module_dependencies checks the #include lines against the same order (docs/design/architecture.md).
 function(glint_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;APART;MODULES;LIBRARIES" ${ARGN})
   add_library(glint_${name} STATIC ${ARG_SOURCES})
+  set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(glint_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/shaders)
   list(TRANSFORM ARG_MODULES PREPEND glint_)
   target_link_libraries(glint_${name} PUBLIC ${ARG_MODULES} glm::glm PRIVATE ${ARG_LIBRARIES} Threads::Threads)
 endfunction()
 
-# A gtest program; LABEL is unit (no device), gpu (runs on lavapipe, GlintLavapipe.cmake), window (the same, on a screen of its own in
-# memory) or slow (run by hand).
+# A gtest program. LABEL says what its tests need, and where tools/test runs them:
+#   unit       no device; with sanitizers
+#   optimized  no device, but the optimized build: what it looks for is not in another
+#   gpu        a device: lavapipe, GlintLavapipe.cmake
+#   window     the same, on a screen of its own in memory
+#   assets     the models beside the source tree (tests/assets); with sanitizers, tools/test-more
+#   slow       minutes on a device; tools/test-more
+# CTest knows each test by its name, `ctest -R Suite.Name`, and runs it in a process of its own. With `-C Programs` it knows the programs
+# besides (label "program"), each in SHARDS processes that divide its tests among them: 40 processes instead of 2,900.
 # ENVIRONMENT takes NAME=value pairs that its tests see besides.
 include(GlintLavapipe)
 function(glint_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   list(TRANSFORM ARG_MODULES PREPEND glint_)
-  target_link_libraries(${name} PRIVATE ${ARG_MODULES} ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
-  target_compile_definitions(${name} PRIVATE GLINT_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
-                                             GLINT_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_MODULES} glint_test_support ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   # What is tested is fast, the tests need not be: 4.2 instead of 5.6 s to compile one, sanitized 6.8 instead of 11.6 s (GCC 12).
   target_compile_options(${name} PRIVATE $<IF:$<BOOL:${GLINT_SANITIZE}>,-O0,-O1>)
   if(NOT ARG_TIMEOUT)
@@ -43,12 +50,12 @@ function(glint_test name)
   if(GLINT_SANITIZE)
     target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/gpu/sanitizer_support.cpp)
   endif()
-  if(ARG_LABEL STREQUAL "unit")
-    add_dependencies(unit_tests ${name})
-  elseif(ARG_LABEL STREQUAL "gpu" OR ARG_LABEL STREQUAL "window")
+  add_dependencies(${ARG_LABEL}_tests ${name})
+  if(ARG_LABEL MATCHES "gpu|window|slow")
     glint_lavapipe_environment(lavapipe)
     list(PREPEND ARG_ENVIRONMENT ${lavapipe})
   endif()
+  glint_test_programs()
   if(ARG_ENVIRONMENT)
     # PROPERTIES above cannot carry a list; CTest knows the discovered tests as ${name}_TESTS.
     set(script ${CMAKE_CURRENT_BINARY_DIR}/${name}_environment.cmake)
@@ -61,3 +68,17 @@ endif()
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
   endif()
 endfunction()
+
+# Part of glint_test: its program as CTest's tests name.1, name.2 ...
+macro(glint_test_programs)
+  if(NOT ARG_SHARDS)
+    set(ARG_SHARDS 1)
+  endif()
+  foreach(shard RANGE 1 ${ARG_SHARDS})
+    math(EXPR index "${shard} - 1")
+    set(shard_environment ${ARG_ENVIRONMENT} GTEST_TOTAL_SHARDS=${ARG_SHARDS} GTEST_SHARD_INDEX=${index})
+    add_test(NAME ${name}.${shard} CONFIGURATIONS Programs COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name}.${shard} PROPERTIES LABELS "program;${ARG_LABEL}" TIMEOUT 1800 ${lock}
+                                                     ENVIRONMENT "${shard_environment}")
+  endforeach()
+endmacro()

@@ -5,7 +5,7 @@
 #include "core/image_io.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::advice_test {
 namespace {
 
 constexpr const char* kBall = R"("objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}])";
@@ -207,4 +207,4 @@ TEST_F(ClippedAdvice, NotFiniteIsCountedAndShownBlack) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::advice_test

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::bench_test {
 namespace {
 
 const bench::Program kProgram = {"1.2", "abc"};
@@ -157,4 +157,4 @@ TEST_F(BenchOnHost, SceneAtFault) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::bench_test

@@ -6,7 +6,7 @@
 #include "core/image_io.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::diff_test {
 namespace {
 
 class Diff : public FolderTest {
@@ -103,4 +103,4 @@ TEST_F(Diff, PngAndFloatPicturesCompareLinearly) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::diff_test

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_bench_test {
 namespace {
 
 nlohmann::json bench(std::vector<std::string> more) {
@@ -126,4 +126,4 @@ TEST_F(GpuBench, EveryWalkDrawsTheSameBits) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_bench_test

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_methods_test {
 namespace {
 
 std::vector<std::vector<double>> rows(const std::string& csv) {
@@ -53,7 +53,7 @@ TEST_F(Methods, ExerciseOneTheSphere) {
 // limb, and the normal looked away by the rounding of t (towardsRayAtLimb).
 TEST_F(Methods, TextbookSpheresVerifyThroughALens) {
     for (const char* sphere : {"algebraic", "geometric"}) {
-        const Ran ran = runGlint({"verify", GLINT_SOURCE_DIR "/scenes/lens.json", "--size", "160x120",
+        const Ran ran = runGlint({"verify", glint::test::sourcePath("scenes/lens.json"), "--size", "160x120",
                                   "--sphere", sphere, "--progress", "none"});
         EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
         EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
@@ -103,4 +103,4 @@ TEST_F(Methods, StatisticsSayWhichWasUsed) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_methods_test

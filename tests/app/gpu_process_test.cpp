@@ -6,7 +6,7 @@
 #include "core/stopwatch.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_process_test {
 namespace {
 
 class GpuProcess : public FolderTest {
@@ -82,4 +82,4 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_process_test

@@ -7,7 +7,7 @@
 #include "reference/render.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_render_test {
 namespace {
 
 class GpuRender : public FolderTest {
@@ -159,4 +159,4 @@ TEST_F(GpuRender, EmptyScene) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_render_test

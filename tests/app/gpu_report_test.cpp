@@ -4,7 +4,7 @@
 #include "core/interrupt.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_report_test {
 namespace {
 
 class GpuReport : public FolderTest {
@@ -120,4 +120,4 @@ TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_report_test

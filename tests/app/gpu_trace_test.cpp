@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_trace_test {
 namespace {
 
 constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
@@ -121,4 +121,4 @@ TEST_F(GpuTrace, MissingDeviceLeavesStandardOutputEmpty) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_trace_test

@@ -2,7 +2,7 @@
 #include "core/image_io.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::gpu_verify_test {
 namespace {
 
 class GpuVerify : public FolderTest {};
@@ -79,4 +79,4 @@ TEST_F(GpuVerify, SceneAtFaultEndsTheRunWithItsOwnCode) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::gpu_verify_test

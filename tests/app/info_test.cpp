@@ -1,7 +1,7 @@
 // `glint info`: what it says of scenes whose contents are known.
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::info_test {
 namespace {
 
 class Info : public FolderTest {};
@@ -95,4 +95,4 @@ TEST_F(Info, IsTheSameEveryTimeButForTheBuildTime) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::info_test

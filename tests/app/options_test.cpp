@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::options_test {
 namespace {
 
 struct Value {
@@ -127,4 +127,4 @@ TEST(Options, TextInMessagesIsOneShortLine) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::options_test

@@ -9,7 +9,7 @@
 #include "core/stopwatch.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::process_test {
 namespace {
 
 class Process : public FolderTest {
@@ -196,4 +196,4 @@ TEST_F(Process, WithoutVulkanLoader) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::process_test

@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::ray_file_test {
 namespace {
 
 std::vector<WorldRay> parse(const std::string& text) {
@@ -16,13 +16,7 @@ std::vector<WorldRay> parse(const std::string& text) {
 }
 
 std::string errorOf(const std::string& text) {
-    try {
-        parse(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::Scene);
-        return error.what();
-    }
-    return "nothing thrown";
+    return glint::test::errorOf(ErrorKind::Scene, [&] { parse(text); });
 }
 
 TEST(RayFile, SixToEightNumbers) {
@@ -124,4 +118,4 @@ TEST_F(RayFileOnDisk, WithoutRaysThereIsAHeaderAndAWarning) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::ray_file_test

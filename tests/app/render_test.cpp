@@ -5,7 +5,7 @@
 #include "core/image_io.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::render_test {
 namespace {
 
 class Render : public FolderTest {
@@ -179,4 +179,4 @@ TEST_F(Render, ReplacesAnOldPicture) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::render_test

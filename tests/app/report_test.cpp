@@ -12,7 +12,7 @@
 #include "report/write.h"
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::report_test {
 namespace {
 
 using namespace report;
@@ -350,4 +350,4 @@ TEST(ReportArguments, AreChecked) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::report_test

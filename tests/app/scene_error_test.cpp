@@ -1,7 +1,7 @@
 // Scenes and models that are at fault: one line that says where, exit code 3, no file left behind.
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::scene_error_test {
 namespace {
 
 struct Bad {
@@ -102,4 +102,4 @@ TEST_F(SceneFile, TexturesAndMissingMaterialFilesAreWarnings) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::scene_error_test

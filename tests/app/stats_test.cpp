@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::stats_test {
 namespace {
 
 class Stats : public FolderTest {
@@ -74,4 +74,4 @@ TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::stats_test

@@ -1,16 +1,10 @@
 #include "support.h"
 
-#include <unistd.h>
-
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "app/cli.h"
 
 namespace glint::app::test {
-
-namespace fs = std::filesystem;
 
 Ran runGlint(const std::vector<std::string>& args) {
     std::ostringstream out, err;
@@ -21,45 +15,12 @@ Ran runGlint(const std::vector<std::string>& args) {
     return ran;
 }
 
-void FolderTest::SetUp() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->test_suite_name()) + "-" + info->name();
-    for (char& c : name) c = c == '/' ? '-' : c;
-    folder_ = fs::temp_directory_path() / ("glint-app-" + std::to_string(::getpid()) + "-" + name);
-    fs::create_directories(folder_);
-    before_ = fs::current_path();
-    fs::current_path(folder_);
-}
-
-void FolderTest::TearDown() {
-    fs::current_path(before_);
-    std::error_code ignored;
-    fs::permissions(folder_, fs::perms::owner_all, ignored);
-    fs::remove_all(folder_, ignored);
-}
-
-std::set<std::string> FolderTest::names() const {
-    std::set<std::string> result;
-    for (const auto& entry : fs::directory_iterator(folder_)) result.insert(entry.path().filename().string());
-    return result;
-}
-
-void writeText(const fs::path& path, const std::string& text) {
-    std::ofstream stream(path, std::ios::binary);
-    stream << text;
-}
-
-std::vector<uint8_t> readBytes(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 std::string sceneText(int width, int height, const std::string& rest) {
     return "{\"image\": {\"width\": " + std::to_string(width) + ", \"height\": " + std::to_string(height) +
            "}, \"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"fovY\": 90},\n" + rest + "}\n";
 }
 
-void writeSmallScene(const fs::path& path) {
+void writeSmallScene(const std::filesystem::path& path) {
     writeText(path, sceneText(64, 48, R"("background": [0.25, 0.5, 0.75], "ambient": 0.1,
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1], "specular": 0.5, "shininess": 40},

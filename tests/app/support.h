@@ -1,8 +1,6 @@
 // What the tests of the command line share.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <set>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "support/support.h"
 
 namespace glint::app::test {
 
@@ -21,22 +20,10 @@ struct Ran {
 // Runs a command line inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
-// A test with a folder of its own, which is the current one: messages then hold short, fixed file names.
-class FolderTest : public ::testing::Test {
-  protected:
-    void SetUp() override;
-    void TearDown() override;
-
-    std::set<std::string> names() const;  // every name in the folder, hidden ones included
-
-    std::filesystem::path folder_;
-
-  private:
-    std::filesystem::path before_;
-};
-
-void writeText(const std::filesystem::path& path, const std::string& text);
-std::vector<uint8_t> readBytes(const std::filesystem::path& path);
+using FolderTest = glint::test::WorkingFolderTest;
+using glint::test::errorOf;
+using glint::test::readBytes;
+using glint::test::writeText;
 
 // A sphere of radius 1 round the origin, a triangle to its right and a mirror sphere to its left; camera at
 // (0, 0, 5), one light. 64 x 48 pixels.

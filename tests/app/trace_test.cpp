@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::trace_test {
 namespace {
 
 constexpr const char* kHeader = "hit,t,u,v,object,primitive,px,py,pz,nx,ny,nz\n";
@@ -120,4 +120,4 @@ TEST_F(Trace, FacesAreNumberedAsInTheFile) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::trace_test

@@ -2,7 +2,7 @@
 // no file.
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::usage_test {
 namespace {
 
 struct Case {
@@ -247,4 +247,4 @@ TEST(Help, VersionIsOneLine) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::usage_test

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-namespace glint::app::test {
+namespace glint::app::test::verify_report_test {
 namespace {
 
 std::string reportText(const verify::Report& report, const verify::Options& options = {}) {
@@ -118,4 +118,4 @@ TEST(VerifyReport, WithoutPixels) {
 }
 
 }  // namespace
-}  // namespace glint::app::test
+}  // namespace glint::app::test::verify_report_test

@@ -8,7 +8,7 @@
 #include "bvh/builder.h"
 #include "trees.h"
 
-namespace glint {
+namespace glint::builder_quality_test {
 namespace {
 
 using namespace test;
@@ -139,4 +139,4 @@ TEST(BuilderQuality, TraversalCostSetsLeafSize) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::builder_quality_test

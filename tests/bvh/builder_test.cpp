@@ -8,7 +8,7 @@
 
 #include "trees.h"
 
-namespace glint {
+namespace glint::builder_test {
 namespace {
 
 using namespace test;
@@ -169,4 +169,4 @@ TEST(Builder, OneGroupIsNoGroup) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::builder_test

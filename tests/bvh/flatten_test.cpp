@@ -6,7 +6,7 @@
 
 #include "trees.h"
 
-namespace glint {
+namespace glint::flatten_test {
 namespace {
 
 using namespace test;
@@ -189,7 +189,7 @@ TEST(Flatten, KindsHaveArraysOfTheirOwn) {
     std::vector<uint8_t> kinds;
     uint32_t spheres = 0;
     for (size_t i = 0; i < boxes.size(); ++i) {
-        kinds.push_back(i % 3 == 0 ? shared::kKindSphere : shared::kKindTriangle);
+        kinds.push_back(static_cast<uint8_t>(i % 3 == 0 ? shared::kKindSphere : shared::kKindTriangle));
         spheres += i % 3 == 0;
     }
     BvhOptions options;
@@ -206,4 +206,4 @@ TEST(Flatten, KindsHaveArraysOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::flatten_test

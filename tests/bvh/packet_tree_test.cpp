@@ -9,7 +9,7 @@
 #include "bvh/flatten.h"
 #include "trees.h"
 
-namespace glint {
+namespace glint::packet_tree_test {
 namespace {
 
 using namespace test;
@@ -176,4 +176,4 @@ TEST(PacketTree, NoOtherCollapseHasLessArea) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::packet_tree_test

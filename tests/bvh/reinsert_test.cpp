@@ -8,7 +8,7 @@
 #include "pack/build_tree.h"
 #include "trees.h"
 
-namespace glint {
+namespace glint::reinsert_test {
 namespace {
 
 using namespace test;
@@ -88,4 +88,4 @@ TEST(Reinsertion, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::reinsert_test

@@ -10,7 +10,7 @@
 #include "bvh/flatten.h"
 #include "trees.h"
 
-namespace glint {
+namespace glint::wide_tree_test {
 namespace {
 
 using namespace test;
@@ -244,4 +244,4 @@ TEST(WideTree, Sizes) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::wide_tree_test

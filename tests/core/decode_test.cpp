@@ -9,9 +9,9 @@
 #include "core/image_io.h"
 #include "core/quantize.h"
 #include "png_file.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::decode_test {
 namespace {
 
 using test::errorOf;
@@ -220,4 +220,4 @@ TEST_F(Decode, MessagesForTruncatedFiles) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::decode_test

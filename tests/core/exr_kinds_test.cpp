@@ -14,9 +14,9 @@
 #include <cmath>
 
 #include "core/image_io.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::exr_kinds_test {
 namespace {
 
 using test::errorOf;
@@ -212,4 +212,4 @@ TEST_F(ExrKinds, SubsampledChannelsAreRefused) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::exr_kinds_test

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::image_diff_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -152,4 +152,4 @@ TEST(DifferenceImage, MarksWhatIsNotFiniteInOneOnly) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::image_diff_test

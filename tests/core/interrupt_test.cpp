@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-namespace glint {
+namespace glint::interrupt_test {
 namespace {
 
 class Interrupt : public ::testing::Test {
@@ -67,4 +67,4 @@ TEST_F(Interrupt, IgnoredSignalsStayIgnored) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::interrupt_test

@@ -9,9 +9,9 @@
 
 #include "core/codecs.h"
 #include "core/quantize.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::jpeg_kinds_test {
 namespace {
 
 struct Kind {
@@ -87,4 +87,4 @@ TEST(JpegKinds, ScansWithoutEndAreRefused) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::jpeg_kinds_test

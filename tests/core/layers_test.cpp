@@ -10,9 +10,9 @@
 
 #include "core/image_io.h"
 #include "png_file.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::layers_test {
 namespace {
 
 using test::errorOf;
@@ -186,4 +186,4 @@ TEST_F(Layers, LayersThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::layers_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace glint {
+namespace glint::near_names_test {
 
 TEST(NearNames, DistanceCountsEdits) {
     EXPECT_EQ(editDistance("radius", "radius"), 0u);
@@ -36,4 +36,4 @@ TEST(NearNames, LongListsAreCut) {
               "defined: aaaaaa, bbbbbb, cccccc, dddddd, eeeeee, ffffff, gggggg, hhhhhh, ...");
 }
 
-}  // namespace glint
+}  // namespace glint::near_names_test

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace glint {
+namespace glint::parallel_test {
 namespace {
 
 TEST(ParallelFor, EveryIndexOnce) {
@@ -117,4 +117,4 @@ TEST(DefaultThreadCount, FollowsTheAffinityMask) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::parallel_test

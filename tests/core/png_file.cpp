@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "test_support.h"
+#include "support/support.h"
 
 namespace glint::test {
 namespace {

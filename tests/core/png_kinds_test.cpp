@@ -4,9 +4,9 @@
 
 #include "core/codecs.h"
 #include "core/quantize.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::png_kinds_test {
 namespace {
 
 using Bytes8 = std::vector<uint8_t>;
@@ -96,4 +96,4 @@ TEST(PngKinds, SizesAreLookedAtBeforeMemoryIsTaken) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::png_kinds_test

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <thread>
 
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::progress_test {
 namespace {
 
 class ProgressTest : public ::testing::Test {
@@ -190,4 +190,4 @@ TEST_F(ProgressTest, UpdatesFromManyThreadsGiveWholeLines) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::progress_test

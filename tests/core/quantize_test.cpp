@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace glint {
+namespace glint::quantize_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -103,4 +103,4 @@ TEST(QuantizeData, RangeBeyondFloat) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::quantize_test

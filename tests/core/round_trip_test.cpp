@@ -6,9 +6,9 @@
 #include "core/image_io.h"
 #include "core/quantize.h"
 #include "png_file.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::round_trip_test {
 namespace {
 
 using test::errorOf;
@@ -213,4 +213,4 @@ TEST_F(RoundTrip, PicturesThatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::round_trip_test

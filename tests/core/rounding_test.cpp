@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-namespace glint {
+namespace glint::rounding_test {
 namespace {
 
 struct Floats {
@@ -43,4 +43,4 @@ TEST(Rounding, ToFloatAndBackIsKept) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::rounding_test

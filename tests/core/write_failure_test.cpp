@@ -7,9 +7,9 @@
 
 #include "core/file_io.h"
 #include "core/image_io.h"
-#include "test_support.h"
+#include "support/support.h"
 
-namespace glint {
+namespace glint::write_failure_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,22 +67,23 @@ TEST_F(WriteFailure, ParentIsAFile) {
 }
 
 TEST_F(WriteFailure, NoPermission) {
-    if (::geteuid() == 0) {
-        GTEST_SKIP() << "root may write everywhere";
-    }
     fs::create_directory(file("locked"));
     fs::permissions(file("locked"), fs::perms::owner_read | fs::perms::owner_exec);
     const std::string inside = file("locked/x.png").string();
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
-              inside + ": cannot write: Permission denied");
+    test::withoutPrivileges(folder_, [&] {
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(inside, Image(1, 1, 3)); }),
+                  inside + ": cannot write: Permission denied");
+    });
     fs::permissions(file("locked"), fs::perms::owner_all);
 
     // Renaming would replace a write-protected file; its owner did not want that.
     const std::string path = file("protected.png").string();
     writeBytes(path, kOld);
     fs::permissions(path, fs::perms::owner_read);
-    EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
-              path + ": cannot write: Permission denied");
+    test::withoutPrivileges(folder_, [&] {
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
+                  path + ": cannot write: Permission denied");
+    });
     EXPECT_EQ(readBytes(path), kOld);
 }
 
@@ -113,9 +114,7 @@ TEST_F(WriteFailure, FullDiskForTheSecondLayerLeavesNone) {
 }
 
 TEST_F(WriteFailure, FullDevice) {
-    if (!fs::is_character_file("/dev/full")) {
-        GTEST_SKIP() << "this system has no /dev/full";
-    }
+    ASSERT_TRUE(fs::is_character_file("/dev/full"));
     fs::create_symlink("/dev/full", file("full.png"));
     const std::string path = file("full.png").string();
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeImage(path, Image(1, 1, 3)); }),
@@ -126,9 +125,7 @@ TEST_F(WriteFailure, FullDevice) {
 }
 
 TEST_F(WriteFailure, LaterLayerFailsAfterTheFirstIsInPlace) {
-    if (!fs::is_character_file("/dev/full")) {
-        GTEST_SKIP() << "this system has no /dev/full";
-    }
+    ASSERT_TRUE(fs::is_character_file("/dev/full"));
     fs::create_symlink("/dev/full", file("x.normal.pfm"));
     const std::vector<Layer> layers = {{"color", Image(1, 1, 3)}, {"normal", Image(1, 1, 3)}};
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { writeLayers(file("x.pfm"), layers); }),
@@ -209,4 +206,4 @@ TEST_F(WriteFiles, EmptyAndLargeTextsComeBackWhole) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::write_failure_test

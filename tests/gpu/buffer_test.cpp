@@ -3,7 +3,7 @@
 
 #include "gpu_fixture.h"
 
-namespace glint::gpu {
+namespace glint::gpu::buffer_test {
 namespace {
 
 enum class Path { Mapped, Staged };
@@ -172,4 +172,4 @@ TEST_F(BufferTest, ADeviceWithoutTheMemoryType) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::buffer_test

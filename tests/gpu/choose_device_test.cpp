@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "gpu/device_state.h"
 
-namespace glint::gpu {
+namespace glint::gpu::choose_device_test {
 namespace {
 
 DeviceInfo made(uint32_t index, const std::string& name, const std::string& type,
@@ -174,4 +174,4 @@ TEST(Refusal, CountsNoTexelBuffersWithoutTheFormat) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::choose_device_test

@@ -3,7 +3,7 @@
 
 #include "gpu/device_state.h"
 
-namespace glint::gpu {
+namespace glint::gpu::choose_resources_test {
 namespace {
 
 VkQueueFamilyProperties family(VkQueueFlags flags, uint32_t timestampBits) {
@@ -145,4 +145,4 @@ TEST(Fits, NothingWithoutTexelBuffers) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::choose_resources_test

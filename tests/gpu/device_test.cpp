@@ -6,7 +6,7 @@
 
 #include "gpu_fixture.h"
 
-namespace glint::gpu {
+namespace glint::gpu::device_test {
 namespace {
 
 class ScopedEnvironment {
@@ -194,4 +194,4 @@ TEST_F(GpuTest, MovesWithoutDisturbingItsBuffers) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::device_test

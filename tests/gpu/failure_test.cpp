@@ -1,7 +1,7 @@
 // Failures of Vulkan calls, made by putting others in their place in the device's function table.
 #include "gpu_fixture.h"
 
-namespace glint::gpu {
+namespace glint::gpu::failure_test {
 namespace {
 
 class FailureTest : public GpuTest {
@@ -119,4 +119,4 @@ TEST_F(FailureTest, TimestampsMayWrap) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::failure_test

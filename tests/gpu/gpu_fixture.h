@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "core/error.h"
 #include "gpu/compute.h"
 #include "gpu/device_state.h"
+#include "support/support.h"
 
 namespace glint::gpu {
 
@@ -60,15 +62,8 @@ inline void write(const Device& device, const Buffer& buffer, const std::vector<
 }
 
 // The message of the Error(Device) that `call` throws.
-template <typename Call>
-std::string errorOf(Call call) {
-    try {
-        call();
-        return "no error";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::Device);
-        return error.what();
-    }
+inline std::string errorOf(const std::function<void()>& call) {
+    return glint::test::errorOf(ErrorKind::Device, call);
 }
 
 // ---- the kernels of this folder ----

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace glint::gpu {
+namespace glint::gpu::handle_test {
 namespace {
 
 std::vector<VkBuffer> destroyed;
@@ -59,4 +59,4 @@ TEST_F(HandleTest, LeaksOnADeviceThatHangs) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::handle_test

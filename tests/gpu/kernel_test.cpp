@@ -1,6 +1,6 @@
 #include "gpu_fixture.h"
 
-namespace glint::gpu {
+namespace glint::gpu::kernel_test {
 namespace {
 
 class KernelTest : public GpuTest, public testing::WithParamInterface<Access> {
@@ -160,4 +160,4 @@ TEST_F(OneKernelTest, LimitsAreChecked) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::kernel_test

@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "gpu/device.h"
 
-namespace glint::gpu {
+namespace glint::gpu::no_loader_test {
 namespace {
 
 const std::string kMessage =
@@ -35,4 +35,4 @@ TEST(NoLoader, IsReportedEveryTime) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::no_loader_test

@@ -14,7 +14,7 @@
 
 #include "render/kernels.h"
 
-namespace glint::gpu {
+namespace glint::gpu::specialize_test {
 namespace {
 
 constexpr uint32_t kIds = 80;
@@ -118,4 +118,4 @@ TEST(Specialize, RefusesWhatIsNoModule) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::specialize_test

@@ -1,6 +1,6 @@
 #include "gpu_fixture.h"
 
-namespace glint::gpu {
+namespace glint::gpu::submission_test {
 namespace {
 
 class SubmissionTest : public GpuTest {};
@@ -143,4 +143,4 @@ TEST_F(SubmissionTest, DeviceTimeIsZeroWithoutTimestamps) {
 }
 
 }  // namespace
-}  // namespace glint::gpu
+}  // namespace glint::gpu::submission_test

@@ -2,7 +2,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::box_test {
 
 namespace {
 
@@ -46,4 +46,4 @@ TEST(ParseBox, RefusesWhatIsNone) {
               std::string::npos);
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::box_test

@@ -7,12 +7,12 @@
 #include "schema_checker.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::docs_test {
 
 namespace {
 
 std::string page() {
-    return readWholeFile(GLINT_SOURCE_DIR "/docs/reference/scene-format.md");
+    return readWholeFile(glint::test::sourcePath("docs/reference/scene-format.md"));
 }
 
 // The ```jsonc blocks; one that is no whole scene, but keys of one, is given its braces.
@@ -42,7 +42,7 @@ TEST(SceneFormatPage, ExamplesAreAcceptedByParserAndSchema) {
     const TemporaryFolder folder;
     folder.write("bunny.obj", kCubeObj);
     for (const char* image : {"earth.jpg", "bricks.png", "leaf.png", "sky.hdr"})
-        std::filesystem::copy_file(GLINT_SOURCE_DIR "/scenes/images/leaf.png", folder.path() / image);
+        std::filesystem::copy_file(glint::test::sourcePath("scenes/images/leaf.png"), folder.path() / image);
     const nlohmann::json schema = loadSceneSchema();
     const std::vector<std::string> blocks = examples();
     EXPECT_GE(blocks.size(), 8u);
@@ -82,4 +82,4 @@ TEST(SceneFormatPage, StatedResultsAreRight) {
     }
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::docs_test

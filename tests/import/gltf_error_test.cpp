@@ -5,7 +5,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::gltf_error_test {
 
 namespace {
 
@@ -212,4 +212,4 @@ TEST(GltfErrors, TruncationsAndBitFlips) {
     }
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::gltf_error_test

@@ -8,7 +8,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::gltf_material_test {
 
 namespace {
 
@@ -315,4 +315,4 @@ TEST(GltfMaterial, PicturesInBufferViewsAndFiles) {
     EXPECT_EQ(scene.materials.at(0).ambientTexture, 1u);
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::gltf_material_test

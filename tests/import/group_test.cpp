@@ -6,14 +6,14 @@
 #include "scene/transform.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::group_test {
 namespace {
 
 using glm::dmat3;
 using glm::dvec3;
 
 Scene parse(const std::string& text) {
-    return parseScene(text, "s.json", GLINT_SOURCE_DIR "/scenes");
+    return parseScene(text, "s.json", glint::test::sourcePath("scenes"));
 }
 
 TEST(Group, ComposesTransformsFromTheInsideOut) {
@@ -155,4 +155,4 @@ TEST(Placement, InverseAndLoss) {
 }
 
 }  // namespace
-}  // namespace glint::test
+}  // namespace glint::test::group_test

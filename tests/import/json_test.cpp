@@ -2,7 +2,7 @@
 #include "import/json_document.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::json_test {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST(Json, DescribesValuesShortly) {
     EXPECT_EQ(described("\"" + std::string(1000, 'x') + "\""), "a string of 1000 bytes");
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::json_test

@@ -3,7 +3,7 @@
 #include "import/importers.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::obj_test {
 
 namespace {
 
@@ -305,4 +305,4 @@ TEST(Obj, OtherExtensionsAreRefused) {
     EXPECT_EQ(importMesh(folder.write("M.OBJ", kCubeObj)).mesh.corners.size(), 12u);
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::obj_test

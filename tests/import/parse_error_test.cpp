@@ -2,7 +2,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::parse_error_test {
 
 namespace {
 
@@ -306,4 +306,4 @@ TEST(ParseErrorInFiles, ABadMeshNamesTheMeshFile) {
     EXPECT_EQ(message, mesh.string() + ":2: face uses vertex 2, the file has 1");
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::parse_error_test

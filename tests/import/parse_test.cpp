@@ -4,7 +4,7 @@
 #include "scene/transform.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::parse_test {
 
 namespace {
 
@@ -270,4 +270,4 @@ TEST(Parse, UnusedMeshesAreNotLoadedButSaid) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{"s.json: /meshes/a~1b: no object uses this mesh"});
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::parse_test

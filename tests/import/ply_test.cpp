@@ -5,7 +5,7 @@
 #include "import/importers.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::ply_test {
 
 namespace {
 
@@ -318,4 +318,4 @@ TEST(Ply, DegenerateFacesAreCounted) {
         imported.warnings[0].ends_with("m.ply: 1 face with fewer than three different vertices left out"));
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::ply_test

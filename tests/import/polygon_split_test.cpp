@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-namespace glint {
+namespace glint::polygon_split_test {
 
 namespace {
 
@@ -184,4 +184,4 @@ TEST(PolygonSplit, LargePolygonsTakeQuadraticTime) {
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
-}  // namespace glint
+}  // namespace glint::polygon_split_test

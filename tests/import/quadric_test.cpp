@@ -2,7 +2,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::quadric_test {
 
 namespace {
 
@@ -84,4 +84,4 @@ TEST(ParseQuadric, RefusesWhatIsNone) {
               at + "/radius: must be > 0 (got -1)");
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::quadric_test

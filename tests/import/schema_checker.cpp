@@ -1,5 +1,7 @@
 #include "schema_checker.h"
 
+#include "support/support.h"
+
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
@@ -114,7 +116,7 @@ std::string schemaViolation(const nlohmann::json& schema, const nlohmann::json& 
 }
 
 nlohmann::json loadSceneSchema() {
-    std::ifstream file(GLINT_SOURCE_DIR "/scenes/scene.schema.json");
+    std::ifstream file(glint::test::sourcePath("scenes/scene.schema.json"));
     return nlohmann::json::parse(file);
 }
 

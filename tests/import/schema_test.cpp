@@ -9,7 +9,7 @@
 #include "schema_checker.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::schema_test {
 
 namespace {
 
@@ -66,7 +66,7 @@ std::set<std::string> asSet(std::span<const std::string_view> names) {
 }
 
 std::string parseError(const std::string& text) {
-    const std::string error = errorOf([&] { parseScene(text, "s.json", GLINT_SOURCE_DIR "/scenes"); });
+    const std::string error = errorOf([&] { parseScene(text, "s.json", glint::test::sourcePath("scenes")); });
     return error == "no error" ? "" : error;
 }
 
@@ -279,7 +279,8 @@ TEST(Schema, AgreesWithTheParserOnEveryKey) {
 
 TEST(Schema, SceneFilesOfTheProjectFollowIt) {
     const json schema = loadSceneSchema();
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(GLINT_SOURCE_DIR "/scenes")) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(glint::test::sourcePath("scenes"))) {
         if (entry.path().extension() != ".json" || entry.path().filename() == "scene.schema.json") continue;
         const json scene = json::parse(readWholeFile(entry.path()), nullptr, true, true);
         EXPECT_EQ(schemaViolation(schema, scene), "") << entry.path();
@@ -287,4 +288,4 @@ TEST(Schema, SceneFilesOfTheProjectFollowIt) {
     }
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::schema_test

@@ -6,7 +6,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::stl_test {
 
 namespace {
 
@@ -203,4 +203,4 @@ TEST(Stl, AModelAloneAndAMeshOfASceneFile) {
     EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->corners.size(), 4u);
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::stl_test

@@ -5,7 +5,7 @@
 #include "import/load.h"
 #include "support.h"
 
-namespace glint::test {
+namespace glint::test::texture_test {
 namespace {
 
 // A folder with tiny.png, 2 x 1 texels: sRGB codes 188 and 0.
@@ -176,4 +176,4 @@ TEST_F(TextureFilesTest, MirroredMeshesKeepTheirCoordinates) {
 }
 
 }  // namespace
-}  // namespace glint::test
+}  // namespace glint::test::texture_test

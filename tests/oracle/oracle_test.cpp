@@ -9,7 +9,7 @@
 #include "dyadic.h"
 #include "tally.h"
 
-namespace glint::oracle {
+namespace glint::oracle::oracle_test {
 namespace {
 
 using glm::dvec3;
@@ -168,4 +168,4 @@ TEST(Tally, CountsAndQuantiles) {
 }
 
 }  // namespace
-}  // namespace glint::oracle
+}  // namespace glint::oracle::oracle_test

@@ -9,7 +9,7 @@
 #include "../reference/scene_maker.h"
 #include "tally.h"
 
-namespace glint::oracle {
+namespace glint::oracle::reference_test {
 namespace {
 
 using glm::dvec3;
@@ -173,4 +173,4 @@ TEST(ReferenceByOracle, Polygons) {
 }
 
 }  // namespace
-}  // namespace glint::oracle
+}  // namespace glint::oracle::reference_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace glint {
+namespace glint::area_vector_test {
 namespace {
 
 constexpr float kUlp = std::numeric_limits<float>::epsilon();
@@ -82,4 +82,4 @@ TEST(AreaVector, EndsOfTheRange) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::area_vector_test

@@ -5,7 +5,7 @@
 
 #include "pack/packed_scene.h"
 
-namespace glint {
+namespace glint::camera_test {
 namespace {
 
 // As shared/layout.h defines the camera ray of a film point.
@@ -215,4 +215,4 @@ TEST(PackCamera, ObliquePerspective) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::camera_test

@@ -7,7 +7,7 @@
 #include "scene/transform.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::cuboid_test {
 namespace {
 
 using namespace test;
@@ -109,4 +109,4 @@ TEST(PackCuboid, TheEyeInsideIsInItsMedium) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::cuboid_test

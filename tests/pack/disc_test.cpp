@@ -8,7 +8,7 @@
 #include "pack/primitives.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::disc_test {
 namespace {
 
 using namespace test;
@@ -89,4 +89,4 @@ TEST(PackDisc, CountsForTheLocalFrame) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::disc_test

@@ -7,7 +7,7 @@
 #include "pack/packed_scene.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::origin_test {
 namespace {
 
 using namespace test;
@@ -147,4 +147,4 @@ TEST(PlaneAnchor, FarPlaneStaysFar) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::origin_test

@@ -5,7 +5,7 @@
 #include "pack/packed_scene.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::pack_limits_test {
 namespace {
 
 using namespace test;
@@ -173,4 +173,4 @@ TEST(PackFeatures, MaterialsInUse) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::pack_limits_test

@@ -11,7 +11,7 @@
 #include "pack/packed_scene.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::pack_scene_test {
 namespace {
 
 using namespace test;
@@ -347,4 +347,4 @@ TEST(PackScene, ThreadsDoNotChangeThePacking) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::pack_scene_test

@@ -8,7 +8,7 @@
 #include "pack/primitives.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::polygon_test {
 namespace {
 
 using namespace test;
@@ -103,4 +103,4 @@ TEST(PackPolygon, LeavesStayWithinTheTrips) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::polygon_test

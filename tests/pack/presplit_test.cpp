@@ -10,7 +10,7 @@
 #include "pack/packed_scene.h"
 #include "scene_maker.h"
 
-namespace glint {
+namespace glint::presplit_test {
 namespace {
 
 using namespace test;
@@ -138,4 +138,4 @@ TEST(BuildTree, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::presplit_test

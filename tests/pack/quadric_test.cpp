@@ -9,7 +9,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::test {
+namespace glint::test::quadric_test {
 namespace {
 
 using glm::dvec3;
@@ -129,4 +129,4 @@ TEST(RoundQuadric, AnchoredNextToTheEye) {
 }
 
 }  // namespace
-}  // namespace glint::test
+}  // namespace glint::test::quadric_test

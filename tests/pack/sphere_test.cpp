@@ -6,7 +6,7 @@
 
 #include "pack/primitives.h"
 
-namespace glint {
+namespace glint::sphere_test {
 namespace {
 
 constexpr long double operator""_l(long double x) {
@@ -110,4 +110,4 @@ TEST(PackSphere, BoxesHoldSpheresOfAllSizes) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::sphere_test

@@ -4,7 +4,7 @@
 #include "pack/packed_scene.h"
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::cuboid_test {
 namespace {
 
 using glm::dvec3;
@@ -120,4 +120,4 @@ TEST(ReferenceCuboid, CoordinatesOfFaces) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::cuboid_test

@@ -5,7 +5,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::disc_test {
 namespace {
 
 using glm::dvec3;
@@ -94,4 +94,4 @@ TEST(ReferenceDisc, SurfaceAndSource) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::disc_test

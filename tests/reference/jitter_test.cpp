@@ -3,7 +3,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::jitter_test {
 namespace {
 
 using glm::dvec3;
@@ -126,4 +126,4 @@ TEST_F(ReferenceJitter, CameraRaysMoveWithWhatTheyWereComputedFrom) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::jitter_test

@@ -10,7 +10,7 @@
 #include "reference/tracer.h"
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::optics_test {
 namespace {
 
 using glm::dvec3;
@@ -145,4 +145,4 @@ TEST(OpticsTest, FadingThroughABall) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::optics_test

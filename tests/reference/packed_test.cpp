@@ -4,7 +4,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::packed_test {
 namespace {
 
 using glm::dvec3;
@@ -104,4 +104,4 @@ TEST(ReferencePacked, ObjectsAreNamedByTheirOrder) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::packed_test

@@ -6,7 +6,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::polygon_test {
 namespace {
 
 using glm::dvec3;
@@ -168,4 +168,4 @@ TEST(ReferencePolygon, PlaneAndSource) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::polygon_test

@@ -7,7 +7,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::quadric_test {
 namespace {
 
 using glm::dvec3;
@@ -186,4 +186,4 @@ TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::quadric_test

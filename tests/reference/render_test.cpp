@@ -9,7 +9,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::render_test {
 namespace {
 
 using glm::dvec2;
@@ -279,4 +279,4 @@ TEST_F(ReferenceRender, WithoutDataOnlyColorAndAlpha) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::render_test

@@ -16,7 +16,7 @@
 #include "reference/tracer.h"
 #include "shared/shading.h"
 
-namespace glint::reference {
+namespace glint::reference::sampling_test {
 namespace {
 
 ImageSettings settingsOf(Sampler sampler, Filter filter, double radius, int spp) {
@@ -305,4 +305,4 @@ TEST(Sampling, NeedsMore) {
 }
 
 }  // namespace
-}  // namespace glint::reference
+}  // namespace glint::reference::sampling_test

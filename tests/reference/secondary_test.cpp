@@ -5,7 +5,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::secondary_test {
 namespace {
 
 using glm::dvec3;
@@ -228,4 +228,4 @@ TEST(ReferenceLeaks, ContactPointIsFinite) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::secondary_test

@@ -5,7 +5,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::shading_test {
 namespace {
 
 using glm::dvec3;
@@ -262,4 +262,4 @@ TEST(ReferencePathHash, CostAddsUp) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::shading_test

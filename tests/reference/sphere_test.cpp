@@ -4,7 +4,7 @@
 #include "quad_truth.h"
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::sphere_test {
 namespace {
 
 using glm::dvec3;
@@ -250,4 +250,4 @@ TEST(ReferenceSphere, SurfaceLiesOnTheSphere) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::sphere_test

@@ -6,7 +6,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::spot_test {
 namespace {
 
 using glm::dvec3;
@@ -117,4 +117,4 @@ TEST(ReferenceSpot, JitterFindsTheEdge) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::spot_test

@@ -8,7 +8,7 @@
 #include "reference/material.h"
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::texture_test {
 namespace {
 
 using glm::dvec2;
@@ -232,4 +232,4 @@ TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::texture_test

@@ -5,7 +5,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::traversal_test {
 namespace {
 
 using glm::dvec3;
@@ -343,4 +343,4 @@ TEST(ReferenceTraversal, NestedAndExponentialScenes) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::traversal_test

@@ -4,7 +4,7 @@
 #include "quad_truth.h"
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::triangle_test {
 namespace {
 
 using glm::dvec3;
@@ -234,4 +234,4 @@ TEST(ReferenceTriangle, SourceNeverHitsItself) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::triangle_test

@@ -6,7 +6,7 @@
 
 #include "scene_maker.h"
 
-namespace glint::reference::test {
+namespace glint::reference::test::watertight_test {
 namespace {
 
 using glm::dvec3;
@@ -148,4 +148,4 @@ TEST(ReferenceWatertight, GridFarAway) {
 }
 
 }  // namespace
-}  // namespace glint::reference::test
+}  // namespace glint::reference::test::watertight_test

@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::analytic_test {
 namespace {
 
 using glm::dvec3;
@@ -302,4 +302,4 @@ TEST_F(AnalyticTest, NearAndFarBoundCameraRays) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::analytic_test

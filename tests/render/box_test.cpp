@@ -6,7 +6,7 @@
 #include "scene/transform.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::box_test {
 namespace {
 
 using glm::dvec3;
@@ -218,4 +218,4 @@ TEST_F(BoxTest, PacketsAndWideTreesFindTheSameBits) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::box_test

@@ -8,7 +8,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::cameras_test {
 namespace {
 
 using glm::dvec3;
@@ -200,4 +200,4 @@ TEST_F(CameraTest, AParallelCameraNeedsAPipelineWithOne) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::cameras_test

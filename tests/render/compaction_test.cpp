@@ -7,7 +7,7 @@
 #include "render/path_limits.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::compaction_test {
 namespace {
 
 // ---- the rule ----
@@ -285,4 +285,4 @@ TEST_F(CompactionTest, ScatteredPathsShareAWorkgroup) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::compaction_test

@@ -5,7 +5,7 @@
 #include "reference/tracer.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::disc_test {
 namespace {
 
 using glm::dvec3;
@@ -117,4 +117,4 @@ TEST_F(DiscTest, NoAcneAndNoLeak) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::disc_test

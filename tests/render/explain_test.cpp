@@ -6,7 +6,7 @@
 
 #include "support.h"
 
-namespace glint::verify {
+namespace glint::verify::explain_test {
 namespace {
 
 using glm::dvec3;
@@ -277,4 +277,4 @@ TEST_F(VerifyTest, CancelledIsInterruptedAndNotPassed) {
 }
 
 }  // namespace
-}  // namespace glint::verify
+}  // namespace glint::verify::explain_test

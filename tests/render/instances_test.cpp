@@ -11,7 +11,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::instances_test {
 namespace {
 
 using glm::dmat3;
@@ -377,4 +377,4 @@ TEST_F(InstanceTest, EllipsoidByItsEquation) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::instances_test

@@ -11,7 +11,7 @@
 #include "spirv_reader.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::layout_test {
 namespace {
 
 struct Expected {
@@ -180,4 +180,4 @@ INSTANTIATE_TEST_SUITE_P(All, LoaderTest,
                          });
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::layout_test

@@ -5,7 +5,7 @@
 #include "shared/dispatch.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::limits_test {
 namespace {
 
 gpu::DeviceInfo deviceWith(uint64_t storageRange, uint64_t texels, bool llvmpipe, uint32_t images = 1000) {
@@ -129,4 +129,4 @@ TEST_F(LimitsTest, ArrayBeyondTheStorageRangeIsRendered) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::limits_test

@@ -1,10 +1,14 @@
 // Does verify find a defect in a shader? Each mutant of mutants.cmake has one; the shaders themselves have
 // none.
+#include <filesystem>
+#include <regex>
+
 #include "mutant_kernels.h"
 #include "support.h"
+#include "support/support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::mutants_test {
 namespace {
 
 // The sphere nearer to the light than to the floor casts the one shadow, the sphere above the light none.
@@ -95,8 +99,27 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"texel_corner", "textures"},
         Defect{"upside_down", "textures"}, Defect{"late_checker", "checker"},
         Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"packet_bounds", "knot"},
-        Defect{"packet_pair", "knot"}, Defect{"quadric_disc", "quadrics"}, Defect{"not_finite", "spheres"}),
+        Defect{"packet_pair", "knot"}, Defect{"instance_normal", "instances"},
+        Defect{"instance_ray", "instances"}, Defect{"quadric_disc", "quadrics"},
+        Defect{"not_finite", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
+// Each mutant costs a compilation; one that no test runs convicts nobody.
+TEST(Mutants, EveryOneIsRunByATest) {
+    std::string sources;
+    for (const std::string folder : {"tests/render", "tests/stability"})
+        for (const auto& entry : std::filesystem::directory_iterator(glint::test::sourcePath(folder)))
+            if (entry.path().extension() == ".cpp") sources += glint::test::readText(entry.path());
+    size_t mutants = 0;
+    for (const std::string list : {"tests/render/mutants.cmake", "tests/stability/mutants.cmake"}) {
+        const std::string text = glint::test::readText(glint::test::sourcePath(list));
+        const std::regex definition(R"((^|\n)mutant\((\w+)[ \n])");
+        for (std::sregex_iterator at(text.begin(), text.end(), definition), end; at != end; ++at, ++mutants)
+            EXPECT_NE(sources.find("\"" + (*at)[2].str() + "\""), std::string::npos)
+                << (*at)[2] << " of " << list << " is run by no test";
+    }
+    EXPECT_GT(mutants, 40u);
+}
+
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::mutants_test

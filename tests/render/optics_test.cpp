@@ -5,7 +5,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::optics_test {
 namespace {
 
 using glm::dvec3;
@@ -333,4 +333,4 @@ TEST_F(OpticsTest, RestCostsNothing) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::optics_test

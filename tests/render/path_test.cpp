@@ -13,7 +13,7 @@
 #include "shared/dispatch.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::path_test {
 namespace {
 
 using gpu::Access;
@@ -196,4 +196,4 @@ INSTANTIATE_TEST_SUITE_P(Accesses, PathTest, testing::Values(Access::StorageBuff
                          });
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::path_test

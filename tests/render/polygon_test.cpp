@@ -7,7 +7,7 @@
 #include "reference/tracer.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::polygon_test {
 namespace {
 
 using glm::dvec3;
@@ -272,4 +272,4 @@ TEST_F(PolygonTest, Shadows) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::polygon_test

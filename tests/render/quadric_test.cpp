@@ -5,7 +5,7 @@
 #include "reference/tracer.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::quadric_test {
 namespace {
 
 using glm::dvec3;
@@ -212,4 +212,4 @@ TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::quadric_test

@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::range_test {
 namespace {
 
 using glm::dvec3;
@@ -115,4 +115,4 @@ TEST_F(RangeTest, GreatAndSmallTogether) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::range_test

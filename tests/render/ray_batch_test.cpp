@@ -7,7 +7,7 @@
 #include "reference/trace_rays.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::ray_batch_test {
 namespace {
 
 using glm::dvec3;
@@ -203,4 +203,4 @@ TEST(LocalRay, IsScaledExactlyAndOnlyWhereItMustBe) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::ray_batch_test

@@ -10,7 +10,7 @@
 #include "reference/render.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::request_test {
 namespace {
 
 using glm::dvec3;
@@ -226,4 +226,4 @@ TEST_F(RequestTest, WithoutShadowsBothTracersAgree) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::request_test

@@ -5,7 +5,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::sampling_test {
 namespace {
 
 class Sampling : public RenderTest {};
@@ -152,4 +152,4 @@ TEST_F(Sampling, ManySamplesAreManySubmissions) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::sampling_test

@@ -7,7 +7,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::scenes_test {
 namespace {
 
 using glm::dvec3;
@@ -239,4 +239,4 @@ INSTANTIATE_TEST_SUITE_P(All, SceneTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::scenes_test

@@ -1,7 +1,7 @@
 // Rays that start on a surface: they must neither hit it again (acne) nor jump over its neighbour (leaks).
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::shadow_test {
 namespace {
 
 // Objects far from the origin, thin walls: tests/stability/leaks_test.cpp.
@@ -56,4 +56,4 @@ TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::shadow_test

@@ -6,7 +6,7 @@
 #include "reference/tracer.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::spheres_test {
 namespace {
 
 using glm::dvec3;
@@ -175,4 +175,4 @@ TEST_F(SphereTest, InsideAndOutside) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::spheres_test

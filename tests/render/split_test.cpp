@@ -1,7 +1,7 @@
 // Scenes whose triangles were split for the BVH: the same hits as without, and no leak at the cuts or edges.
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::split_test {
 namespace {
 
 using glm::dvec3;
@@ -94,4 +94,4 @@ TEST_F(SplitTest, SameHitsAsWithout) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::split_test

@@ -5,7 +5,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::spots_test {
 namespace {
 
 using glm::dvec3;
@@ -167,4 +167,4 @@ TEST_F(SpotTest, SharpRimsAreExplained) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::spots_test

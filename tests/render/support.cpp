@@ -6,12 +6,13 @@
 #include <sstream>
 
 #include "import/load.h"
+#include "support/support.h"
 
 namespace glint::render::test {
 namespace {
 
 const std::filesystem::path& sceneFolder() {
-    static const std::filesystem::path folder = std::filesystem::path(GLINT_SOURCE_DIR) / "scenes";
+    static const std::filesystem::path folder = glint::test::sourcePath("scenes");
     return folder;
 }
 

@@ -5,7 +5,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::texture_test {
 namespace {
 
 using glm::dvec2;
@@ -374,4 +374,4 @@ TEST_F(TextureTest, ScenesWithoutTexturesLeaveThemOut) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::texture_test

@@ -5,8 +5,9 @@
 #include <sstream>
 
 #include "support.h"
+#include "support/support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::threads_test {
 namespace {
 
 std::string bytesOf(const std::filesystem::path& path) {
@@ -16,9 +17,9 @@ std::string bytesOf(const std::filesystem::path& path) {
 
 std::string renderWith(int threads, const std::string& scene, const std::filesystem::path& out) {
     std::ostringstream command;
-    command << "LP_NUM_THREADS=" << threads << " \"" << GLINT_PROGRAM << "\" render \"" << GLINT_SOURCE_DIR
-            << "/scenes/" << scene
-            << ".json\" -q --size 96x72 --spp 2 --aov "
+    command << "LP_NUM_THREADS=" << threads << " \"" << GLINT_PROGRAM << "\" render \""
+            << glint::test::sourcePath("scenes/" + scene + ".json")
+            << "\" -q --size 96x72 --spp 2 --aov "
                "color,alpha,depth,position,normal,uv,object,primitive,bounces -o "
             << out;
     EXPECT_EQ(std::system(command.str().c_str()), 0) << command.str();
@@ -39,4 +40,4 @@ TEST(Threads, PicturesDoNotDependOnTheirNumber) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::threads_test

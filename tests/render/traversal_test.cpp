@@ -6,7 +6,7 @@
 #include "oracle.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::traversal_test {
 namespace {
 
 using glm::dvec3;
@@ -212,4 +212,4 @@ std::string nameOf(const testing::TestParamInfo<Subject>& info) {
 INSTANTIATE_TEST_SUITE_P(All, TraversalTest, testing::ValuesIn(subjects()), nameOf);
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::traversal_test

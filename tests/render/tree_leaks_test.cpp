@@ -9,7 +9,7 @@
 #include "bvh/builder.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::tree_leaks_test {
 namespace {
 
 using glm::dvec3;
@@ -170,4 +170,4 @@ TEST_F(TreeLeaksTest, TightBoxesLeak) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::tree_leaks_test

@@ -9,7 +9,7 @@
 #include "support.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::trips_test {
 namespace {
 
 using glm::dvec3;
@@ -273,4 +273,4 @@ TEST_F(TripTest, TwoHundredReflectionsAgreeWithTheReference) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::trips_test

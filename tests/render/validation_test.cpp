@@ -2,7 +2,7 @@
 #include "scene/sampling.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::validation_test {
 namespace {
 
 class ValidationTest : public testing::TestWithParam<gpu::Access> {};
@@ -53,4 +53,4 @@ INSTANTIATE_TEST_SUITE_P(All, ValidationTest,
                          });
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::validation_test

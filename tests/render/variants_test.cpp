@@ -6,7 +6,7 @@
 #include "scene/sampling.h"
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::variants_test {
 namespace {
 
 class VariantTest : public RenderTest, public testing::WithParamInterface<std::string> {
@@ -165,4 +165,4 @@ TEST_F(PictureTest, CancelledRenderKeepsFinishedSlices) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::variants_test

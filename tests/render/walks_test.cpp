@@ -8,7 +8,7 @@
 #include "mutant_kernels.h"
 #include "verify/verify.h"
 
-namespace glint::render::test {
+namespace glint::render::test::walks_test {
 namespace {
 
 using glm::dvec3;
@@ -324,4 +324,4 @@ TEST_F(WalkMutantTest, DefectsShow) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::walks_test

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-namespace glint::render::test {
+namespace glint::render::test::watertight_test {
 namespace {
 
 using glm::dvec3;
@@ -123,4 +123,4 @@ TEST_F(WatertightTest, DistantGrids) {
 }
 
 }  // namespace
-}  // namespace glint::render::test
+}  // namespace glint::render::test::watertight_test

@@ -2,11 +2,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "../import/support.h"
 #include "scene/frame_model.h"
 #include "scene/validate.h"
+#include "support/support.h"
 
-namespace glint::test {
+namespace glint::test::frame_model_test {
 
 namespace {
 
@@ -224,4 +224,4 @@ TEST(FrameModel, LightsThatAreThereStay) {
     EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights[0]));
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::frame_model_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-namespace glint::test {
+namespace glint::test::polygon_plane_test {
 
 namespace {
 
@@ -118,4 +118,4 @@ TEST(PolygonPlane, ToleranceCoversRoundedCoordinates) {
     }
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::polygon_plane_test

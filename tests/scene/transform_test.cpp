@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace glint {
+namespace glint::transform_test {
 
 namespace {
 
@@ -190,4 +190,4 @@ TEST(Transform, VertexThatIsNotFiniteStaysSo) {
     EXPECT_EQ(out.normals[0], dvec3(0));
 }
 
-}  // namespace glint
+}  // namespace glint::transform_test

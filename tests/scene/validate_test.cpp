@@ -2,10 +2,10 @@
 // seen.
 #include <cmath>
 
-#include "../import/support.h"
 #include "scene/validate.h"
+#include "support/support.h"
 
-namespace glint::test {
+namespace glint::test::validate_test {
 
 namespace {
 
@@ -35,7 +35,7 @@ template <typename Change>
 std::string errorAfter(const Change& change) {
     Scene scene = validScene();
     change(scene);
-    return errorOf([&] { validateScene(scene, "s"); });
+    return errorOf(ErrorKind::Scene, [&] { validateScene(scene, "s"); });
 }
 
 }  // namespace
@@ -236,4 +236,4 @@ TEST(Validate, MeshVertices) {
               "s: /objects/3: vertex 1 of the mesh: coordinates must be below 1e+18 (got [0, -1e+18, 0])");
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::validate_test

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "reference/tracer.h"
 
-namespace glint::stability {
+namespace glint::stability::catalogue_test {
 namespace {
 
 using glm::dvec3;
@@ -221,4 +221,4 @@ TEST_F(CatalogueTest, SmallestAndWidestPictures) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::catalogue_test

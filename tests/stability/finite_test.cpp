@@ -5,7 +5,7 @@
 
 #include "../render/support.h"
 
-namespace glint::stability {
+namespace glint::stability::finite_test {
 namespace {
 
 using render::test::Case;
@@ -111,4 +111,4 @@ TEST_F(FiniteTest, TooMuchIsCountedAndNamed) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::finite_test

@@ -9,7 +9,7 @@
 #include "../render/support.h"
 #include "reference/render.h"
 
-namespace glint::stability {
+namespace glint::stability::growth_test {
 namespace {
 
 using glm::dvec2;
@@ -189,4 +189,4 @@ INSTANTIATE_TEST_SUITE_P(Traps, GrowthTest,
                          [](const auto& p) { return "bounces" + std::to_string(p.param.bounces); });
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::growth_test

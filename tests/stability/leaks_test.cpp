@@ -8,7 +8,7 @@
 #include "checks.h"
 #include "closed_meshes.h"
 
-namespace glint::stability {
+namespace glint::stability::leaks_test {
 namespace {
 
 class LeakTest : public render::test::RenderTest {
@@ -70,4 +70,4 @@ TEST_F(LeakTest, ThinGapsStayDark) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::leaks_test

@@ -8,7 +8,7 @@
 #include "checks.h"
 #include "no_contraction.h"
 
-namespace glint::stability {
+namespace glint::stability::mutants_test {
 namespace {
 
 using glm::dvec3;
@@ -93,4 +93,4 @@ TEST_F(MutantsTest, RawHitPointsShadeThemselves) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::mutants_test

@@ -7,7 +7,7 @@
 #include "../render/support.h"
 #include "checks.h"
 
-namespace glint::stability {
+namespace glint::stability::primitives_test {
 namespace {
 
 using glm::dvec3;
@@ -166,4 +166,4 @@ TEST_F(BoxTest, NoBoxIsMissed) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::primitives_test

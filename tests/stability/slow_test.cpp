@@ -2,7 +2,7 @@
 #include "../render/support.h"
 #include "closed_meshes.h"
 
-namespace glint::stability {
+namespace glint::stability::slow_test {
 namespace {
 
 class SlowLeakTest : public render::test::RenderTest {};
@@ -12,4 +12,4 @@ TEST_F(SlowLeakTest, AHundredMillionAimedRays) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::slow_test

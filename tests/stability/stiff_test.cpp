@@ -9,9 +9,10 @@
 
 #include "../render/support.h"
 #include "import/load.h"
+#include "support/support.h"
 #include "verify/verify.h"
 
-namespace glint::stability {
+namespace glint::stability::stiff_test {
 namespace {
 
 using render::test::Case;
@@ -22,7 +23,7 @@ using render::test::RenderTest;
 
 std::vector<std::string> stiffScenes() {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(GLINT_SOURCE_DIR "/scenes/stiff"))
+    for (const auto& entry : std::filesystem::directory_iterator(glint::test::sourcePath("scenes/stiff")))
         if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
     std::sort(names.begin(), names.end());
     return names;
@@ -170,4 +171,4 @@ TEST_F(FarTest, AMillimetreAtFourThousandKilometres) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::stiff_test

@@ -1,26 +1,20 @@
 // Is the catalogue's table (docs/numerics.md) complete, and does what it names exist?
-#include <gtest/gtest.h>
-
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <sstream>
 
-namespace glint::stability {
+#include "support/support.h"
+
+namespace glint::stability::table_test {
 namespace {
 
-std::string readText(const std::filesystem::path& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
+using glint::test::readText;
 
 // The last cells of each row of the table by its case.
 std::map<std::string, std::vector<std::string>> tableRows() {
     std::map<std::string, std::vector<std::string>> rows;
-    std::istringstream lines(readText(GLINT_SOURCE_DIR "/docs/numerics.md"));
+    std::istringstream lines(readText(glint::test::sourcePath("docs/numerics.md")));
     for (std::string line; std::getline(lines, line);) {
         if (!std::regex_search(line, std::regex(R"(^\| T\d\d \|)"))) continue;
         std::vector<std::string> cells;
@@ -59,7 +53,7 @@ TEST(Catalogue, EveryTestNamedExists) {
             bool found = false;
             const std::string definition = "(" + (*at)[2].str() + ", " + (*at)[3].str() + ")";
             for (const auto& entry :
-                 std::filesystem::directory_iterator(GLINT_SOURCE_DIR "/tests/" + (*at)[1].str()))
+                 std::filesystem::directory_iterator(glint::test::sourcePath("tests/") + (*at)[1].str()))
                 found = found || (entry.path().extension() == ".cpp" &&
                                   readText(entry.path()).find(definition) != std::string::npos);
             EXPECT_TRUE(found) << id << ": no TEST" << definition << " in tests/" << (*at)[1].str();
@@ -71,4 +65,4 @@ TEST(Catalogue, EveryTestNamedExists) {
 }
 
 }  // namespace
-}  // namespace glint::stability
+}  // namespace glint::stability::table_test

@@ -9,7 +9,7 @@
 
 #include "import/load.h"
 
-namespace glint::view {
+namespace glint::view::camera_control_test {
 namespace {
 
 constexpr double kPi = glm::pi<double>();
@@ -171,4 +171,4 @@ TEST(CameraControl, JsonHoldsEveryDigit) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::camera_control_test

@@ -4,7 +4,7 @@
 
 #include "core/quantize.h"
 
-namespace glint::view {
+namespace glint::view::canvas_test {
 namespace {
 
 Canvas canvasOf(int width, int height, std::initializer_list<uint32_t> greys) {
@@ -63,4 +63,4 @@ TEST(Canvas, ImageGivesTheBytesBack) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::canvas_test

@@ -1,22 +1,15 @@
 // docs/guide/window.md names every key, gesture, layer and script command, with the words that the window
 // itself uses.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <sstream>
-
+#include "support/support.h"
 #include "view/keys.h"
 #include "view/layers.h"
 #include "view/script.h"
 
-namespace glint::view {
+namespace glint::view::docs_test {
 namespace {
 
 std::string page() {
-    std::ifstream in(GLINT_SOURCE_DIR "/docs/guide/window.md");
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
+    return glint::test::readText(glint::test::sourcePath("docs/guide/window.md"));
 }
 
 void expectRow(const std::string& text, const std::string& name, const std::string& help) {
@@ -48,4 +41,4 @@ TEST(ViewerPage, NamesEveryScriptCommand) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::docs_test

@@ -8,7 +8,7 @@
 #include "view/keys.h"
 #include "view/session.h"
 
-namespace glint::view {
+namespace glint::view::layers_test {
 namespace {
 
 Picture pictureOf(int width, int height) {
@@ -79,4 +79,4 @@ TEST(Layers, ProgressiveSamplesAreHaltons) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::layers_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace glint::view {
+namespace glint::view::pace_test {
 namespace {
 
 constexpr double kFull = 960 * 540;
@@ -61,4 +61,4 @@ TEST(Pace, AWindowWithoutPixelsIsNoFault) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::pace_test

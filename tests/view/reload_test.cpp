@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-namespace glint::view::test {
+namespace glint::view::test::reload_test {
 namespace {
 
 class Reload : public FolderTest {};
@@ -76,4 +76,4 @@ TEST_F(Reload, FollowsMeshesAndTheirMaterials) {
 }
 
 }  // namespace
-}  // namespace glint::view::test
+}  // namespace glint::view::test::reload_test

@@ -7,7 +7,7 @@
 
 #include "support.h"
 
-namespace glint::view {
+namespace glint::view::scene_files_test {
 namespace {
 
 class SceneFiles : public test::FolderTest {};
@@ -55,4 +55,4 @@ TEST_F(SceneFiles, ReportsAChangeOnceItIsOver) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::scene_files_test

@@ -1,24 +1,16 @@
 #include "view/script.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
 
-#include "core/error.h"
+#include "support/support.h"
 #include "view/events.h"
 #include "view/keys.h"
 
-namespace glint::view {
+namespace glint::view::script_test {
 namespace {
 
 std::string messageOf(const std::string& script) {
-    try {
-        parseScript(script, "s.txt");
-    } catch (const Error& e) {
-        EXPECT_EQ(e.kind(), ErrorKind::Argument);
-        return e.what();
-    }
-    return "no error";
+    return glint::test::errorOf(ErrorKind::Argument, [&] { parseScript(script, "s.txt"); });
 }
 
 TEST(Script, ReadsCommandsAndComments) {
@@ -65,4 +57,4 @@ TEST(Keys, FlyingTakesItsKeysFromTheOthers) {
 }
 
 }  // namespace
-}  // namespace glint::view
+}  // namespace glint::view::script_test

@@ -9,7 +9,7 @@
 #include "support.h"
 #include "view/layers.h"
 
-namespace glint::view::test {
+namespace glint::view::test::settings_test {
 namespace {
 
 class Settings : public FolderTest {
@@ -132,4 +132,4 @@ TEST_F(Settings, Layers) {
 }
 
 }  // namespace
-}  // namespace glint::view::test
+}  // namespace glint::view::test::settings_test

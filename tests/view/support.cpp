@@ -1,12 +1,8 @@
 #include "support.h"
 
-#include <unistd.h>
-
-#include <fstream>
 #include <sstream>
 
 #include "app/cli.h"
-#include "core/file_io.h"
 #include "core/quantize.h"
 
 namespace glint::view::test {
@@ -18,14 +14,6 @@ Ran runGlint(const std::vector<std::string>& args) {
     ran.out = out.str();
     ran.err = err.str();
     return ran;
-}
-
-void writeText(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
-
-std::vector<uint8_t> readBytes(const std::filesystem::path& path) {
-    return readFile(path);
 }
 
 std::string sceneText(double red) {
@@ -49,18 +37,7 @@ std::string sceneText(double red) {
 }
 
 void FolderTest::SetUp() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("glint_view_" + std::to_string(getpid()) + "_" + info->name());
-    std::filesystem::create_directories(folder_);
-    before_ = std::filesystem::current_path();
-    std::filesystem::current_path(folder_);
     writeText("scene.json", sceneText());
-}
-
-void FolderTest::TearDown() {
-    std::filesystem::current_path(before_);
-    std::filesystem::remove_all(folder_);
 }
 
 Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {

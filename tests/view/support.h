@@ -1,14 +1,13 @@
 // What the tests of the window share.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "core/image.h"
+#include "support/support.h"
 
 namespace glint::view::test {
 
@@ -20,18 +19,17 @@ struct Ran {
 // A command line, inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
-void writeText(const std::filesystem::path& path, const std::string& text);
-std::vector<uint8_t> readBytes(const std::filesystem::path& path);
+using glint::test::readBytes;
+using glint::test::writeText;
 
 // Three things before a floor of one colour: a sphere (object 0), a mirror sphere (1), a triangle (2), a
 // plane (3); two lights. `red`: the first sphere's red reflectance, so that two scenes can differ.
 std::string sceneText(double red = 0.8);
 
 // A test in a folder of its own, which is the current one.
-class FolderTest : public ::testing::Test {
+class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
-    void TearDown() override;
 
     // `glint view scene.json --size 240x180 --validation --script ...` with `script`; fails on a validation
     // message.
@@ -39,9 +37,6 @@ class FolderTest : public ::testing::Test {
     // `glint render NAME --size 240x180`, to `output`.
     void render(const std::string& scene, const std::string& output,
                 const std::vector<std::string>& more = {});
-
-  private:
-    std::filesystem::path folder_, before_;
 };
 
 // The bytes of a colour picture's pixel, as a PNG holds them.

@@ -10,7 +10,7 @@
 #include "support.h"
 #include "view/layers.h"
 
-namespace glint::view::test {
+namespace glint::view::test::window_test {
 namespace {
 
 class Window : public FolderTest {};
@@ -242,4 +242,4 @@ TEST_F(Window, WithoutADisplayNamesRender) {
 }
 
 }  // namespace
-}  // namespace glint::view::test
+}  // namespace glint::view::test::window_test

@@ -1,13 +1,13 @@
-// Well-known models, where they are at hand: triangle counts and boxes as their sources state them.
+// Well-known models: triangle counts and boxes as their sources state them.
 #include <cctype>
 #include <chrono>
 #include <cmath>
 
 #include "import/importers.h"
 #include "import/load.h"
-#include "support.h"
+#include "support/support.h"
 
-namespace glint::test {
+namespace glint::test::models_test {
 
 namespace {
 
@@ -39,19 +39,10 @@ const Model kModels[] = {
     {"meshes/spd_mount_sf9.ply", 524288, {-1, -1, -0.60973}, {1, 1, 0.30485}},
 };
 
-// The file, or an empty path if the models are not here.
-std::filesystem::path asset(const std::string& name) {
-    const auto folder = assetsFolder();
-    return folder.empty() || !std::filesystem::exists(folder / name) ? std::filesystem::path()
-                                                                     : folder / name;
-}
-
 class Asset : public testing::TestWithParam<Model> {};
 
 TEST_P(Asset, HasTheStatedTrianglesAndBox) {
-    const auto path = asset(GetParam().file);
-    if (path.empty())
-        GTEST_SKIP() << "the folder ../shared/assets with " << GetParam().file << " is not there";
+    const auto path = assetPath(GetParam().file);
     const Scene scene = loadScene(path);
     const Mesh& mesh = *std::get<MeshShape>(scene.objects[0].shape).mesh;
     EXPECT_EQ(mesh.corners.size(), GetParam().triangles);
@@ -81,9 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Models, Asset, testing::ValuesIn(kModels), modelName);
 }  // namespace
 
 TEST(Assets, BunnyIsTheSameInObjAndPly) {
-    const auto obj = asset("meshes/stanford-bunny.obj"), ply = asset("meshes/bun_zipper.ply");
-    if (obj.empty() || ply.empty())
-        GTEST_SKIP() << "the folder ../shared/assets with the bunnies is not there";
+    const auto obj = assetPath("meshes/stanford-bunny.obj"), ply = assetPath("meshes/bun_zipper.ply");
     const Mesh a = importMesh(obj).mesh, b = importMesh(ply).mesh;
     EXPECT_EQ(a.corners, b.corners);
     ASSERT_EQ(a.positions.size(), b.positions.size());
@@ -93,8 +82,7 @@ TEST(Assets, BunnyIsTheSameInObjAndPly) {
 }
 
 TEST(Assets, SuzanneHasNormalsAndQuads) {
-    const auto path = asset("meshes/suzanne.ply");
-    if (path.empty()) GTEST_SKIP() << "the folder ../shared/assets with suzanne.ply is not there";
+    const auto path = assetPath("meshes/suzanne.ply");
     const Mesh mesh = importMesh(path).mesh;
     EXPECT_EQ(mesh.positions.size(), 1966u);  // as the header says
     EXPECT_EQ(mesh.normals.size(), 1966u);
@@ -104,9 +92,7 @@ TEST(Assets, SuzanneHasNormalsAndQuads) {
 }
 
 TEST(Assets, LoadingIsFast) {
-    const auto obj = asset("meshes/armadillo.obj"), ply = asset("meshes/spd_mount_sf9.ply");
-    if (obj.empty() || ply.empty())
-        GTEST_SKIP() << "the folder ../shared/assets with the large models is not there";
+    const auto obj = assetPath("meshes/armadillo.obj"), ply = assetPath("meshes/spd_mount_sf9.ply");
     const auto secondsFor = [](const std::filesystem::path& path) {
         const auto start = std::chrono::steady_clock::now();
         importMesh(path);
@@ -118,4 +104,4 @@ TEST(Assets, LoadingIsFast) {
     EXPECT_LT(secondsFor(ply), 3.0);
 }
 
-}  // namespace glint::test
+}  // namespace glint::test::models_test
