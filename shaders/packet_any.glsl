@@ -96,6 +96,39 @@ uint nextChild(inout PacketLevels levels, uint first, uint entered, uint farthes
     return child;
 }
 
+// The rows that enter the child in this lane's place, if it is among the children `left` that the group
+// enters.
+uint rowsOfChild(uint left, vec3 nearPlane, vec3 farPlane, uint lane, inout uint trips) {
+    uint entering = 0u;
+    do {
+        if (left != 0u) {
+            uint place = uint(findLSB(left));
+            left &= left - 1u;
+            uint rows = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+            entering = lane == place ? rows : entering;
+            ++trips;
+            if (MODE_COST) {
+                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
+            }
+        }
+    } while (left != 0u);
+    return entering;
+}
+
+// Tests the leaves in the places `leaves` of a node, each by the rows that enter it.
+void testLeaves(uint leaves, uint leafChild, uint leafRows, uint axis, uint lane, inout uint trips) {
+    do {
+        if (leaves != 0u) {
+            uint place = uint(findLSB(leaves));
+            leaves &= leaves - 1u;
+            uint leaf = subgroupShuffle(leafChild, place);
+            uint rows = subgroupShuffle(leafRows, place);
+            testPacketLeaf(leaf, axis, lane, rows, trips);
+            trips += 2u;
+        }
+    } while (leaves != 0u);
+}
+
 // As the closest hit's walkGroup. Of a node's children the leaves are tested at once, the others wait. No
 // more than 200 trips pass between two looks at the budget (8 boxes, and 8 leaves of 22), so that
 // kPacketTurns packets stay far below what lavapipe allows a subgroup.
@@ -130,19 +163,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                     float near;
                     bool entered = groupEnters(bounds, nearPlane, farPlane, end, near);
                     uint left = anyOfLanes(entered ? 1u << lane : 0u);
-                    uint entering = 0u;
-                    do {
-                        if (left != 0u) {
-                            uint place = uint(findLSB(left));
-                            left &= left - 1u;
-                            uint rows = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                            entering = lane == place ? rows : entering;
-                            ++trips;
-                            if (MODE_COST) {
-                                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
-                            }
-                        }
-                    } while (left != 0u);
+                    uint entering = rowsOfChild(left, nearPlane, farPlane, lane, trips);
                     leafChild = lower.child;
                     leafRows = entering;
                     bool inner = isNode(lower.child);
@@ -161,16 +182,7 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
                     }
                 }
             } while (current != kNone && leaves == 0u);
-            do {
-                if (leaves != 0u) {
-                    uint place = uint(findLSB(leaves));
-                    leaves &= leaves - 1u;
-                    uint leaf = subgroupShuffle(leafChild, place);
-                    uint rows = subgroupShuffle(leafRows, place);
-                    testPacketLeaf(leaf, axis, lane, rows, trips);
-                    trips += 2u;
-                }
-            } while (leaves != 0u);
+            testLeaves(leaves, leafChild, leafRows, axis, lane, trips);
             awake = updateAwake();
             current = awake ? current : kNone;
             ++trips;

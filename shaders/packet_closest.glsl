@@ -95,6 +95,42 @@ uint updateEnds() {
     return farthest < 0.0 ? 0u : floatBitsToUint(farthest);
 }
 
+// Puts the children of a node that any row enters on the stack, the nearest last. False where the stack is
+// full or the budget spent; then the group must be given up.
+bool pushChildren(uint node, PacketBounds bounds, bvec3 negative, uint end, uint lane, uint budget,
+                  inout PacketStack stack, inout uint trips) {
+    PacketCorner lower = loadPacketCorner(16u * node + lane);
+    vec3 upper = loadPacketCorner(16u * node + 8u + lane).corner;
+    vec3 nearPlane = mix(lower.corner, upper, negative);
+    vec3 farPlane = mix(upper, lower.corner, negative);
+    float near;
+    bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
+    uint key = keyOf(near, lane, entered);
+    uint count = sumOfLanes(entered ? 1u : 0u);
+    key = sortLanes(key, lane);
+    uint child = subgroupShuffle(lower.child, key & 7u);
+    bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
+    uint farther = count;
+    do {
+        if (farther > 0u) {
+            --farther;
+            uint nextKey = subgroupShuffle(key, farther);
+            uint nextChild = subgroupShuffle(child, farther);
+            uint place = nextKey & 7u;
+            uint entering = rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
+            pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u, lane);
+            if (MODE_COST) {
+                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
+            }
+        }
+    } while (farther > 0u);
+    trips += count + 2u;
+    if (MODE_COST) {
+        GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
+    }
+    return !full;
+}
+
 // Returns false for a group that was given up: it ran out of trips or of stack.
 // `trips` is no less than the trips that all loops have made: it is the same in all lanes, so lavapipe's
 // count for the subgroup is this one, and no more than 40 pass between two looks at the budget (8 children
@@ -117,40 +153,10 @@ bool walkGroup(uint group, uint root, uint lane, inout uint trips) {
         if (current != kNone) {
             do {
                 if (isNode(current)) {
-                    PacketCorner lower = loadPacketCorner(16u * current + lane);
-                    vec3 upper = loadPacketCorner(16u * current + 8u + lane).corner;
-                    vec3 nearPlane = mix(lower.corner, upper, negative);
-                    vec3 farPlane = mix(upper, lower.corner, negative);
-                    float near;
-                    bool entered = groupEnters(bounds, nearPlane, farPlane, uintBitsToFloat(end), near);
-                    uint key = keyOf(near, lane, entered);
-                    uint count = sumOfLanes(entered ? 1u : 0u);
-                    key = sortLanes(key, lane);
-                    uint child = subgroupShuffle(lower.child, key & 7u);
-                    bool full = stack.top + count > 8u * GLINT_STACK_ROWS || trips > budget;
-                    complete = complete && !full;
-                    uint farther = count;
-                    do {
-                        if (farther > 0u) {
-                            --farther;
-                            uint nextKey = subgroupShuffle(key, farther);
-                            uint nextChild = subgroupShuffle(child, farther);
-                            uint place = nextKey & 7u;
-                            uint entering =
-                                rowsThatEnter(fromLane(nearPlane, place), fromLane(farPlane, place));
-                            pushOne(stack, (nextKey & ~kRowsMask) | entering, nextChild, entering != 0u,
-                                    lane);
-                            if (MODE_COST) {
-                                GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 1u : 0u;
-                            }
-                        }
-                    } while (farther > 0u);
-                    trips += count + 2u;
+                    bool pushed = pushChildren(current, bounds, negative, end, lane, budget, stack, trips);
+                    complete = complete && pushed;
                     uint popped = popReachable(stack, end, lane, rows);
-                    current = full ? kNone : popped;
-                    if (MODE_COST) {
-                        GLINT_EACH_RAY packet[r].cost += packetEnds[r] >= 0.0 ? 8u : 0u;
-                    }
+                    current = pushed ? popped : kNone;
                 }
             } while (isNode(current));
             // A loop of its own: leaves often follow each other, and without it each would cost a masked pass
