@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/near_names.h"
+#include "core/wording.h"
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
@@ -62,11 +63,6 @@ std::vector<int> wholeNumbers(const std::string& text, char separator, size_t co
             std::clamp<int64_t>(*value, std::numeric_limits<int>::min(), std::numeric_limits<int>::max())));
     }
     return values.size() == count ? values : std::vector<int>{};
-}
-
-std::string trimmed(const std::string& text) {
-    const size_t first = text.find_first_not_of(" \t");
-    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 // The parts of "a, b", each of which must be one of `known`; messages show lists of up to kShown in full.

@@ -7,6 +7,7 @@
 
 #include "app/options.h"
 #include "core/error.h"
+#include "core/wording.h"
 
 namespace glint::app {
 
@@ -14,12 +15,6 @@ namespace {
 
 constexpr const char* kForm = "ox,oy,oz,dx,dy,dz[,tmin[,tmax]]";
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // what some spreadsheets start a CSV file with
-
-std::string trimmed(const std::string& text) {
-    const size_t first = text.find_first_not_of(" \t\r");
-    if (first == std::string::npos) return "";
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 double parseNumber(const std::string& field, const std::string& where) {
     const bool plus = field.size() > 1 && field[0] == '+' && field[1] != '-';

@@ -36,7 +36,7 @@ bool isDefaultOf(const SceneReport& scene, const Measured& m) {
     return m.family == nameOf(samplerOf(image));
 }
 
-std::string settingOf(const Measured& m) {
+std::string nameWithSamples(const Measured& m) {
     return m.family + ", " + std::to_string(m.spp) + " spp";
 }
 
@@ -54,7 +54,7 @@ std::string briefly(const SceneReport& scene, Contest contest) {
         if (!m.isDefault || contestOf(m) != contest) continue;
         const Measured* by = scene.find(m.beatenBy);
         out += (out.empty() ? "" : ", ") + std::to_string(m.spp) + ": ";
-        out += by == nullptr ? "yes" : "no (" + settingOf(*by) + ")";
+        out += by == nullptr ? "yes" : "no (" + nameWithSamples(*by) + ")";
     }
     return out.empty() ? "not measured" : out;
 }
@@ -112,7 +112,7 @@ std::string defaultInWords(const SceneReport& scene, Contest contest) {
         }
         const std::string weakness = weaknessOf(by->family);
         beaten += (beaten.empty() ? "" : "; ") + ("beaten at " + std::to_string(m.spp)) + " spp by " +
-                  settingOf(*by) + " (" + factors(*by, m) + ")";
+                  nameWithSamples(*by) + " (" + factors(*by, m) + ")";
         if (!weakness.empty()) beaten += ", which is not the default because it " + weakness;
     }
     if (!on.empty()) on = "on the front, within the scatter of times and errors, at " + on + " spp";
@@ -125,7 +125,7 @@ std::string defaultTable(const SceneReport& scene) {
         if (!m.isDefault) continue;
         const Measured* by = scene.find(m.beatenBy);
         rows += "| " + m.family + " | " + std::to_string(m.spp) + " | " + (by == nullptr ? "yes" : "no");
-        rows += " | " + (by == nullptr ? std::string("-") : settingOf(*by)) + " | ";
+        rows += " | " + (by == nullptr ? std::string("-") : nameWithSamples(*by)) + " | ";
         rows += (by == nullptr ? std::string("-") : factors(*by, m)) + " | ";
         const std::string weakness = by == nullptr ? "" : weaknessOf(by->family);
         rows += (weakness.empty() ? "-" : weakness) + " |\n";

@@ -33,8 +33,8 @@ const Bad kScenes[] = {
     {"syntax", "a.json", "{\n  \"objects\": [1,}", ":2:17: expected a value (got '}')"},
     {"unknownKey", "a.json", "{\"objekts\": []}", ": /objekts: unknown key (did you mean \"objects\"?)"},
     {"unknownType", "a.json", R"({"objects": [{"type": "torus"}]})",
-     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, triangle, polygon, "
-     "quadric, ellipsoid, cylinder, ...)"},
+     ": /objects/0/type: unknown object type \"torus\" (supported: sphere, plane, disc, box, triangle, "
+     "polygon, quadric, ellipsoid, ...)"},
     {"transmission", "a.json", R"({"materials": {"glass": {"transmission": 2}}})",
      ": /materials/glass/transmission: must be from 0 to 1 (got 2)"},
     {"spot", "a.json",

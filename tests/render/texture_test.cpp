@@ -93,7 +93,7 @@ TEST_F(TextureTest, BilinearAndWrapOnBothAccesses) {
 }
 
 TEST_F(TextureTest, NearestAndCheckers) {
-    const Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
+    const Texture nearest{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}};
     expectNear(wall(nearest, {{0.49, 0.51}, {0.51, 0.49}}), {1, 4}, 0);
     const Texture checker{CheckerTexture{Color(1), Color(5)}};
     expectNear(wall(checker, {{0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}}), {1, 5, 1}, 0);
@@ -106,7 +106,8 @@ TEST_F(TextureTest, NearestAndCheckers) {
 
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
 TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
-    Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}, dvec2(1), dvec2(1e6, -1e6)};
+    Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}, dvec2(1),
+                dvec2(1e6, -1e6)};
     expectNear(wall(far, {{0.25, 0.75}, {0.75, 0.25}}), {1, 4}, 0);
     far.offset = {1e17, -1e17};
     expectNear(wall(far, {{0.25, 0.75}}), {3}, 0);  // the texel at (0, 0)
@@ -248,7 +249,7 @@ TEST_F(TextureTest, CoordinatesOfQuadrics) {
 // A cap shows one end of a repeated image, whatever rounding makes of its height.
 TEST_F(TextureTest, CapsShowOneEndOfTheImage) {
     Scene scene = emptyScene();
-    const Texture rows{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, true}};
+    const Texture rows{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}};
     const dvec3 base(0.3, 0.1, -0.7), axis = glm::normalize(dvec3(0.37, 1, 0.21)), top = base + 1.7 * axis;
     scene.objects.push_back({"/objects/0", CylinderShape{base, top, 1, true}, addTextured(scene, rows), {}});
     const PackedScene packed = packScene(scene);
@@ -275,7 +276,7 @@ class MaskTest : public TextureTest {
   protected:
     static Scene maskScene() {
         Scene scene = emptyScene();
-        Texture texture{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp, true}};
+        Texture texture{ImageTexture{"q", quadImage(), Wrap::Clamp, Wrap::Clamp, TexelFilter::Nearest}};
         mask_ = addTextured(scene, std::move(texture));
         scene.materials[mask_].alphaCutoff = 0.5;
         scene.background = Color(9);
