@@ -4,6 +4,7 @@
 #include <set>
 
 #include "support.h"
+#include "support/environment.h"
 
 namespace glint::app::test::gpu_bench_test {
 namespace {
@@ -17,11 +18,8 @@ nlohmann::json bench(std::vector<std::string> more) {
 }
 
 class GpuBench : public FolderTest {
-  protected:
-    void SetUp() override {
-        setenv("MESA_SHADER_CACHE_DISABLE", "false", 1);  // what compiling takes cold is not the matter here
-        FolderTest::SetUp();
-    }
+    // What compiling takes cold is not the matter here.
+    const glint::test::ScopedEnvironment cache_{"MESA_SHADER_CACHE_DISABLE", "false"};
 };
 
 // A glass sphere before a mirror, over a plane: every class of rays.

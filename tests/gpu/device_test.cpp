@@ -5,28 +5,12 @@
 #include <thread>
 
 #include "gpu_fixture.h"
+#include "support/environment.h"
 
 namespace glint::gpu::device_test {
 namespace {
 
-class ScopedEnvironment {
-  public:
-    ScopedEnvironment(const char* name, const char* value) : name_(name) {
-        if (const char* old = std::getenv(name)) old_ = old;
-        setenv(name, value, 1);
-    }
-    ~ScopedEnvironment() {
-        if (old_) {
-            setenv(name_, old_->c_str(), 1);
-        } else {
-            unsetenv(name_);
-        }
-    }
-
-  private:
-    const char* name_;
-    std::optional<std::string> old_;
-};
+using glint::test::ScopedEnvironment;
 
 TEST(ListDevices, FindsLavapipe) {
     const std::vector<DeviceInfo> devices = listDevices();

@@ -8,6 +8,7 @@
 
 #include "core/image_io.h"
 #include "support.h"
+#include "support/environment.h"
 #include "view/layers.h"
 
 namespace glint::view::test::window_test {
@@ -233,8 +234,7 @@ TEST_F(Window, AFailedExpectationFails) {
 }
 
 TEST_F(Window, WithoutADisplayNamesRender) {
-    unsetenv("DISPLAY");
-    unsetenv("WAYLAND_DISPLAY");
+    const glint::test::ScopedEnvironment noX("DISPLAY", nullptr), noWayland("WAYLAND_DISPLAY", nullptr);
     const Ran ran = runGlint({"view", "scene.json"});
     EXPECT_EQ(ran.code, 4);
     EXPECT_NE(ran.err.find("glint render"), std::string::npos) << ran.err;

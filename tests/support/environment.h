@@ -1,0 +1,33 @@
+// Environment variables of one test: the tests of a program share its process.
+#pragma once
+
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+namespace glint::test {
+
+// Sets a variable, or takes it away (value nullptr), and puts back what was there when it ends.
+class ScopedEnvironment {
+  public:
+    ScopedEnvironment(const char* name, const char* value) : name_(name) {
+        if (const char* old = std::getenv(name)) old_ = old;
+        set(value);
+    }
+    ~ScopedEnvironment() { set(old_ ? old_->c_str() : nullptr); }
+    ScopedEnvironment(const ScopedEnvironment&) = delete;
+    ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
+
+  private:
+    void set(const char* value) {
+        if (value != nullptr)
+            setenv(name_, value, 1);
+        else
+            unsetenv(name_);
+    }
+
+    const char* name_;
+    std::optional<std::string> old_;
+};
+
+}  // namespace glint::test
