@@ -16,6 +16,7 @@ import pathlib
 import re
 import shutil
 import statistics
+import subprocess
 import sys
 import tempfile
 
@@ -46,10 +47,11 @@ def measured(glint, scene, cache, *options):
     return result
 
 
-def features():
-    text = (measure.ROOT / "shaders/shared/dispatch.h").read_text()
-    lists = text[text.index("#define GLINT_FEATURES") : text.index("#define GLINT_MODES")]
-    return re.findall(r"X\(\d+, [A-Z_]+, (\w+)\)", lists)
+def features(glint, scene):
+    """As the program lists them: what the scene uses, and what its pipelines leave out."""
+    text = subprocess.run([glint, "info", scene], capture_output=True, text=True, check=True).stdout
+    lists = re.findall(r"^  (?:features used|left out) +(.*)$", text, re.MULTILINE)
+    return [name for names in lists for name in names.split(", ")]
 
 
 def rate(result, kind):
@@ -124,7 +126,7 @@ def main():
 
         used = run("")["features"]
         shutil.rmtree(folder / "cache-")
-        extra = ["spheres", "transmission"] if options.quick else [f for f in features() if f not in used]
+        extra = ["spheres", "transmission"] if options.quick else [f for f in features(options.glint, scene) if f not in used]
         first, pairs = take_turns(run, [*extra, "full"], 2 if options.quick else options.rounds)
     noise = ratios(pairs[""], processors)
     rows = [row("**what the scene needs**", first[""], pairs[""], None)] + [row(n, first[n], pairs[n], noise) for n in extra]

@@ -217,10 +217,14 @@ TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
 
 std::vector<KernelId> Renderer::State::kernelsOf(const Request& request, bool packets) const {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
+    // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
+    // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
+    const bool goesOn = (scene.features.mirrors || scene.features.transmission) &&
+                        glint::environmentOf(scene, request).maxDepth > 0;
     for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
         if (id == KernelId::Light && lightsOf(scene, request).empty()) continue;
         if (packets) kernels.push_back(packetKernel(id));
-        if (!packets || features.mirrors) kernels.push_back(id);
+        if (!packets || goesOn) kernels.push_back(id);
     }
     if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
     return kernels;

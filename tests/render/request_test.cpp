@@ -40,6 +40,24 @@ const Wish kWishes[] = {
      }},
 };
 
+// Kernels for later bounces are made where there are later bounces, whatever else the pipeline has code for.
+TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
+    const Case mirrors = fileCase("shift", 16, 16);
+    const auto codeBytes = [&](const Case& c, uint32_t maxDepth, bool withMirrors) {
+        Options options;
+        options.also.mirrors = withMirrors;
+        Renderer renderer(device(), c.packed, options);
+        Request request = wholeWithData(c);
+        request.maxDepth = maxDepth;
+        renderer.render(c.camera, request);
+        return renderer.codeBytes();
+    };
+    EXPECT_LT(codeBytes(mirrors, 0, false), 0.8 * static_cast<double>(codeBytes(mirrors, 1, false)));
+    // Code for mirrors in a scene without any: in the kernels that there are, not kernels more.
+    const Case matte = fileCase("knot", 16, 16);
+    EXPECT_LT(codeBytes(matte, 8, true), 1.2 * static_cast<double>(codeBytes(matte, 8, false)));
+}
+
 // A renderer that has drawn other pictures before draws what a new one does, by every walk.
 TEST_F(RequestTest, OneRendererDrawsWhatOneForEachRequestDraws) {
     for (const char* name : {"corridor", "glass"}) {
