@@ -1,9 +1,10 @@
 // `glint bench`: rays a second by class, and what every stage takes.
 #include <cstdlib>
+#include <memory>
 #include <optional>
 #include <ostream>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/version.h"
@@ -16,6 +17,59 @@
 namespace glint::app {
 
 namespace {
+
+struct BenchCommand {
+    std::vector<std::filesystem::path> scenes;
+    SceneOptions common;
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+    render::Compaction compaction = render::Compaction::Auto;
+    int repeats = 7;
+    bool everyWalk = false;  // --traversal all
+    bool full = false;       // the code of every feature
+    SceneFeatures with;      // the code of these features
+    bool json = false;       // --stats
+    ProgressMode progress = ProgressMode::Auto;
+};
+
+void declare(OptionTable& table, BenchCommand& c) {
+    addScenes(table, c.scenes);
+    addSceneOverrides(table, c.common);
+    addMethods(table, c.common);
+    addMinContribution(table, c.common);
+    addBackend(table, c.backend);
+    addDevice(table, c.device);
+    table.value("--traversal", alternatives<render::Traversal>() + "|all",
+                "how the device finds hits (default auto: see glint info); all: each way in turn besides",
+                [&](const std::string& t) {
+                    c.everyWalk = t == "all";
+                    c.device.traversal =
+                        c.everyWalk ? render::Traversal::Auto : parseNamed<render::Traversal>(t);
+                });
+    table.choice<render::Compaction>(
+        "--compaction",
+        "after a bounce, whether kernels run over the paths that go on alone (default auto: if fewer)",
+        c.compaction);
+    table.whole("--repeat", "N", "pictures to take the median of, after the warm-up (default 7)", 1, 1000,
+                c.repeats);
+    table.value("--with", "LIST",
+                "features, with commas, whose code the pipeline is to hold though the scene needs none of it "
+                "(names: glint info)",
+                [&](const std::string& t) { c.with = parseFeatures(t); });
+    table.flag("--full", "the code of every feature", c.full);
+    addStats(table, "the results as JSON on standard output, instead of tables", c.json);
+    addProgress(table, c.progress);
+}
+
+void checkOptions(const BenchCommand& c) {
+    checkDeviceOptions(c.backend, c.device);
+    if (c.backend == Backend::Gpu) return;
+    if (c.everyWalk) throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
+    if (c.full || c.with != SceneFeatures{})
+        throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
+    if (c.compaction != render::Compaction::Auto)
+        throw Error(ErrorKind::Argument, "--compaction: needs --backend gpu");
+}
 
 // What compiling takes is what it takes the first time. Whoever sets these himself has reasons.
 void switchShaderCachesOff() {
@@ -50,9 +104,8 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
     return result;
 }
 
-}  // namespace
-
-int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) {
+int run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
+    checkOptions(command);
     for (const std::filesystem::path& path : command.scenes)
         if (path.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     switchShaderCachesOff();
@@ -64,17 +117,16 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
         device.emplace(openDevice(command.device, true, false));
         openSeconds = watch.seconds();
     }
-    const bool json = command.stats == "json";
     const bench::Program program = {GLINT_VERSION, builtCommit()};
     std::vector<bench::Result> results;
     const auto finish = [&] {
-        if (json && !results.empty()) out << bench::json(results, program);
+        if (command.json && !results.empty()) out << bench::json(results, program);
     };
     try {
         for (const std::filesystem::path& path : command.scenes) {
             results.push_back(measureScene(command, path, device ? &*device : nullptr, err));
             results.back().open = openSeconds;
-            if (!json)
+            if (!command.json)
                 out << (results.size() > 1 ? "\n" : "") << bench::table(results.back(), program)
                     << std::flush;
         }
@@ -87,6 +139,14 @@ int runBench(const BenchCommand& command, std::ostream& out, std::ostream& err) 
     finish();
     if (device) reportValidation(*device, command.device, err);
     return static_cast<int>(ExitCode::Done);
+}
+
+}  // namespace
+
+Run benchCommand(OptionTable& table) {
+    const auto command = std::make_shared<BenchCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
 }
 
 }  // namespace glint::app

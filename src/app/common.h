@@ -4,7 +4,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "app/cli.h"
+#include "app/option_groups.h"
 #include "core/error.h"
 #include "core/wording.h"
 #include "gpu/device.h"

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <ostream>
 
-#include "app/cli.h"
-#include "app/common.h"
+#include "app/commands.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
 #include "core/error.h"
@@ -14,6 +14,23 @@ namespace glint::app {
 
 namespace {
 
+struct DiffCommand {
+    std::filesystem::path a, b, output;
+    double tolerance = 0;
+};
+
+void declare(OptionTable& table, DiffCommand& c) {
+    constexpr auto kRequired = OptionTable::Need::Required;
+    table.value(
+        "A", "", "picture: .png .exr .pfm .hdr .jpg", [&](const std::string& t) { c.a = t; }, kRequired);
+    table.value(
+        "B", "", "picture of the same size", [&](const std::string& t) { c.b = t; }, kRequired);
+    table.path("-o,--output", "FILE", "picture of |A - B| to write", "the file name", c.output);
+    table.value("--tolerance", "X",
+                "greatest difference, on linear values, that still counts as equal (default 0)",
+                [&](const std::string& t) { c.tolerance = parseNotNegative(t); });
+}
+
 ImageDifference compare(const DiffCommand& command, const Image& a, const Image& b) {
     try {
         return compareImages(a, b, command.tolerance);
@@ -22,9 +39,7 @@ ImageDifference compare(const DiffCommand& command, const Image& a, const Image&
     }
 }
 
-}  // namespace
-
-int runDiff(const DiffCommand& command, std::ostream& out) {
+int run(const DiffCommand& command, std::ostream& out) {
     if (!command.output.empty()) checkPicturePath(command.output);
     const Image a = readImage(command.a);
     const Image b = readImage(command.b);
@@ -50,6 +65,14 @@ int runDiff(const DiffCommand& command, std::ostream& out) {
         out << "wrote " << command.output.string() << '\n';
     }
     return static_cast<int>(d.above > 0 || d.notFinite > 0 ? ExitCode::Difference : ExitCode::Done);
+}
+
+}  // namespace
+
+Run diffCommand(OptionTable& table) {
+    const auto command = std::make_shared<DiffCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream&) { return run(*command, out); };
 }
 
 }  // namespace glint::app

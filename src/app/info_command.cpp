@@ -1,8 +1,9 @@
 #include <cstdio>
+#include <memory>
 #include <ostream>
 #include <set>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "core/error.h"
@@ -124,9 +125,7 @@ void printTextures(const Scene& scene, std::ostream& out) {
     if (scene.environment) printImage(scene.environment->file, *scene.environment->image, out);
 }
 
-}  // namespace
-
-int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
+int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
     const PackedScene& packed = loaded.packed;
@@ -153,7 +152,7 @@ int runInfo(const SceneOptions& command, std::ostream& out, std::ostream& err) {
     return static_cast<int>(ExitCode::Done);
 }
 
-int runDevices(std::ostream& out) {
+int printDevices(std::ostream& out) {
     std::vector<gpu::DeviceInfo> devices;
     try {
         devices = gpu::listDevices();
@@ -179,6 +178,20 @@ int runDevices(std::ostream& out) {
     }
     if (!refusal.empty()) throw Error(ErrorKind::Device, refusal);
     return static_cast<int>(ExitCode::Done);
+}
+
+}  // namespace
+
+Run infoCommand(OptionTable& table) {
+    const auto options = std::make_shared<SceneOptions>();
+    addScene(table, *options);
+    addSceneOverrides(table, *options);
+    addMethods(table, *options);
+    return [options](std::ostream& out, std::ostream& err) { return printInfo(*options, out, err); };
+}
+
+Run devicesCommand(OptionTable&) {
+    return [](std::ostream& out, std::ostream&) { return printDevices(out); };
 }
 
 }  // namespace glint::app

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "app/cli.h"
-
 namespace glint::app {
 
 // Throws Error(Usage) if the extension names no picture format, and Error(Failed) if `path` cannot be written

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "app/options.h"
+#include "app/option_values.h"
 #include "core/error.h"
 #include "core/wording.h"
 

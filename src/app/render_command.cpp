@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <future>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/losses.h"
@@ -12,6 +13,7 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
+#include "core/near_names.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "pack/scene_arrays.h"
@@ -22,6 +24,42 @@
 namespace glint::app {
 
 namespace {
+
+struct RenderCommand {
+    SceneOptions scene;
+    std::filesystem::path output;  // empty: the scene's stem with .png, in the current folder
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+    std::vector<Aov> aovs = {Aov::Radiance};
+    std::optional<Region> crop;
+    bool json = false;  // --stats
+    ProgressMode progress = ProgressMode::Auto;
+    bool quiet = false;
+};
+
+void declare(OptionTable& table, RenderCommand& c) {
+    addScene(table, c.scene);
+    table.path("-o,--output", "FILE",
+               "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png, here)",
+               "the file name", c.output);
+    addSceneOverrides(table, c.scene);
+    addMethods(table, c.scene);
+    addMinContribution(table, c.scene);
+    addSampling(table, c.scene);
+    addBackend(table, c.backend);
+    addDevice(table, c.device);
+    addTraversal(table, c.device);
+    table.value("--aov", "LIST",
+                "layers, with commas: " + joinNames(kEnumNames<Aov>) +
+                    "; an EXR holds them all, other formats get a file for each",
+                [&](const std::string& t) { c.aovs = parseAovs(t); });
+    table.value("--crop", "x0,y0,x1,y1",
+                "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
+                [&](const std::string& t) { c.crop = parseCrop(t); });
+    addStats(table, "times and counts as JSON on standard output, instead of the summary", c.json);
+    addProgress(table, c.progress);
+    table.flag("-q,--quiet", "print nothing but errors (and what --stats asks for)", c.quiet);
+}
 
 struct Outcome {
     Picture picture;
@@ -70,7 +108,7 @@ Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const
     request.region = region;
     request.data = needsData(command);
     request.cost = wants(command, Aov::Cost);
-    request.ledger = loaded.packed.features.transmission || !command.stats.empty();
+    request.ledger = loaded.packed.features.transmission || command.json;
     request.progress = [&progress](double fraction) { progress.update(fraction); };
     request.cancelled = interrupted;
     return request;
@@ -194,7 +232,7 @@ void printSummary(const Outcome& outcome, const LoadedScene& loaded, std::ostrea
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out) {
-    if (command.stats == "json") {
+    if (command.json) {
         // A file name need not be UTF-8; JSON must be.
         out << statsJson(outcome, command, loaded)
                    .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
@@ -220,10 +258,9 @@ void checkComplete(const Outcome& outcome) {
     }
 }
 
-}  // namespace
-
-int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err) {
+int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
+    checkDeviceOptions(command.backend, command.device);
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
@@ -266,6 +303,14 @@ int runRender(const RenderCommand& command, std::ostream& out, std::ostream& err
     if (device) reportValidation(*device, command.device, err);
     checkComplete(outcome);
     return static_cast<int>(ExitCode::Done);
+}
+
+}  // namespace
+
+Run renderCommand(OptionTable& table) {
+    const auto command = std::make_shared<RenderCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
 }
 
 }  // namespace glint::app

@@ -1,21 +1,61 @@
 // `glint report`: error against run time.
+#include <memory>
 #include <ostream>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "core/near_names.h"
 #include "core/stopwatch.h"
+#include "report/plan.h"
 #include "report/run.h"
 #include "report/write.h"
+#include "scene/limits.h"
 
 namespace glint::app {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+struct ReportCommand {
+    std::vector<fs::path> scenes;
+    fs::path folder;
+    int width = 160;  // pixels
+    int repeats = 5;
+    int truthSamples = 256;
+    Backend truth = Backend::Cpu;
+    std::optional<int> budget;      // seconds
+    std::vector<std::string> only;  // how the names of families start; empty: all
+    DeviceChoice device;
+    ProgressMode progress = ProgressMode::Auto;
+};
+
+void declare(OptionTable& table, ReportCommand& c) {
+    addScenes(table, c.scenes);
+    table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
+               "the folder's name", c.folder, OptionTable::Need::Required);
+    table.whole("--size", "WIDTH", "of the pictures in pixels (default 160); the height follows", 4, 4096,
+                c.width);
+    table.whole("--repeats", "N", "runs of each setting (default 5)", 1, 1000, c.repeats);
+    table.whole("--truth-spp", "N", "samples for each pixel of the converged picture (default 256)", 1,
+                kMaxSamplesPerPixel, c.truthSamples);
+    table.choice<Backend>(
+        "--truth",
+        "who draws the converged picture: the double-precision reference (cpu, default) or the device",
+        c.truth);
+    table.whole("--budget", "SECONDS", "after which no further setting is started", 0, 10'000'000, c.budget);
+    const auto& families = report::familyStarts();
+    table.value("--only", "LIST",
+                "with commas, the settings to measure: " +
+                    joinNames(std::vector<std::string_view>(families.begin(), families.end())),
+                [&](const std::string& t) { c.only = parseFamilies(t); });
+    addDevice(table, c.device);
+    addProgress(table, c.progress);
+}
 
 void makeFolder(const fs::path& folder) {
     std::error_code error;
@@ -38,9 +78,7 @@ report::Options optionsOf(const ReportCommand& command) {
     return options;
 }
 
-}  // namespace
-
-int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err) {
+int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     makeFolder(command.folder);
     // What compiling takes is told of each setting.
@@ -68,6 +106,14 @@ int runReport(const ReportCommand& command, std::ostream& out, std::ostream& err
         throw Error(ErrorKind::Interrupted, "interrupted: " + (command.folder / "report.json").string() +
                                                 " holds what was finished; the same command goes on");
     return static_cast<int>(ExitCode::Done);
+}
+
+}  // namespace
+
+Run reportCommand(OptionTable& table) {
+    const auto command = std::make_shared<ReportCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
 }
 
 }  // namespace glint::app

@@ -1,6 +1,7 @@
+#include <memory>
 #include <ostream>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/ray_file.h"
@@ -11,6 +12,31 @@
 namespace glint::app {
 
 namespace {
+
+struct TraceCommand {
+    SceneOptions scene;
+    std::string rays;  // a file, "-" for standard input, empty for --pixel
+    std::optional<std::pair<int, int>> pixel;
+    bool any = false;
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+};
+
+void declare(OptionTable& table, TraceCommand& c) {
+    addScene(table, c.scene);
+    table.path("--rays", "FILE.csv",
+               "rays, one a line: ox,oy,oz,dx,dy,dz[,tmin[,tmax]]; - for standard input", "the file name",
+               c.rays);
+    table.value("--pixel", "x,y", "the camera ray of a pixel, from the top left corner",
+                [&](const std::string& t) { c.pixel = parsePixel(t); });
+    table.flag("--any", "only whether anything is hit", c.any);
+    table.value("--size", "WxH", "size of the picture that --pixel counts in, instead of the scene's",
+                [&](const std::string& t) { c.scene.size = parseSize(t); });
+    addMethods(table, c.scene);
+    addBackend(table, c.backend);
+    addDevice(table, c.device);
+    addTraversal(table, c.device);
+}
 
 RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
     RayBatch batch;
@@ -65,9 +91,10 @@ void checkPixel(const LoadedScene& loaded, std::pair<int, int> pixel) {
     }
 }
 
-}  // namespace
-
-int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err) {
+int run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
+    if (command.rays.empty() == !command.pixel)
+        throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
+    checkDeviceOptions(command.backend, command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
     if (command.pixel) checkPixel(loaded, *command.pixel);
     if (command.backend == Backend::Gpu) {
@@ -79,6 +106,14 @@ int runTrace(const TraceCommand& command, std::ostream& out, std::ostream& err) 
               kReferenceDigits, out);
     }
     return static_cast<int>(ExitCode::Done);
+}
+
+}  // namespace
+
+Run traceCommand(OptionTable& table) {
+    const auto command = std::make_shared<TraceCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
 }
 
 }  // namespace glint::app

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "app/options.h"
+#include "app/option_values.h"
 #include "core/near_names.h"
 
 namespace glint::app {

@@ -1,7 +1,8 @@
 #include <map>
+#include <memory>
 #include <ostream>
 
-#include "app/cli.h"
+#include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
@@ -14,6 +15,27 @@
 namespace glint::app {
 
 namespace {
+
+struct VerifyCommand {
+    std::vector<std::filesystem::path> scenes;
+    SceneOptions common;
+    DeviceChoice device;
+    std::filesystem::path folder = ".";  // of the difference pictures
+    ProgressMode progress = ProgressMode::Auto;
+};
+
+void declare(OptionTable& table, VerifyCommand& c) {
+    addScenes(table, c.scenes);
+    table.path("-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
+               "the folder's name", c.folder);
+    addSceneOverrides(table, c.common);
+    addMethods(table, c.common);
+    addMinContribution(table, c.common);
+    addSampling(table, c.common);
+    addDevice(table, c.device);
+    addTraversal(table, c.device);
+    addProgress(table, c.progress);
+}
 
 // Both pictures, the differences by rows and together, and the difference picture.
 constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 12;
@@ -59,9 +81,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     return report.passed(options);
 }
 
-}  // namespace
-
-int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
+int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
     checkOutputFolder(command.folder);
     const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
@@ -75,6 +95,14 @@ int runVerify(const VerifyCommand& command, std::ostream& out, std::ostream& err
     if (failed == 0) return static_cast<int>(ExitCode::Done);
     err << "glint: verify: " << failed << " of " << counted(command.scenes.size(), "scene") << " failed\n";
     return static_cast<int>(ExitCode::Difference);
+}
+
+}  // namespace
+
+Run verifyCommand(OptionTable& table) {
+    const auto command = std::make_shared<VerifyCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
 }
 
 }  // namespace glint::app

@@ -1,15 +1,44 @@
-#include "app/cli.h"
+#include <memory>
+
+#include "app/commands.h"
 #include "app/exit_code.h"
+#include "app/option_groups.h"
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "gpu/swapchain.h"
 #ifdef GLINT_WINDOW
 #include "view/view.h"
 #endif
 
 namespace glint::app {
 
+namespace {
+
+struct ViewCommand {
+    SceneOptions scene;
+    DeviceChoice device;
+    uint64_t frames = 0;
+    std::filesystem::path script;
+    gpu::PresentMode present = gpu::PresentMode::Fifo;
+    int target = 0;  // milliseconds; 0: by the device
+};
+
+void declare(OptionTable& table, ViewCommand& c) {
+    addScene(table, c.scene);
+    addSceneOverrides(table, c.scene);
+    addDevice(table, c.device);
+    table.whole("--frames", "N", "close after N frames (and the script's end)", 1, 1'000'000, c.frames);
+    table.path("--script", "FILE", "drive the window without a person, see docs/guide/window.md",
+               "the file name", c.script);
+    table.choice<gpu::PresentMode>(
+        "--present", explainedChoices<gpu::PresentMode>() + "; fifo where the screen has no other", c.present,
+        "MODE");
+    table.whole("--target", "MS", "milliseconds a frame to aim for while the camera moves", 1, 10'000,
+                c.target);
+}
+
 #ifdef GLINT_WINDOW
-int runView(const ViewCommand& command, std::ostream& out, std::ostream& err) {
+int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     view::Options options;
     options.scene = command.scene.scene;
@@ -29,12 +58,20 @@ int runView(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
 }
 #else
-int runView(const ViewCommand&, std::ostream&, std::ostream&) {
+int run(const ViewCommand&, std::ostream&, std::ostream&) {
     throw Error(
         ErrorKind::Argument,
         "view: this glint was built without the window (GLINT_WINDOW is OFF, or GLFW or Dear ImGui was "
         "missing); glint render SCENE draws to a file");
 }
 #endif
+
+}  // namespace
+
+Run viewCommand(OptionTable& table) {
+    const auto command = std::make_shared<ViewCommand>();
+    declare(table, *command);
+    return [command](std::ostream& out, std::ostream& err) { return run(*command, out, err); };
+}
 
 }  // namespace glint::app

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 
 #include "core/error.h"
 #include "gpu/device_state.h"
@@ -10,14 +11,19 @@ namespace glint::gpu {
 
 namespace {
 
-struct ModeName {
-    VkPresentModeKHR mode;
-    const char* name;
-};
-constexpr ModeName kModes[] = {{VK_PRESENT_MODE_FIFO_KHR, "fifo"},
-                               {VK_PRESENT_MODE_MAILBOX_KHR, "mailbox"},
-                               {VK_PRESENT_MODE_IMMEDIATE_KHR, "immediate"},
-                               {VK_PRESENT_MODE_FIFO_RELAXED_KHR, "fifo relaxed"}};
+VkPresentModeKHR vulkanMode(PresentMode mode) {
+    switch (mode) {
+        case PresentMode::Fifo:
+            return VK_PRESENT_MODE_FIFO_KHR;
+        case PresentMode::Mailbox:
+            return VK_PRESENT_MODE_MAILBOX_KHR;
+        case PresentMode::Immediate:
+            return VK_PRESENT_MODE_IMMEDIATE_KHR;
+        case PresentMode::FifoRelaxed:
+            return VK_PRESENT_MODE_FIFO_RELAXED_KHR;
+    }
+    throw std::logic_error("vulkanMode: not a value of PresentMode");
+}
 
 // An image that no other program gives back within this time will not come: the window system hangs.
 constexpr uint64_t kAcquireNanoseconds = 5'000'000'000;
@@ -70,7 +76,7 @@ std::vector<VkPresentModeKHR> modesOf(const DeviceState& device) {
 struct SwapchainState {
     const Device& device;
     DeviceState& state;
-    std::string mode = "fifo";
+    PresentMode mode = PresentMode::Fifo;
     uint64_t rebuilds = 0;
 
     Handle<VkSwapchainKHR> chain;
@@ -90,7 +96,7 @@ struct SwapchainState {
 
     void makeObjects();
     // Drops the old chain and makes one of the window's present size; none while that is zero.
-    void rebuild(int width, int height, const std::string& wantedMode);
+    void rebuild(int width, int height, PresentMode wantedMode);
     VkSwapchainCreateInfoKHR describe(const VkSurfaceCapabilitiesKHR& capabilities, int width, int height);
     void fillPixels(std::span<const uint32_t> source, int width, int height);
     void recordCopy(VkImage image);
@@ -168,20 +174,16 @@ VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR
     return info;
 }
 
-void SwapchainState::rebuild(int width, int height, const std::string& wantedMode) {
+void SwapchainState::rebuild(int width, int height, PresentMode wantedMode) {
     waitUntilIdle();
     askedWidth = width;
     askedHeight = height;
     const VkSurfaceCapabilitiesKHR capabilities = capabilitiesOf(state);
     VkSwapchainCreateInfoKHR info = describe(capabilities, width, height);
-    mode = "fifo";
-    for (const VkPresentModeKHR offered : modesOf(state)) {
-        for (const ModeName& known : kModes) {
-            if (known.mode != offered || wantedMode != known.name) continue;
-            info.presentMode = offered;
-            mode = known.name;
-        }
-    }
+    const std::vector<VkPresentModeKHR> offered = modesOf(state);
+    const bool isOffered = std::find(offered.begin(), offered.end(), vulkanMode(wantedMode)) != offered.end();
+    mode = isOffered ? wantedMode : PresentMode::Fifo;
+    info.presentMode = vulkanMode(mode);
     drawn.clear();
     images.clear();
     if (extent.width == 0 || extent.height == 0) {  // minimised
@@ -311,17 +313,17 @@ bool SwapchainState::presentOnce(std::span<const uint32_t> source, int width, in
     return got != VK_SUBOPTIMAL_KHR;
 }
 
-std::vector<std::string> presentModes(const Device& device) {
-    std::vector<std::string> names;
+std::vector<PresentMode> presentModes(const Device& device) {
+    std::vector<PresentMode> modes;
     const std::vector<VkPresentModeKHR> offered = modesOf(device.state());
-    for (const ModeName& known : kModes) {
-        if (std::find(offered.begin(), offered.end(), known.mode) != offered.end())
-            names.push_back(known.name);
+    for (const EnumEntry<PresentMode>& known : kEnumEntries<PresentMode>) {
+        if (std::find(offered.begin(), offered.end(), vulkanMode(known.value)) != offered.end())
+            modes.push_back(known.value);
     }
-    return names;
+    return modes;
 }
 
-Swapchain::Swapchain(const Device& device, int width, int height, const std::string& presentMode)
+Swapchain::Swapchain(const Device& device, int width, int height, PresentMode presentMode)
     : state_(std::make_unique<SwapchainState>(device)) {
     state_->makeObjects();
     state_->rebuild(width, height, presentMode);
@@ -338,7 +340,7 @@ bool Swapchain::present(std::span<const uint32_t> pixels, int width, int height)
     return s.chain && s.presentOnce(pixels, width, height);
 }
 
-const std::string& Swapchain::presentMode() const {
+PresentMode Swapchain::presentMode() const {
     return state_->mode;
 }
 uint64_t Swapchain::rebuilds() const {

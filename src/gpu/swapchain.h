@@ -5,16 +5,24 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "gpu/device.h"
 
 namespace glint::gpu {
 
-// "fifo" (waits for the screen, everywhere), "mailbox", "immediate", "fifo relaxed": those that the surface
-// offers.
-std::vector<std::string> presentModes(const Device& device);
+// When a picture reaches the screen, in Vulkan's terms (VkPresentModeKHR).
+enum class PresentMode { Fifo, Mailbox, Immediate, FifoRelaxed };
+constexpr auto entriesOf(PresentMode) {
+    return std::to_array<EnumEntry<PresentMode>>({{PresentMode::Fifo, "fifo", "default"},
+                                                  {PresentMode::Mailbox, "mailbox"},
+                                                  {PresentMode::Immediate, "immediate"},
+                                                  {PresentMode::FifoRelaxed, "fifoRelaxed"}});
+}
+
+// Those that the surface offers; fifo, which waits for the screen, is always one of them.
+std::vector<PresentMode> presentModes(const Device& device);
 
 struct SwapchainState;
 
@@ -22,7 +30,7 @@ class Swapchain {
   public:
     // `device` must have been made with DeviceOptions::window and outlive the swapchain. A mode that is not
     // offered falls back to fifo.
-    Swapchain(const Device& device, int width, int height, const std::string& presentMode = "fifo");
+    Swapchain(const Device& device, int width, int height, PresentMode presentMode = PresentMode::Fifo);
     ~Swapchain();
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;
@@ -33,7 +41,7 @@ class Swapchain {
     // Error(Device), or DeviceLost.
     bool present(std::span<const uint32_t> pixels, int width, int height);
 
-    const std::string& presentMode() const;
+    PresentMode presentMode() const;
     uint64_t rebuilds() const;  // how often the window made a new chain of images necessary
 
   private:

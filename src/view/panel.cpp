@@ -89,9 +89,10 @@ void drawTracing(PanelModel& m) {
     auto target = static_cast<float>(milliseconds(m.targetSeconds));
     if (ImGui::SliderFloat("aim", &target, 8, 200, "%.0f ms a frame"))
         m.targetSeconds = static_cast<double>(target) * 1e-3;
-    if (m.modes.size() > 1 && ImGui::BeginCombo("present", m.mode.c_str())) {
-        for (const std::string& mode : m.modes) {
-            if (ImGui::Selectable(mode.c_str(), mode == m.mode)) m.mode = mode;
+    if (m.modes.size() > 1 &&
+        ImGui::BeginCombo("present", nameOf(m.mode).data())) {  // literals: they end in 0
+        for (const gpu::PresentMode mode : m.modes) {
+            if (ImGui::Selectable(nameOf(mode).data(), mode == m.mode)) m.mode = mode;
         }
         ImGui::EndCombo();
     }

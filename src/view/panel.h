@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/device.h"
+#include "gpu/swapchain.h"
 #include "view/gui.h"
 #include "view/picker.h"
 #include "view/session.h"
@@ -25,7 +26,7 @@ struct PanelModel {
     bool finished = false;
     double frameSeconds = 0, drawSeconds = 0, presentSeconds = 0;
     const std::vector<float>* frameTimes = nullptr;  // milliseconds, oldest first
-    std::vector<std::string> modes;                  // present modes
+    std::vector<gpu::PresentMode> modes;             // that the screen offers
     double saveProgress = -1, verifyProgress = -1;   // negative: nothing runs
     bool loading = false;
     const std::optional<Pick>* pick = nullptr;
@@ -41,7 +42,7 @@ struct PanelModel {
     double fovY = 40;
     bool hasFov = true;
     bool flying = false;
-    std::string mode;
+    gpu::PresentMode mode = gpu::PresentMode::Fifo;
     bool panelVisible = true;
     bool helpVisible = false;
 };

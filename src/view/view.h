@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "gpu/swapchain.h"
+
 namespace glint::view {
 
 struct Options {
@@ -18,7 +20,7 @@ struct Options {
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
     std::filesystem::path script;
-    std::string presentMode = "fifo";
+    gpu::PresentMode presentMode = gpu::PresentMode::Fifo;
     double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
 };
 

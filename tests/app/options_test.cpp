@@ -1,6 +1,6 @@
 // Option values from text, through the whole command line: `glint COMMAND x.json OPTION VALUE`, where x.json
 // does not exist. A value that is fine leads to the complaint about the missing file, with exit code 3.
-#include "app/options.h"
+#include "app/option_values.h"
 
 #include "support.h"
 
@@ -106,8 +106,8 @@ TEST(Options, ToleranceIsAFiniteNumberFromZeroUp) {
                   std::string("glint: --tolerance: expected a number from 0 up, got \"") + text + "\"\n");
         EXPECT_EQ(ran.code, 2);
     }
-    EXPECT_EQ(parseTolerance("0"), 0.0);
-    EXPECT_EQ(parseTolerance("1e-3"), 1e-3);
+    EXPECT_EQ(parseNotNegative("0"), 0.0);
+    EXPECT_EQ(parseNotNegative("1e-3"), 1e-3);
 }
 
 TEST(Options, ValuesArrive) {
@@ -117,7 +117,7 @@ TEST(Options, ValuesArrive) {
     EXPECT_EQ(std::vector({crop.x0, crop.y0, crop.x1, crop.y1}), std::vector({1, 2, 30, 40}));
     EXPECT_EQ(parsePixel("7,-8"), std::pair(7, -8));
     EXPECT_EQ(parseAovs("color, depth ,cost"), (std::vector<Aov>{Aov::Radiance, Aov::Depth, Aov::Cost}));
-    EXPECT_EQ(parseWhole("--spp", "12", 1, 16), 12);
+    EXPECT_EQ(parseWhole("12", 1, 16), 12);
 }
 
 TEST(Options, TextInMessagesIsOneShortLine) {

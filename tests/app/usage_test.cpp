@@ -49,7 +49,7 @@ const Case kCommands[] = {
     {"viewAlone", {"view"}, "view: SCENE is missing; see glint view --help"},
     {"viewPresent",
      {"view", "a.json", "--present", "fast"},
-     "--present: expected fifo, mailbox or immediate, got \"fast\""},
+     "--present: expected fifo, mailbox, immediate or fifoRelaxed, got \"fast\""},
     {"benchAlone", {"bench"}, "bench: SCENE is missing; see glint bench --help"},
     {"benchEmpty", {"bench", "a.json", ""}, "SCENE is empty; give a file name"},
     {"renderAlone", {"render"}, "render: SCENE is missing; see glint render --help"},

@@ -1,20 +1,34 @@
-// The values of the command line's options, from text. All throw Error(Usage) with one line that names the
-// option, says what it takes and shows what it was given.
+// The values of options, from text. All throw Error(Argument) with one line that says what is taken and shows
+// what was given; OptionTable puts the option's name in front.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "app/cli.h"
 #include "core/enum_names.h"
+#include "pack/packed_scene.h"
+#include "scene/scene.h"
+#include "trace/picture.h"
 
 namespace glint::app {
 
-// A whole number from `least` to `greatest`.
-int parseWhole(const std::string& option, const std::string& text, int least, int greatest);
+struct Size {
+    int width = 0, height = 0;
+};
 
+struct FilterChoice {
+    Filter filter = Filter::Box;
+    std::optional<double> radius;  // pixels; empty: the filter's own
+};
+
+// A whole number from `least` to `greatest`.
+int parseWhole(const std::string& text, int least, int greatest);
+
+double parseNotNegative(const std::string& text);         // finite
 Size parseSize(const std::string& text);                  // "640x480"
 Region parseCrop(const std::string& text);                // "x0,y0,x1,y1", not empty
 std::pair<int, int> parsePixel(const std::string& text);  // "x,y"
@@ -23,20 +37,21 @@ std::vector<Aov> parseAovs(const std::string& text);      // "color, depth": eac
 std::vector<std::string> parseFamilies(const std::string& text);
 // By the names that `glint info` prints.
 SceneFeatures parseFeatures(const std::string& text);
-double parseTolerance(const std::string& text);        // >= 0, finite
-double parseMinContribution(const std::string& text);  // the same
 
 FilterChoice parseFilter(const std::string& text);        // "NAME" or "NAME,RADIUS"
 AdaptiveSampling parseAdaptive(const std::string& text);  // "MAX" or "MAX,THRESHOLD"
 uint32_t parseSeed(const std::string& text);
 
-[[noreturn]] void refuse(const std::string& option, const std::string& wanted, const std::string& text);
+// Of a file or folder, `what` ("the file name") in the error; not empty.
+std::filesystem::path parsePath(const std::string& what, const std::string& text);
+
+[[noreturn]] void refuse(const std::string& wanted, const std::string& text);
 
 // The value of an enumeration by its name.
 template <NamedEnum E>
-E parseNamed(const std::string& option, const std::string& text) {
+E parseNamed(const std::string& text) {
     const std::optional<E> found = named<E>(text);
-    if (!found) refuse(option, choices<E>(), text);
+    if (!found) refuse(choices<E>(), text);
     return *found;
 }
 

@@ -1,4 +1,4 @@
-#include "app/options.h"
+#include "app/option_values.h"
 
 #include <algorithm>
 #include <charconv>
@@ -67,7 +67,7 @@ std::vector<int> wholeNumbers(const std::string& text, char separator, size_t co
 
 // The parts of "a, b", each of which must be one of `known`; messages show lists of up to kShown in full.
 constexpr size_t kShown = 16;
-std::vector<std::string> namesIn(const std::string& text, const std::string& option, const std::string& what,
+std::vector<std::string> namesIn(const std::string& text, const std::string& what,
                                  std::span<const std::string_view> known) {
     std::vector<std::string> names;
     for (const std::string& part : split(text, ',')) {
@@ -75,24 +75,17 @@ std::vector<std::string> namesIn(const std::string& text, const std::string& opt
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             std::string hint = suggestion(name, known, "known");
             if (!hint.starts_with("did") && known.size() <= kShown) hint = "known: " + joinNames(known);
-            throw Error(ErrorKind::Argument,
-                        option + ": unknown " + what + " " + quoted(name) + " (" + hint + ")");
+            throw Error(ErrorKind::Argument, "unknown " + what + " " + quoted(name) + " (" + hint + ")");
         }
         names.push_back(name);
     }
     return names;
 }
 
-double parseNotNegative(const std::string& option, const std::string& text) {
-    const auto value = number(text);
-    if (!value || *value < 0) refuse(option, "a number from 0 up", text);
-    return *value;
-}
-
 }  // namespace
 
-void refuse(const std::string& option, const std::string& wanted, const std::string& text) {
-    throw Error(ErrorKind::Argument, option + ": expected " + wanted + ", got " + quoted(text));
+void refuse(const std::string& wanted, const std::string& text) {
+    throw Error(ErrorKind::Argument, "expected " + wanted + ", got " + quoted(text));
 }
 
 std::string quoted(const std::string& text) {
@@ -105,45 +98,44 @@ std::string quoted(const std::string& text) {
     return shown + (text.size() > kLongest ? "...\"" : "\"");
 }
 
-int parseWhole(const std::string& option, const std::string& text, int least, int greatest) {
+int parseWhole(const std::string& text, int least, int greatest) {
     const auto value = wholeNumber(text);
     if (!value || *value < least || *value > greatest) {
-        refuse(option, "a whole number from " + std::to_string(least) + " to " + std::to_string(greatest),
-               text);
+        refuse("a whole number from " + std::to_string(least) + " to " + std::to_string(greatest), text);
     }
     return static_cast<int>(*value);
 }
 
 Size parseSize(const std::string& text) {
     const auto v = wholeNumbers(text, 'x', 2);
-    if (v.empty()) refuse("--size", "WxH such as 640x480", text);
+    if (v.empty()) refuse("WxH such as 640x480", text);
     if (std::min(v[0], v[1]) < 1 || std::max(v[0], v[1]) > kMaxImageSize) {
-        refuse("--size", "a width and a height from 1 to " + std::to_string(kMaxImageSize), text);
+        refuse("a width and a height from 1 to " + std::to_string(kMaxImageSize), text);
     }
     return {v[0], v[1]};
 }
 
 Region parseCrop(const std::string& text) {
     const auto v = wholeNumbers(text, ',', 4);
-    if (v.empty()) refuse("--crop", "x0,y0,x1,y1 such as 0,0,64,64", text);
+    if (v.empty()) refuse("x0,y0,x1,y1 such as 0,0,64,64", text);
     if (v[0] < 0 || v[1] < 0 || v[2] <= v[0] || v[3] <= v[1]) {
-        refuse("--crop", "x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1", text);
+        refuse("x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1", text);
     }
     return {v[0], v[1], v[2], v[3]};
 }
 
 std::pair<int, int> parsePixel(const std::string& text) {
     const auto v = wholeNumbers(text, ',', 2);
-    if (v.empty()) refuse("--pixel", "x,y such as 320,240", text);
+    if (v.empty()) refuse("x,y such as 320,240", text);
     return {v[0], v[1]};
 }
 
 std::vector<Aov> parseAovs(const std::string& text) {
     std::vector<Aov> aovs;
-    for (const std::string& name : namesIn(text, "--aov", "layer", kEnumNames<Aov>)) {
+    for (const std::string& name : namesIn(text, "layer", kEnumNames<Aov>)) {
         const Aov aov = named<Aov>(name).value();
         if (std::find(aovs.begin(), aovs.end(), aov) != aovs.end())
-            throw Error(ErrorKind::Argument, "--aov: the layer " + quoted(name) + " is given twice");
+            throw Error(ErrorKind::Argument, "the layer " + quoted(name) + " is given twice");
         aovs.push_back(aov);
     }
     return aovs;
@@ -151,7 +143,7 @@ std::vector<Aov> parseAovs(const std::string& text) {
 
 std::vector<std::string> parseFamilies(const std::string& text) {
     const std::vector<std::string>& starts = report::familyStarts();
-    return namesIn(text, "--only", "setting", std::vector<std::string_view>(starts.begin(), starts.end()));
+    return namesIn(text, "setting", std::vector<std::string_view>(starts.begin(), starts.end()));
 }
 
 SceneFeatures parseFeatures(const std::string& text) {
@@ -161,7 +153,7 @@ SceneFeatures parseFeatures(const std::string& text) {
 #undef GLINT_NAME
     };
     SceneFeatures features;
-    for (const std::string& name : namesIn(text, "--with", "feature", known)) {
+    for (const std::string& name : namesIn(text, "feature", known)) {
 #define GLINT_SET(ID, NAME, field) \
     if (name == #field) features.field = true;
         GLINT_FEATURES(GLINT_SET)
@@ -170,12 +162,15 @@ SceneFeatures parseFeatures(const std::string& text) {
     return features;
 }
 
-double parseTolerance(const std::string& text) {
-    return parseNotNegative("--tolerance", text);
+double parseNotNegative(const std::string& text) {
+    const auto value = number(text);
+    if (!value || *value < 0) refuse("a number from 0 up", text);
+    return *value;
 }
 
-double parseMinContribution(const std::string& text) {
-    return parseNotNegative("--min-contribution", text);
+std::filesystem::path parsePath(const std::string& what, const std::string& text) {
+    if (text.empty()) throw Error(ErrorKind::Argument, what + " is empty");
+    return text;
 }
 
 FilterChoice parseFilter(const std::string& text) {
@@ -187,8 +182,7 @@ FilterChoice parseFilter(const std::string& text) {
     const bool badRadius = parts.size() == 2 && !(choice.radius && *choice.radius >= kMinFilterRadius &&
                                                   *choice.radius <= kMaxFilterRadius);
     if (!filter || parts.size() > 2 || badRadius)
-        refuse("--filter", choices<Filter>() + ", and perhaps a radius from 0.01 to 8 pixels as in tent,1.5",
-               text);
+        refuse(choices<Filter>() + ", and perhaps a radius from 0.01 to 8 pixels as in tent,1.5", text);
     return choice;
 }
 
@@ -200,8 +194,7 @@ AdaptiveSampling parseAdaptive(const std::string& text) {
         parts.size() == 2 ? number(parts[1]) : std::optional(adaptive.threshold);
     if (!most || *most < 1 || *most > kMaxSamplesPerPixel || parts.size() > 2 || !threshold ||
         !(*threshold > 0 && *threshold <= 1))
-        refuse("--adaptive",
-               "the most samples of a pixel, from 1 to " + std::to_string(kMaxSamplesPerPixel) +
+        refuse("the most samples of a pixel, from 1 to " + std::to_string(kMaxSamplesPerPixel) +
                    ", and perhaps a threshold above 0, at most 1, as in 64,0.05",
                text);
     adaptive.maxSamples = static_cast<int>(*most);
@@ -212,7 +205,7 @@ AdaptiveSampling parseAdaptive(const std::string& text) {
 uint32_t parseSeed(const std::string& text) {
     const auto value = wholeNumber(text);
     if (!value || *value < 0 || *value > std::numeric_limits<uint32_t>::max())
-        refuse("--seed", "a whole number from 0 to 4294967295", text);
+        refuse("a whole number from 0 to 4294967295", text);
     return static_cast<uint32_t>(*value);
 }
 

@@ -1,0 +1,101 @@
+#include "app/option_groups.h"
+
+#include "core/error.h"
+#include "scene/limits.h"
+
+namespace glint::app {
+
+using Text = std::string;
+
+void addScene(OptionTable& table, SceneOptions& options) {
+    table.value(
+        "SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
+        [&](const Text& t) { options.scene = t; }, OptionTable::Need::Required);
+}
+
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes) {
+    table.arguments("SCENE", "scenes or models", scenes);
+}
+
+void addSceneOverrides(OptionTable& table, SceneOptions& options) {
+    table.value("--size", "WxH", "size in pixels instead of the scene's",
+                [&](const Text& t) { options.size = parseSize(t); });
+    table.whole("--spp", "N", "samples for each pixel instead of the scene's", 1, kMaxSamplesPerPixel,
+                options.spp);
+    table.whole("--max-depth", "N",
+                "greatest number of reflections and refractions in a row instead of the scene's", 0,
+                kMaxBounces, options.maxDepth);
+    table.choice<BuildQuality>("--build-quality",
+                               "time spent on the BVH: " + explainedChoices<BuildQuality>(),
+                               options.buildQuality);
+}
+
+void addMethods(OptionTable& table, SceneOptions& options) {
+    table.choice<TriangleMethod>(
+        "--intersector",
+        "test of triangles: all but the default, watertight, are textbooks', with their faults",
+        options.methods.triangles);
+    table.choice<SphereMethod>(
+        "--sphere", "test of spheres: all but the default, robust, are textbooks', with their faults",
+        options.methods.spheres);
+}
+
+void addMinContribution(OptionTable& table, SceneOptions& options) {
+    table.value(
+        "--min-contribution", "X",
+        "do not follow reflected and refracted rays that can add no more than X to a pixel (default 0: "
+        "follow all)",
+        [&](const Text& t) { options.minContribution = parseNotNegative(t); });
+}
+
+void addSampling(OptionTable& table, SceneOptions& options) {
+    table.choice<Sampler>("--sampler", "where the samples of a pixel lie, instead of the scene's",
+                          options.sampler);
+    table.value("--filter", "NAME[,RADIUS]", choices<Filter>() + " instead of the scene's; radius in pixels",
+                [&](const Text& t) { options.filter = parseFilter(t); });
+    table.value("--seed", "N", "of the jittered and the lowDiscrepancy sampler, instead of the scene's",
+                [&](const Text& t) { options.seed = parseSeed(t); });
+    table.value("--adaptive", "MAX[,THRESHOLD]",
+                "up to MAX samples for pixels whose samples differ, see docs/guide/sampling.md",
+                [&](const Text& t) { options.adaptive = parseAdaptive(t); });
+}
+
+void addBackend(OptionTable& table, Backend& backend) {
+    table.choice<Backend>("--backend",
+                          "gpu (default), or cpu: the double-precision reference, needs no Vulkan", backend);
+}
+
+void addDevice(OptionTable& table, DeviceChoice& device) {
+    table.value("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
+                [&](const Text& t) { device.selector = t; });
+    table.flag("--validation", "run the Vulkan validation layer; its messages are errors", device.validation);
+}
+
+void addTraversal(OptionTable& table, DeviceChoice& device) {
+    table.choice<render::Traversal>(
+        "--traversal",
+        "how the device finds hits: ray by ray, by packets of rays, or ray by ray in a wide tree "
+        "(default auto: see glint info)",
+        device.traversal);
+}
+
+void addProgress(OptionTable& table, ProgressMode& mode) {
+    table.choice<ProgressMode>("--progress", "on standard error (default auto: a bar on a terminal)", mode);
+}
+
+void addStats(OptionTable& table, const Text& what, bool& json) {
+    table.value("--stats", "json", what, [&](const Text& t) {
+        if (t != "json") refuse("json", t);
+        json = true;
+    });
+}
+
+void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
+    if (backend == Backend::Gpu) return;
+    if (!device.selector.empty()) throw Error(ErrorKind::Argument, "--device: needs --backend gpu");
+    if (device.validation) throw Error(ErrorKind::Argument, "--validation: needs --backend gpu");
+    if (device.traversal != render::Traversal::Auto)
+        throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
+}
+
+}  // namespace glint::app

@@ -1,0 +1,59 @@
+// Options that several commands share, with the same names, texts and values in each.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/option_table.h"
+#include "bvh/builder.h"
+#include "core/progress.h"
+#include "render/traversal_choice.h"
+#include "scene/scene.h"
+#include "trace/backend.h"
+#include "trace/methods.h"
+
+namespace glint::app {
+
+// What is drawn, and what the command line says instead of the scene.
+struct SceneOptions {
+    std::filesystem::path scene;
+    std::optional<Size> size;
+    std::optional<int> spp;
+    std::optional<int> maxDepth;
+    BuildQuality buildQuality = BuildQuality::Default;
+    Methods methods;
+    double minContribution = 0;  // branches that bring less to a pixel's colour are not followed
+    std::optional<Sampler> sampler;
+    std::optional<FilterChoice> filter;
+    std::optional<uint32_t> seed;
+    std::optional<AdaptiveSampling> adaptive;
+};
+
+struct DeviceChoice {
+    std::string selector;
+    bool validation = false;
+    render::Traversal traversal = render::Traversal::Auto;
+};
+
+void addScene(OptionTable& table, SceneOptions& options);                        // one SCENE
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes);  // one or more
+void addSceneOverrides(OptionTable& table,
+                       SceneOptions& options);               // --size, --spp, --max-depth, --build-quality
+void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
+void addMinContribution(OptionTable& table, SceneOptions& options);
+void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive
+void addBackend(OptionTable& table, Backend& backend);
+void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation
+void addTraversal(OptionTable& table, DeviceChoice& device);
+void addProgress(OptionTable& table, ProgressMode& mode);
+// --stats json; `what` says what it prints.
+void addStats(OptionTable& table, const std::string& what, bool& json);
+
+// Throws Error(Argument) for options of a device that the reference, which runs on none, would take no notice
+// of: that is never what was meant.
+void checkDeviceOptions(Backend backend, const DeviceChoice& device);
+
+}  // namespace glint::app
