@@ -28,7 +28,7 @@ struct Lighting {
 // Methods::offsets, which are the device's.
 struct Tracing {
     // The tests of rays with triangles and spheres; the defaults hold, the others show why they are needed.
-    Methods methods;
+    Methods methods = {};
     // Reflections and refractions in a row; empty: the scene's. A device whose pipeline leaves mirrors out
     // (render::Options::also) sees none.
     std::optional<uint32_t> maxDepth = std::nullopt;
