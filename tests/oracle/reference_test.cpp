@@ -6,16 +6,16 @@
 #include <cmath>
 #include <iostream>
 
-#include "../reference/scene_maker.h"
+#include "support/packed_scene_maker.h"
 #include "tally.h"
 
 namespace glint::oracle::reference_test {
 namespace {
 
+using glint::test::Random;
+using glint::test::SceneMaker;
 using glm::dvec3;
 using glm::vec3;
-using reference::test::Random;
-using reference::test::SceneMaker;
 
 // 32 x 2^-113 of the terms, rounded up: below this the reference takes a side for zero.
 constexpr double kBand = 0x1p-104;

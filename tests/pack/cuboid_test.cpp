@@ -5,7 +5,7 @@
 
 #include "pack/packed_scene.h"
 #include "scene/transform.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::cuboid_test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::disc_test {
 namespace {

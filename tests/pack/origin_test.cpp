@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "pack/packed_scene.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::origin_test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "pack/packed_scene.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::pack_limits_test {
 namespace {

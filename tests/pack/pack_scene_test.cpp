@@ -9,7 +9,7 @@
 
 #include "bvh/builder.h"
 #include "pack/packed_scene.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::pack_scene_test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "pack/build_tree.h"
 #include "pack/packed_scene.h"
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::presplit_test {
 namespace {

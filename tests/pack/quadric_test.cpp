@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "scene_maker.h"
+#include "support/scene_maker.h"
 
 namespace glint::test::quadric_test {
 namespace {

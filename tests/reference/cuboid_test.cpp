@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "pack/packed_scene.h"
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::cuboid_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 

@@ -1,10 +1,12 @@
 // Jitter finds what hangs on rounding, and only that.
 #include <gtest/gtest.h>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::jitter_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;

@@ -8,10 +8,12 @@
 #include <numbers>
 
 #include "reference/tracer.h"
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::optics_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 

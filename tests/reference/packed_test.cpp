@@ -2,10 +2,12 @@
 // them.
 #include <gtest/gtest.h>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::packed_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <numbers>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::polygon_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;

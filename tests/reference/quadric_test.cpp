@@ -5,10 +5,12 @@
 
 #include <cmath>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::quadric_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <mutex>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::render_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec2;
 using glm::dvec3;

@@ -3,10 +3,12 @@
 
 #include <numbers>
 
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::secondary_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "quad_truth.h"
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::sphere_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec3;
 using glm::vec3;

@@ -6,10 +6,12 @@
 #include <numbers>
 
 #include "reference/material.h"
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::texture_test {
 namespace {
+
+using namespace glint::test;
 
 using glm::dvec2;
 using glm::dvec3;

@@ -92,7 +92,7 @@ TEST_F(MethodsTest, DoublePrecisionRoundsOnce) {
 
 // pbrt's bumpy sphere (Triangle.Watertight): rays from inside a closed mesh at points of its edges.
 TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
-    const auto mesh = reference::test::makeBumpyMesh(1);
+    const auto mesh = glint::test::makeBumpyMesh(1);
     Scene scene = emptyScene();
     addMesh(scene, {mesh.vertices.begin(), mesh.vertices.end()}, mesh.triangles);
     const PackedScene packed = packScene(scene);

@@ -11,17 +11,27 @@
 #include <string>
 #include <vector>
 
-#include "../reference/scene_maker.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
+#include "support/packed_scene_maker.h"
+#include "support/scene_maker.h"
 #include "trace/picture.h"
 
 namespace glint::render::test {
 
-using reference::test::Random;
-using reference::test::SceneMaker;
+using glint::test::addDisc;
+using glint::test::addGrid;
+using glint::test::addMaterial;
+using glint::test::addMesh;
+using glint::test::addPlane;
+using glint::test::addPolygon;
+using glint::test::addSphere;
+using glint::test::addTriangle;
+using glint::test::emptyScene;
+using glint::test::Random;
+using glint::test::SceneMaker;
 
 // One device for the tests of a suite.
 class RenderTest : public testing::Test {
@@ -52,20 +62,6 @@ std::vector<std::string> sceneNames();
 // With boxes that hold everything, so that each ray is tested against each primitive.
 PackedScene withOpenBoxes(PackedScene scene);
 
-uint32_t addMaterial(Scene& scene, const Color& diffuse, const Color& mirror = Color(0));
-void addTriangle(Scene& scene, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                 uint32_t material = 0);
-void addSphere(Scene& scene, const glm::dvec3& center, double radius, uint32_t material = 0);
-void addPlane(Scene& scene, const glm::dvec3& point, const glm::dvec3& normal, uint32_t material = 0);
-void addDisc(Scene& scene, const glm::dvec3& center, const glm::dvec3& normal, double radius,
-             uint32_t material = 0);
-void addPolygon(Scene& scene, std::vector<glm::dvec3> vertices, uint32_t material = 0);
-void addMesh(Scene& scene, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> corners,
-             uint32_t material = 0);
-// n x n squares of two triangles each in the plane z = 0 from (0, 0) to (1, 1), moved by `offset`.
-void addGrid(Scene& scene, uint32_t n, const glm::dvec3& offset = glm::dvec3(0), double size = 1);
-// Matte grey as material 0, no light.
-Scene emptyScene();
 // Packed by hand, see SceneMaker: nothing is dropped or moved.
 PackedScene packedBy(const SceneMaker& maker);
 

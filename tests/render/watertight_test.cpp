@@ -67,7 +67,7 @@ class BumpySphereTest : public WatertightTest {
         }
         return missesOf(packed_, rays);
     }
-    const reference::test::BumpyMesh mesh_ = reference::test::makeBumpyMesh(15);
+    const glint::test::BumpyMesh mesh_ = glint::test::makeBumpyMesh(15);
     PackedScene packed_;
     Random random_{16};
 };

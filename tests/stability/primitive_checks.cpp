@@ -2,16 +2,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "../reference/scene_maker.h"
 #include "checks.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::stability {
 
 namespace {
 
+using glint::test::Random;
 using glm::dvec3;
 using glm::vec3;
-using reference::test::Random;
 
 // The ray as the scene has it and as the subject gets it.
 struct Pair {

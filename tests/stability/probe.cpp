@@ -4,10 +4,10 @@
 #include <bit>
 #include <map>
 
-#include "../reference/scene_maker.h"
 #include "gpu/compute.h"
 #include "mutant_probes.h"
 #include "shared/dispatch.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::stability {
 
@@ -101,7 +101,7 @@ template <typename Add>
 std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& add) {
     std::vector<Answer> answers(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) {
-        reference::test::SceneMaker maker;
+        glint::test::SceneMaker maker;
         add(maker, i);
         const PackedScene scene = maker.finish();
         const reference::Tracer tracer(scene);
@@ -116,7 +116,7 @@ std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& a
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Triangle>& triangles) {
     if (!subject.device) {
-        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
             maker.triangle(triangles[i].v0, triangles[i].v1, triangles[i].v2);
         });
     }
@@ -125,7 +125,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres) {
     if (!subject.device) {
-        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
             maker.anchoredSphere(spheres[i].point, spheres[i].anchorNormal, spheres[i].radius);
         });
     }
@@ -134,7 +134,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Plane>& planes) {
     if (!subject.device) {
-        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
             maker.plane(planes[i].point, planes[i].normal);
         });
     }
@@ -143,7 +143,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Disc>& discs) {
     if (!subject.device) {
-        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
             maker.disc(discs[i].center, discs[i].normal, discs[i].radius);
         });
     }
@@ -153,7 +153,7 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
                           const std::vector<shared::Polygon>& polygons,
                           const std::vector<shared::PolygonVertex>& vertices) {
     if (!subject.device) {
-        return runReference(rays, [&](reference::test::SceneMaker& maker, size_t i) {
+        return runReference(rays, [&](glint::test::SceneMaker& maker, size_t i) {
             const auto first = vertices.begin() + polygons[i].firstVertex;
             std::vector<glm::vec3> outline;
             for (uint32_t k = 0; k < polygons[i].trips * shared::kPolygonEdgesPerTrip; ++k)

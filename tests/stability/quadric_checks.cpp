@@ -2,18 +2,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../reference/scene_maker.h"
 #include "checks.h"
 #include "pack/packed_scene.h"
+#include "support/packed_scene_maker.h"
 
 namespace glint::stability {
 
 namespace {
 
+using glint::test::Random;
 using glm::dmat3;
 using glm::dvec3;
 using glm::vec3;
-using reference::test::Random;
 
 // y.Qy + 2 linear.y + constant in double: exact for what the tests hang on it, the bisection of silhouettes
 // and the bounds; the truth itself is the oracle's.

@@ -77,7 +77,7 @@ MeshData icosphere(int levels) {
 
 MeshData meshOf(Mesh kind) {
     if (kind == Mesh::Icosphere) return icosphere(3);
-    const reference::test::BumpyMesh bumpy = reference::test::makeBumpyMesh(15);
+    const glint::test::BumpyMesh bumpy = glint::test::makeBumpyMesh(15);
     return {{bumpy.vertices.begin(), bumpy.vertices.end()}, bumpy.triangles};
 }
 

@@ -1,4 +1,4 @@
-// Builds small PackedScenes without the packing code of src/bvh, so that these tests stand on the layouts
+// Builds small PackedScenes without the packing code of src/pack, so that these tests stand on the layouts
 // alone.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include "pack/packed_scene.h"
 #include "reference/tracer.h"
 
-namespace glint::reference::test {
+namespace glint::test {
 
 // Every primitive is an object of its own; its id, and its object's index, is the number of primitives added
 // before it. Material 0 is matte white: ambient 0, diffuse 1.
@@ -58,8 +58,8 @@ struct BumpyMesh {
 };
 BumpyMesh makeBumpyMesh(uint32_t seed);
 
-Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction);
-Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
+reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction);
+reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
 
 class Random {
   public:
@@ -73,4 +73,4 @@ class Random {
     std::mt19937 engine_;
 };
 
-}  // namespace glint::reference::test
+}  // namespace glint::test

@@ -1,11 +1,11 @@
-#include "scene_maker.h"
+#include "support/packed_scene_maker.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-namespace glint::reference::test {
+namespace glint::test {
 namespace {
 
 using glm::vec3;
@@ -335,14 +335,14 @@ BumpyMesh makeBumpyMesh(uint32_t seed) {
     return mesh;
 }
 
-Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction) {
-    Ray ray;
+reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction) {
+    reference::Ray ray;
     ray.origin = origin;
     ray.direction = direction;
     return ray;
 }
 
-Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target) {
+reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target) {
     return makeRay(origin, target - origin);
 }
 
@@ -351,4 +351,4 @@ glm::dvec3 Random::direction() {
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-}  // namespace glint::reference::test
+}  // namespace glint::test
