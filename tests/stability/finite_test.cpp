@@ -65,7 +65,7 @@ TEST_F(FiniteTest, TheEndsOfTheRanges) {
 TEST_F(FiniteTest, VertexNormalsOfNoLength) {
     for (const glm::dvec3& second : {glm::dvec3(0), glm::dvec3(0, 0, -1)}) {
         Scene scene = render::test::emptyScene();
-        auto mesh = std::make_shared<Mesh>();
+        auto mesh = std::make_shared<glint::Mesh>();
         mesh->positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
         mesh->normals = {second == glm::dvec3(0) ? second : glm::dvec3(0, 0, 1), second, glm::dvec3(0)};
         mesh->corners = {{0, 1, 2}};

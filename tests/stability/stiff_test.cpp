@@ -43,10 +43,10 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     if (chaotic || ties) options.maxExplainedShare = 1;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     std::cout << "[ measured ] " << GetParam() << ": kappa " << report.kappa << " ("
-              << nameOf(verify::classOf(report.kappa)) << "), expected " << report.kappa * verify::kFloatUnit
-              << ", p99 " << report.p99 << "; edges " << report.edges << ", ties " << report.ties
-              << ", unexplained " << report.unexplained << "; RMSE on the same paths " << report.rmseSamePath
-              << '\n';
+              << glint::nameOf(verify::classOf(report.kappa)) << "), expected "
+              << report.kappa * verify::kFloatUnit << ", p99 " << report.p99 << "; edges " << report.edges
+              << ", ties " << report.ties << ", unexplained " << report.unexplained
+              << "; RMSE on the same paths " << report.rmseSamePath << '\n';
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed(options)) << report.explained() << " of " << report.pixels;
     if (ties) {
