@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "pack/filter_table.h"
 #include "pack/sample_points.h"
+#include "scene/limits.h"
 #include "scene/sampling.h"
 
 namespace glint {
@@ -132,6 +134,34 @@ PackedSamples packSamples(const ImageSettings& image, bool lens) {
     }
     for (uint32_t i = 0; i < rounds; ++i) maker.addRound(samples.round, samples.rows);
     return samples;
+}
+
+struct SampleSequence::State {
+    ImageSettings image;
+    SampleMaker maker;
+    explicit State(const ImageSettings& settings) : image(settings), maker(image) {}
+};
+
+SampleSequence::SampleSequence(const ImageSettings& image) {
+    if (image.sampler == Sampler::Grid) throw std::invalid_argument("a grid cannot be gone on with");
+    ImageSettings settings = image;
+    if (settings.sampler == Sampler::Auto) settings.sampler = Sampler::LowDiscrepancy;
+    state_ = std::make_unique<State>(settings);
+}
+SampleSequence::~SampleSequence() = default;
+SampleSequence::SampleSequence(SampleSequence&&) noexcept = default;
+SampleSequence& SampleSequence::operator=(SampleSequence&&) noexcept = default;
+
+PackedSamples SampleSequence::next(uint32_t count) {
+    PackedSamples samples;
+    samples.round = count;
+    state_->maker.addTables(samples.rows);
+    state_->maker.addRound(count, samples.rows);
+    return samples;
+}
+
+uint32_t leastSamples(Filter filter) {
+    return filter == Filter::Mitchell ? static_cast<uint32_t>(kMinMitchellSamples) : 1;
 }
 
 Request requestOf(const ImageSettings& image, bool lens) {

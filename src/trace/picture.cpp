@@ -33,6 +33,8 @@ int channelsOf(Aov aov) {
         case Aov::MaterialId:
         case Aov::Bounces:
         case Aov::Cost:
+        case Aov::Error:
+        case Aov::Samples:
             return 1;
     }
     return 0;
@@ -42,6 +44,8 @@ void fill(Aov aov, const PixelData& p, float* out) {
     switch (aov) {
         case Aov::Radiance:
         case Aov::Alpha:
+        case Aov::Error:
+        case Aov::Samples:
             return;  // not of the data
         case Aov::Depth:
             *out = static_cast<float>(p.depth);
@@ -81,6 +85,20 @@ Image colorChannels(const Picture& picture, int first, int count) {
     return image;
 }
 
+// The layers that stand in every picture, or in one drawn to an error.
+Image ownLayer(const Picture& picture, Aov aov) {
+    if (aov == Aov::Radiance) return colorChannels(picture, 0, 3);
+    if (aov == Aov::Alpha) return colorChannels(picture, 3, 1);
+    Image image(picture.color.width, picture.color.height, 1);
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        if (aov == Aov::Error && !picture.errors.empty()) image.pixels[i] = picture.errors[i];
+        if (aov == Aov::Samples)
+            image.pixels[i] =
+                static_cast<float>(picture.samples.empty() ? picture.samplesPerPixel : picture.samples[i]);
+    }
+    return image;
+}
+
 bool isFinite(const float* color) {
     return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
 }
@@ -106,7 +124,7 @@ std::vector<Layer> makeLayers(const Picture& picture, std::span<const Aov> aovs)
         const std::string name(nameOf(aov));
         const int channels = channelsOf(aov);
         if (!needsData(aov)) {
-            layers.push_back({name, colorChannels(picture, aov == Aov::Radiance ? 0 : 3, channels)});
+            layers.push_back({name, ownLayer(picture, aov)});
             continue;
         }
         Image image(picture.region.width(), picture.region.height(), channels);

@@ -84,6 +84,8 @@ struct Picture {
     bool complete = true;
     std::vector<uint32_t> samples;  // per pixel, taken; empty if all pixels took samplesPerPixel
     uint32_t samplesPerPixel = 1;
+    // Per pixel: what converge/converge.h says of its error, greatest channel; empty if nothing does.
+    std::vector<float> errors;
     uint64_t notFinite = 0;  // pixels whose colour is NaN or infinite
     TreeLosses losses;       // the device's only if asked for
     // The first of them in reading order, in coordinates of the whole picture; -1: none.
@@ -116,7 +118,9 @@ enum class Aov {
     PrimitiveId,
     MaterialId,
     Bounces,
-    Cost
+    Cost,
+    Error,
+    Samples
 };
 constexpr auto entriesOf(Aov) {
     return std::to_array<EnumEntry<Aov>>({{Aov::Radiance, "color"},
@@ -129,12 +133,15 @@ constexpr auto entriesOf(Aov) {
                                           {Aov::PrimitiveId, "primitive"},
                                           {Aov::MaterialId, "material"},
                                           {Aov::Bounces, "bounces"},
-                                          {Aov::Cost, "cost"}});
+                                          {Aov::Cost, "cost"},
+                                          {Aov::Error, "error"},
+                                          {Aov::Samples, "samples"}});
 }
 
-// Radiance and Alpha are in every picture, all others come from Picture::data.
+// Radiance, Alpha and Samples are in every picture, Error in one that was drawn to a given error; all others
+// come from Picture::data.
 constexpr bool needsData(Aov aov) {
-    return aov != Aov::Radiance && aov != Aov::Alpha;
+    return aov != Aov::Radiance && aov != Aov::Alpha && aov != Aov::Error && aov != Aov::Samples;
 }
 
 // Layers of a picture, under the names of the AOVs; black where it has no data for them.

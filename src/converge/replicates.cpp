@@ -1,0 +1,143 @@
+#include "converge/replicates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/error.h"
+#include "scene/limits.h"
+
+namespace glint::converge {
+
+namespace {
+
+ImageSettings settingsOf(const ImageSettings& image, uint32_t number) {
+    ImageSettings settings = image;
+    settings.seed = seedOf(image.seed, number);
+    return settings;
+}
+
+// The root mean square over the pixels of bounds that sum to `sum`, none above `greatest`, is largest where
+// as many pixels as possible have the greatest.
+double boundOf(const LostBranches& lost, size_t pixels, uint64_t samples, Measure measure) {
+    if (lost.count == 0 || samples == 0) return 0;
+    const double taken = static_cast<double>(samples);
+    const double greatest = lost.greatest / taken;
+    if (measure == Measure::Pixel) return greatest;
+    return std::sqrt(greatest * (lost.sum / taken) / static_cast<double>(pixels));
+}
+
+void addWeighted(LostBranches& sum, const LostBranches& batch, double weight) {
+    sum.count += batch.count;
+    sum.sum += batch.sum * weight;
+    sum.greatest += batch.greatest * weight;
+}
+
+// Deeper than this is not tried for advice: paths that still carry light are those of mirrors that lose none.
+constexpr uint32_t kDeepestAdvice = 127;
+static_assert(kDeepestAdvice <= kMaxBounces);
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.2g", value);
+    return text;
+}
+
+}  // namespace
+
+uint32_t seedOf(uint32_t seed, uint32_t number) {
+    return seed + 0x9e3779b9u * number;  // 2^32 over the golden ratio: no two of many numbers come near
+}
+
+Replicate::Replicate(const ImageSettings& image, uint32_t number) : sequence_(settingsOf(image, number)) {}
+
+bool Replicate::take(const Draw& draw, const Request& request, uint32_t count) {
+    Request batch = request;
+    batch.samples = sequence_.next(count);
+    const Picture picture = draw(batch);
+    if (!picture.complete) return false;
+    means_.resize(picture.done.size(), glm::dvec3(0));
+    alphas_.resize(picture.done.size(), 0.0);
+    const double share = static_cast<double>(count) / static_cast<double>(count_ + count);
+    for (size_t i = 0; i < means_.size(); ++i) {
+        const float* pixel = &picture.color.pixels[i * 4];
+        means_[i] += share * (glm::dvec3(pixel[0], pixel[1], pixel[2]) - means_[i]);
+        alphas_[i] += share * (pixel[3] - alphas_[i]);
+    }
+    count_ += count;
+    return true;
+}
+
+void Ledger::add(const Picture& picture, uint32_t count) {
+    const double weight = count;
+    addWeighted(losses_.cut, picture.losses.cut, weight);
+    addWeighted(losses_.depth, picture.losses.depth, weight);
+    addWeighted(losses_.room, picture.losses.room, weight);
+    losses_.crowdedMedia += picture.losses.crowdedMedia;
+    samples_ += count;
+    pixels_ = picture.done.size();
+    notFinite_ = std::max(notFinite_, picture.notFinite);
+    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
+    if (data_.empty()) data_ = picture.data;
+}
+
+double Ledger::depth(Measure measure) const {
+    return boundOf(losses_.depth, pixels_, samples_, measure);
+}
+
+void Ledger::writeTo(ErrorBudget& budget, Measure measure) const {
+    budget.depth = depth(measure);
+    budget.cut =
+        boundOf(losses_.cut, pixels_, samples_, measure) + boundOf(losses_.room, pixels_, samples_, measure);
+}
+
+void Ledger::writeTo(Picture& picture) const {
+    const double taken = static_cast<double>(std::max<uint64_t>(samples_, 1));
+    picture.losses = losses_;
+    for (LostBranches* lost : {&picture.losses.cut, &picture.losses.depth, &picture.losses.room}) {
+        lost->sum /= taken;
+        lost->greatest /= taken;
+    }
+    picture.notFinite = notFinite_;
+    picture.firstNotFinite = firstNotFinite_;
+    picture.data = data_;
+}
+
+void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget) {
+    const double wanted = job.target.error;
+    if (budget.fixed() < wanted) return;
+    const std::string start = "an error of " + number(wanted) + " is out of reach: ";
+    if (budget.rounding >= wanted)
+        throw Error(ErrorKind::Argument, start + "rounding alone may take " + number(budget.rounding) +
+                                             " on this device; --backend cpu computes in double");
+    if (budget.rounding + budget.cut >= wanted)
+        throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
+                                             number(budget.cut) + "; ask for a lower --min-contribution");
+    // What lies beyond the depth falls with it in most scenes; mirrors that lose nothing keep all of it.
+    std::string advice = "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
+    for (uint32_t depth = job.request.maxDepth.value_or(job.maxDepth); depth < kDeepestAdvice;) {
+        depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
+        Request deeper = job.request;
+        deeper.maxDepth = depth;
+        deeper.data = deeper.cost = false;
+        Replicate probe(job.image, 0);
+        Ledger ledger;
+        const uint32_t count = leastSamples(job.image.filter);
+        const bool whole = probe.take(
+            [&](const Request& r) {
+                Picture picture = draw(r);
+                ledger.add(picture, count);
+                return picture;
+            },
+            deeper, count);
+        if (!whole) break;
+        if (ledger.depth(job.target.measure) + budget.rounding + budget.cut < wanted / 2) {
+            advice = "--max-depth " + std::to_string(depth) + " would do";
+            break;
+        }
+    }
+    throw Error(ErrorKind::Argument, start + "reflections and refractions beyond maxDepth may add " +
+                                         number(budget.depth) + "; " + advice);
+}
+
+}  // namespace glint::converge

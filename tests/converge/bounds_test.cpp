@@ -1,0 +1,124 @@
+// Quantiles against printed tables, and bounds against what they promise, by many trials.
+#include "converge/bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace glint::converge::bounds_test {
+namespace {
+
+TEST(BoundsTest, QuantilesAreThoseOfTheTables) {
+    EXPECT_NEAR(normalQuantile(0.025), 1.959964, 1e-6);
+    EXPECT_NEAR(normalQuantile(0.5), 0, 1e-9);
+    EXPECT_NEAR(normalQuantile(1e-6), 4.753424, 1e-5);
+    // Abramowitz and Stegun 1964, table 26.9; the approximation is good to about 1 %.
+    EXPECT_NEAR(fisherQuantile(0.05, 10, 10), 2.98, 0.02);
+    EXPECT_NEAR(fisherQuantile(0.05, 30, 30), 1.84, 0.01);
+    EXPECT_NEAR(fisherQuantile(0.01, 10, 10), 4.85, 0.06);
+    EXPECT_NEAR(fisherQuantile(0.01, 120, 120), 1.53, 0.01);
+    EXPECT_NEAR(fisherQuantile(0.05, 6, 6), 4.28, 0.05);
+    EXPECT_TRUE(std::isinf(fisherQuantile(0.05, 1, 1)));
+}
+
+struct Trial {
+    double realized = 0;
+    MeanSquare estimate;
+};
+
+// Two replicates of pixels with means 0 and a distribution of each kind, and the realised error of their
+// mean.
+template <class Distribution>
+Trial trialOf(std::mt19937& random, size_t pixels, Distribution&& draw) {
+    std::vector<glm::dvec3> a(pixels), b(pixels);
+    double squares = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        a[i] = glm::dvec3(draw(i, random));
+        b[i] = glm::dvec3(draw(i, random));
+        const glm::dvec3 mean = (a[i] + b[i]) / 2.0;
+        squares += glm::dot(mean, mean) / 3;
+    }
+    return {std::sqrt(squares / static_cast<double>(pixels)), meanSquareOf(a, b)};
+}
+
+// A share of `tail` may be above the bound, by chance a few more: 4 standard deviations of the binomial.
+template <class Distribution>
+void expectCovered(const char* name, size_t pixels, Distribution&& draw) {
+    constexpr int kTrials = 2000;
+    constexpr double kTail = 0.05;
+    std::mt19937 random(11);
+    int above = 0;
+    for (int i = 0; i < kTrials; ++i) {
+        const Trial trial = trialOf(random, pixels, draw);
+        above += trial.realized > rootMeanSquareBound(trial.estimate, kTail) ? 1 : 0;
+    }
+    EXPECT_LE(above, kTrials * kTail + 4 * std::sqrt(kTrials * kTail * (1 - kTail))) << name;
+}
+
+TEST(BoundsTest, TheRealizedErrorIsBelowItsBound) {
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform;
+    for (const size_t pixels : {16u, 100u, 1000u}) {
+        expectCovered("normal", pixels, [&](size_t, auto& r) { return normal(r); });
+        expectCovered("one pixel in ten", pixels,
+                      [&](size_t i, auto& r) { return i % 10 == 0 ? normal(r) : 0.01 * normal(r); });
+        // An edge: a sample is on one side or the other.
+        expectCovered("coins", pixels, [&](size_t, auto& r) { return uniform(r) < 0.3 ? 0.7 : -0.3; });
+    }
+}
+
+// The bound falls towards the error itself as pixels become many: no room is given away.
+TEST(BoundsTest, TheBoundIsTight) {
+    std::normal_distribution<double> normal;
+    std::mt19937 random(3);
+    const Trial trial = trialOf(random, 100000, [&](size_t, auto& r) { return normal(r); });
+    EXPECT_NEAR(rootMeanSquareBound(trial.estimate, 0.05) / trial.realized, 1, 0.05);
+}
+
+TEST(BoundsTest, PixelsThatAgreeHaveNoError) {
+    const std::vector<glm::dvec3> same(10, glm::dvec3(0.3));
+    EXPECT_EQ(rootMeanSquareBound(meanSquareOf(same, same), 0.05), 0);
+}
+
+TEST(BoundsTest, WhatIsNotFiniteIsLeftOut) {
+    std::vector<glm::dvec3> a(100, glm::dvec3(1)), b(100, glm::dvec3(0));
+    a[7].y = NAN;
+    EXPECT_DOUBLE_EQ(meanSquareOf(a, b).value, 0.25);
+}
+
+// The interval holds after every observation at once, for means near 0 too.
+TEST(BoundsTest, TheSequenceHoldsTheMeanAllAlong) {
+    constexpr int kTrials = 1000;
+    constexpr double kTail = 0.05;
+    for (const double p : {0.0, 0.003, 0.1, 0.5}) {
+        std::mt19937 random(5);
+        std::bernoulli_distribution coin(p);
+        int missed = 0;
+        for (int trial = 0; trial < kTrials; ++trial) {
+            BoundedMean mean;
+            bool held = true;
+            for (int i = 0; i < 400; ++i) {
+                mean.add(coin(random) ? 1 : 0, kTail);
+                held = held && std::abs(mean.mean() - p) <= mean.halfWidth(kTail) + 1e-12;
+            }
+            missed += held ? 0 : 1;
+        }
+        EXPECT_LE(missed, kTrials * kTail + 4 * std::sqrt(kTrials * kTail * (1 - kTail))) << p;
+    }
+}
+
+// Observations that all agree do not prove that others would: a share p is missed by n of them with
+// probability (1 - p)^n.
+TEST(BoundsTest, AgreementIsNoProof) {
+    BoundedMean mean;
+    for (int n = 1; n <= 1000; ++n) {
+        mean.add(0, 0.05);
+        EXPECT_GE(mean.halfWidth(0.05), 1 - std::pow(0.05, 1.0 / n)) << n;
+    }
+    EXPECT_LT(mean.halfWidth(0.05), 0.01);
+}
+
+}  // namespace
+}  // namespace glint::converge::bounds_test

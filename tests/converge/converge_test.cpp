@@ -1,0 +1,234 @@
+// Pictures to a given error, drawn by a tracer whose truth is known.
+#include "converge/converge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "converge/replicates.h"
+#include "core/error.h"
+#include "pack/pack_samples.h"
+
+namespace glint::converge::converge_test {
+namespace {
+
+constexpr int kSide = 40;
+
+// What a pixel's samples are: their expectation, and a draw by a number from [0, 1).
+struct Film {
+    std::function<double(int x, int y)> truth;
+    std::function<double(int x, int y, double random)> sample;
+};
+
+// splitmix64 (Steele, Lea, Flood 2014) of the sample's and the pixel's numbers.
+double uniform(uint64_t seed, uint64_t sample, uint64_t pixel) {
+    uint64_t z = (seed << 32 | sample) + 0x9e3779b97f4a7c15u * (pixel + 1);
+    for (int i = 0; i < 2; ++i) {
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        z ^= z >> 31;
+    }
+    return std::ldexp(static_cast<double>(z >> 11), -53);
+}
+
+// An edge that covers a part of each pixel of a column, and flat pixels around it.
+Film edgeFilm() {
+    const auto truth = [](int x, int) { return x % 8 == 0 ? 0.3 : 0.5; };
+    return {truth, [truth](int x, int y, double random) {
+                if (x % 8 != 0) return truth(x, y);
+                return random < 0.3 ? 1.0 : 0.0;
+            }};
+}
+
+// Samples are random by their seed, place and number, as a tracer's are.
+Picture drawn(const Film& film, const Request& request) {
+    Picture picture = blankPicture(request);
+    const auto& rows = request.samples.rows;
+    const Region r = picture.region;
+    for (int y = r.y0; y < r.y1; ++y) {
+        for (int x = r.x0; x < r.x1; ++x) {
+            double sum = 0;
+            for (size_t i = shared::kFirstSample; i < rows.size(); ++i) {
+                const auto number = static_cast<uint64_t>(y) * request.width + x;
+                sum += film.sample(x, y, uniform(rows[i].seed, rows[i].x ^ rows[i].key, number));
+            }
+            const size_t at = picture.indexOf(x, y);
+            for (int c = 0; c < 3; ++c)
+                picture.color.pixels[at * 4 + c] = static_cast<float>(sum / request.samples.count());
+            picture.done[at] = 1;
+        }
+    }
+    return picture;
+}
+
+Draw drawOf(const Film& film) {
+    return [film](const Request& request) { return drawn(film, request); };
+}
+
+Job jobOf(double error, uint32_t seed = 0) {
+    Job job;
+    job.request.width = job.request.height = kSide;
+    job.image.width = job.image.height = kSide;
+    job.image.seed = seed;
+    job.target.error = error;
+    return job;
+}
+
+double realizedOf(const Film& film, const Picture& picture) {
+    double squares = 0;
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            const double d = picture.color.pixels[picture.indexOf(x, y) * 4] - film.truth(x, y);
+            squares += d * d;
+        }
+    }
+    return std::sqrt(squares / (kSide * kSide));
+}
+
+TEST(ConvergeTest, TheErrorIsWhatWasAskedFor) {
+    const Film film = edgeFilm();
+    constexpr int kSeeds = 60;
+    int above = 0;
+    double ratios = 0, drift = 0;
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+        const Result result = converge(drawOf(film), jobOf(0.02, seed));
+        ASSERT_TRUE(result.reached());
+        EXPECT_LE(result.budget.total(), 0.02);
+        const double realized = realizedOf(film, result.picture);
+        above += realized > 0.02 ? 1 : 0;
+        ratios += realized / 0.02 / kSeeds;
+        for (int y = 0; y < kSide; ++y)
+            drift += (result.picture.color.pixels[result.picture.indexOf(8, y) * 4] - 0.3) / kSeeds / kSide;
+    }
+    EXPECT_LE(above, 7);     // 3 expected; P(more than 7 of 60) is below 1 %
+    EXPECT_GE(ratios, 0.7);  // and not far more samples than that took
+    EXPECT_NEAR(drift, 0, 4 * 0.02 * std::sqrt(8.0) / std::sqrt(kSeeds * kSide));  // stopping does not bias
+}
+
+TEST(ConvergeTest, TheSameSeedDrawsTheSamePicture) {
+    const Film film = edgeFilm();
+    const Result a = converge(drawOf(film), jobOf(0.05, 3)), b = converge(drawOf(film), jobOf(0.05, 3));
+    EXPECT_EQ(a.picture.color.pixels, b.picture.color.pixels);
+    EXPECT_EQ(a.samplesPerPixel, b.samplesPerPixel);
+    EXPECT_EQ(a.picture.samples, std::vector<uint32_t>(kSide * kSide, a.samplesPerPixel));
+    EXPECT_NE(a.picture.color.pixels, converge(drawOf(film), jobOf(0.05, 4)).picture.color.pixels);
+}
+
+TEST(ConvergeTest, LimitsEndItWithTheBestPicture) {
+    const Film film = edgeFilm();
+    Job job = jobOf(1e-4);
+    job.target.maxSamples = 64;
+    const Result few = converge(drawOf(film), job);
+    EXPECT_EQ(few.stop, Stop::Samples);
+    EXPECT_EQ(few.samplesPerPixel, 64u);
+    EXPECT_TRUE(few.picture.complete);
+    EXPECT_LE(realizedOf(film, few.picture), few.budget.total());
+    job.target.maxSamples = 65536;
+    job.target.maxSeconds = 0.05;
+    const Draw slow = [&](const Request& request) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return drawn(film, request);
+    };
+    EXPECT_EQ(converge(slow, job).stop, Stop::Seconds);
+}
+
+TEST(ConvergeTest, AnInterruptedRoundIsNotCounted) {
+    const Film film = edgeFilm();
+    int calls = 0;
+    const Draw breaking = [&](const Request& request) {
+        Picture picture = drawn(film, request);
+        if (++calls == 4) picture.complete = false;
+        return picture;
+    };
+    const Result result = converge(breaking, jobOf(1e-3));
+    EXPECT_EQ(result.stop, Stop::Interrupted);
+    EXPECT_EQ(result.rounds, 1u);
+    EXPECT_TRUE(result.picture.complete);
+    calls = 3;
+    EXPECT_FALSE(converge(breaking, jobOf(1e-3)).picture.complete);
+}
+
+std::string refusalOf(const Draw& draw, const Job& job) {
+    try {
+        converge(draw, job);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::Argument);
+        return error.what();
+    }
+    return "";
+}
+
+TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
+    const Film film = edgeFilm();
+    // Each further reflection loses half of the light.
+    const Draw mirrors = [&](const Request& request) {
+        Picture picture = drawn(film, request);
+        const double bound = std::ldexp(1.0, -static_cast<int>(request.maxDepth.value_or(2)));
+        for (size_t i = 0; i < picture.done.size(); ++i) picture.losses.depth.add(1, bound);
+        return picture;
+    };
+    Job job = jobOf(0.01);
+    job.maxDepth = 2;
+    const std::string deeper = refusalOf(mirrors, job);
+    EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do"), std::string::npos)
+        << deeper;
+    job.request.maxDepth = 11;
+    EXPECT_TRUE(converge(mirrors, job).reached());
+
+    job = jobOf(0.01);
+    job.rounding = 0.02;
+    const std::string rounding = refusalOf(drawOf(film), job);
+    EXPECT_NE(rounding.find("rounding alone may take 0.02"), std::string::npos) << rounding;
+}
+
+TEST(ConvergeTest, PixelsSettleOneByOne) {
+    const Film film = edgeFilm();
+    Job job = jobOf(0.1);
+    job.target.measure = Measure::Pixel;
+    job.radianceBound = 1;
+    const Result result = converge(drawOf(film), job);
+    ASSERT_TRUE(result.reached());
+    int wrong = 0;
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            const size_t at = result.picture.indexOf(x, y);
+            EXPECT_LE(result.picture.errors[at], 0.1);
+            wrong += std::abs(result.picture.color.pixels[at * 4] - film.truth(x, y)) > 0.1 ? 1 : 0;
+        }
+    }
+    EXPECT_LE(wrong, kSide * kSide / 20);
+    // Half widths come from the bound too: as many samples as that takes, though most pixels never vary.
+    EXPECT_GT(result.samplesPerPixel, 60u);
+    job.radianceBound = std::numeric_limits<double>::infinity();
+    EXPECT_NE(refusalOf(drawOf(film), job).find("--measure rmse"), std::string::npos);
+}
+
+TEST(ConvergeTest, PiecesOfASequenceAreTheSequence) {
+    for (const Filter filter : {Filter::Box, Filter::Mitchell}) {
+        ImageSettings image;
+        image.filter = filter;
+        image.sampler = Sampler::LowDiscrepancy;
+        image.samplesPerPixel = 8;
+        image.adaptive = AdaptiveSampling{};
+        image.adaptive->maxSamples = 16;
+        const PackedSamples whole = packSamples(image, false);
+        SampleSequence pieces(image);
+        for (uint32_t piece = 0; piece < 2; ++piece) {
+            const PackedSamples part = pieces.next(8);
+            ASSERT_EQ(part.count(), 8u);
+            for (uint32_t i = 0; i < 8; ++i) {
+                const shared::Sample& a = part.rows[shared::kFirstSample + i];
+                const shared::Sample& b = whole.rows[shared::kFirstSample + 8 * piece + i];
+                EXPECT_TRUE(a.x == b.x && a.y == b.y && a.weight == b.weight && a.key == b.key);
+            }
+        }
+        image.sampler = Sampler::Grid;
+        EXPECT_THROW(SampleSequence{image}, std::invalid_argument);
+    }
+}
+
+}  // namespace
+}  // namespace glint::converge::converge_test
