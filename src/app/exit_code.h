@@ -11,7 +11,7 @@ enum class ExitCode : int {
     Usage = 2,         // the command line is at fault
     Scene = 3,         // the scene or a file it names is at fault
     Device = 4,        // no usable device, or a Vulkan call failed
-    Difference = 5,    // diff or verify found a difference
+    Difference = 5,    // diff or verify found a difference, render --strict an error
     Interrupted = 130  // Ctrl-C; the finished part has been saved
 };
 

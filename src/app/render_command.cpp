@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/common.h"
+#include "app/error_target.h"
 #include "app/exit_code.h"
 #include "app/losses.h"
 #include "app/output_check.h"
@@ -32,6 +33,7 @@ struct RenderCommand {
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;
+    ErrorTarget target;
     bool json = false;  // --stats
     ProgressMode progress = ProgressMode::Auto;
     bool quiet = false;
@@ -56,6 +58,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.value("--crop", "x0,y0,x1,y1",
                 "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
                 [&](const std::string& t) { c.crop = parseCrop(t); });
+    addErrorTarget(table, c.target);
     addStats(table, "times and counts as JSON on standard output, instead of the summary", c.json);
     addProgress(table, c.progress);
     table.flag("-q,--quiet", "print nothing but errors (and what --stats asks for)", c.quiet);
@@ -63,6 +66,7 @@ void declare(OptionTable& table, RenderCommand& c) {
 
 struct Outcome {
     Picture picture;
+    std::optional<converge::Result> converged;  // its picture is `picture`
     std::string device, driver;
     std::string traversal;  // empty on the host
     render::StageTimes times;
@@ -114,9 +118,19 @@ Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const
     return request;
 }
 
+// Draws the request as it is, or as often as the error asked for takes.
+Picture drawn(const converge::Draw& draw, const Request& request, const std::optional<converge::Job>& job,
+              Outcome& outcome) {
+    if (!job) return draw(request);
+    converge::Result result = converge::converge(draw, *job);
+    Picture picture = std::move(result.picture);
+    outcome.converged = std::move(result);
+    return picture;
+}
+
 // Faults that the validation layer finds are reported once the picture is written.
 void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded, const Request& request,
-                    render::Traversal traversal, Outcome& outcome) {
+                    render::Traversal traversal, const std::optional<converge::Job>& job, Outcome& outcome) {
     outcome.device = device.info().name;
     outcome.driver = device.info().driver;
     render::Options options;
@@ -124,20 +138,26 @@ void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded, const 
     options.expected = &request;
     render::Renderer renderer(device, loaded.packed, options);
     outcome.traversal = render::nameOf(renderer.traversal(request.methods));
-    outcome.picture = renderer.render(cameraOf(loaded), request);
+    const shared::Camera camera = cameraOf(loaded);
+    outcome.picture =
+        drawn([&](const Request& r) { return renderer.render(camera, r); }, request, job, outcome);
     outcome.times = renderer.times();
 }
 
-void renderOnHost(const LoadedScene& loaded, const Request& request, Outcome& outcome) {
+void renderOnHost(const LoadedScene& loaded, const Request& request, const std::optional<converge::Job>& job,
+                  Outcome& outcome) {
     const Stopwatch watch;
     outcome.device = "CPU reference (double precision)";
     outcome.driver = counted(defaultThreadCount(), "thread");
-    outcome.picture = reference::render(loaded.packed, cameraOf(loaded), request);
+    const shared::Camera camera = cameraOf(loaded);
+    outcome.picture = drawn([&](const Request& r) { return reference::render(loaded.packed, camera, r); },
+                            request, job, outcome);
     outcome.times.trace = watch.seconds();
 }
 
-void warnAboutPicture(const Picture& picture, const RenderCommand& command, const LoadedScene& loaded,
+void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err) {
+    const Picture& picture = outcome.picture;
     const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
     if (picture.notFinite > 0) {
         err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
@@ -148,6 +168,7 @@ void warnAboutPicture(const Picture& picture, const RenderCommand& command, cons
     // That mirrors face each other without end is nothing new.
     if (loaded.packed.features.transmission || command.scene.minContribution > 0)
         warnOfLosses(picture, start, err);
+    if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
     if (const auto advice =
             pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene)))
         err << start << *advice << '\n';
@@ -191,6 +212,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     });
     json["intersector"] = nameOf(command.scene.methods.triangles);
     json["sphere"] = nameOf(command.scene.methods.spheres);
+    if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
     json["lost"] = lossesJson(outcome.picture);
     json["minContribution"] = command.scene.minContribution;
     json["notFinite"] = outcome.picture.notFinite;
@@ -212,12 +234,14 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     return json;
 }
 
-void printSummary(const Outcome& outcome, const LoadedScene& loaded, std::ostream& out) {
+void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                  std::ostream& out) {
     const render::StageTimes& t = outcome.times;
     for (const auto& file : outcome.files) {
         out << "wrote " << file.string() << " (" << outcome.picture.region.width() << "x"
             << outcome.picture.region.height() << ")\n";
     }
+    if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
     out << "device: " << outcome.device << ", " << outcome.driver << '\n';
     out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
         << formatSeconds(loaded.packSeconds);
@@ -238,7 +262,7 @@ void printResult(const Outcome& outcome, const RenderCommand& command, const Loa
                    .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
             << '\n';
     } else if (!command.quiet) {
-        printSummary(outcome, loaded, out);
+        printSummary(outcome, command, loaded, out);
     }
 }
 
@@ -261,6 +285,7 @@ void checkComplete(const Outcome& outcome) {
 int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     checkDeviceOptions(command.backend, command.device);
+    checkErrorTarget(command.target, command.scene, command.aovs);
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
@@ -281,15 +306,17 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     {
         Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
                           isTerminal(err));
-        const Request request = requestOf(command, loaded, region, progress);
+        Request request = requestOf(command, loaded, region, progress);
+        std::optional<converge::Job> job;
+        if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
         if (command.backend == Backend::Cpu) {
-            renderOnHost(loaded, request, outcome);
+            renderOnHost(loaded, request, job, outcome);
         } else {
             device.emplace(opening.get());
-            renderOnDevice(*device, loaded, request, command.device.traversal, outcome);
+            renderOnDevice(*device, loaded, request, command.device.traversal, job, outcome);
         }
     }
-    if (!command.quiet) warnAboutPicture(outcome.picture, command, loaded, err);
+    if (!command.quiet) warnAboutPicture(outcome, command, loaded, err);
     blackenNotFinite(outcome.picture);
     const bool anyDone =
         std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
@@ -302,7 +329,11 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     printResult(outcome, command, loaded, out);
     if (device) reportValidation(*device, command.device, err);
     checkComplete(outcome);
-    return static_cast<int>(ExitCode::Done);
+    if (outcome.converged && outcome.converged->stop == converge::Stop::Interrupted)
+        throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() +
+                                                " holds the samples of all rounds that were finished");
+    const bool missed = outcome.converged && !outcome.converged->reached();
+    return static_cast<int>(missed && command.target.strict ? ExitCode::Difference : ExitCode::Done);
 }
 
 }  // namespace

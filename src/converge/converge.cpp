@@ -79,6 +79,7 @@ class RmseLoop {
         ++state_.rounds;
         state_.samplesPerPixel = 2 * first_.count();
         state_.budget.rounding = job_.rounding;
+        state_.budget.depthCounts = job_.target.depthCounts;
         ledger_.writeTo(state_.budget, Measure::Rmse);
         state_.budget.sampling = rootMeanSquareBound(meanSquareOf(first_.means(), second_.means()),
                                                      tailOf(job_.target, state_.rounds));

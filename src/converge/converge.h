@@ -30,6 +30,9 @@ struct Target {
     Measure measure = Measure::Rmse;
     double maxSeconds = std::numeric_limits<double>::infinity();  // of rendering
     uint32_t maxSamples = 65536;                                  // of a pixel, 2 and more
+    // The truth is the picture without any limit of depth; or, if false, the one that ends at maxDepth, and
+    // what may lie beyond is told, not counted.
+    bool depthCounts = true;
 };
 
 // Bounds of the parts of the error. Their sum bounds the whole, by the triangle inequality.
@@ -38,7 +41,9 @@ struct ErrorBudget {
     double rounding = 0;                                        // the scene's condition number times the unit
     double cut = 0;    // branches below Request::minContribution, or that found no room
     double depth = 0;  // branches beyond maxDepth
-    double fixed() const { return rounding + cut + depth; }  // what more samples do not mend
+    bool depthCounts = true;
+    // What more samples do not mend.
+    double fixed() const { return rounding + cut + (depthCounts ? depth : 0); }
     double total() const { return sampling + fixed(); }
 };
 

@@ -83,6 +83,7 @@ class PixelLoop {
             if (!picture.complete) return false;
             ledger_.add(picture, 1);
             state_.budget.rounding = job_.rounding;
+            state_.budget.depthCounts = job_.target.depthCounts;
             ledger_.writeTo(state_.budget, Measure::Pixel);
             for (Tile& tile : tiles_) take(tile, picture);
         } else {

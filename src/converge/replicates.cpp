@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "core/error.h"
+#include "core/stopwatch.h"
 #include "scene/limits.h"
 
 namespace glint::converge {
@@ -37,10 +38,41 @@ void addWeighted(LostBranches& sum, const LostBranches& batch, double weight) {
 constexpr uint32_t kDeepestAdvice = 127;
 static_assert(kDeepestAdvice <= kMaxBounces);
 
+constexpr double kAdviceSeconds = 2;
+
 std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.2g", value);
     return text;
+}
+
+// Which depth leaves out less than `allowed`: tried by a sample of each pixel. What lies beyond falls with
+// the depth in most scenes; mirrors that lose nothing keep all of it, and trees of rays may grow too large to
+// try.
+std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
+    const Stopwatch watch;
+    Request request = job.request;
+    request.data = request.cost = false;
+    request.cancelled = [&] {
+        return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
+    };
+    uint32_t depth = job.request.maxDepth.value_or(job.maxDepth);
+    while (depth < kDeepestAdvice) {
+        depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
+        request.maxDepth = depth;
+        Ledger ledger;
+        const uint32_t count = leastSamples(job.image.filter);
+        const Draw counted = [&](const Request& r) {
+            Picture picture = draw(r);
+            ledger.add(picture, count);
+            return picture;
+        };
+        if (!Replicate(job.image, 0).take(counted, request, count))
+            return "maxDepth " + std::to_string(depth) + " takes too long to try";
+        if (ledger.depth(job.target.measure) < allowed)
+            return "--max-depth " + std::to_string(depth) + " would do";
+    }
+    return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
 }
 
 }  // namespace
@@ -113,31 +145,10 @@ void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget)
     if (budget.rounding + budget.cut >= wanted)
         throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
                                              number(budget.cut) + "; ask for a lower --min-contribution");
-    // What lies beyond the depth falls with it in most scenes; mirrors that lose nothing keep all of it.
-    std::string advice = "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
-    for (uint32_t depth = job.request.maxDepth.value_or(job.maxDepth); depth < kDeepestAdvice;) {
-        depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
-        Request deeper = job.request;
-        deeper.maxDepth = depth;
-        deeper.data = deeper.cost = false;
-        Replicate probe(job.image, 0);
-        Ledger ledger;
-        const uint32_t count = leastSamples(job.image.filter);
-        const bool whole = probe.take(
-            [&](const Request& r) {
-                Picture picture = draw(r);
-                ledger.add(picture, count);
-                return picture;
-            },
-            deeper, count);
-        if (!whole) break;
-        if (ledger.depth(job.target.measure) + budget.rounding + budget.cut < wanted / 2) {
-            advice = "--max-depth " + std::to_string(depth) + " would do";
-            break;
-        }
-    }
-    throw Error(ErrorKind::Argument, start + "reflections and refractions beyond maxDepth may add " +
-                                         number(budget.depth) + "; " + advice);
+    throw Error(ErrorKind::Argument,
+                start + "reflections and refractions beyond maxDepth may add " + number(budget.depth) + "; " +
+                    depthAdvice(draw, job, wanted / 2 - budget.rounding - budget.cut) +
+                    "; --within-depth takes the depth as it is, and counts nothing beyond it");
 }
 
 }  // namespace glint::converge

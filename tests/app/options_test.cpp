@@ -73,7 +73,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Value{"trace", "--pixel", "3,4", ""}));
 
 const std::string kKnown =
-    " (known: color, alpha, depth, position, normal, uv, object, primitive, material, bounces, cost)";
+    " (known: color, alpha, depth, position, normal, uv, object, primitive, material, bounces, cost, error, "
+    "samples)";
 INSTANTIATE_TEST_SUITE_P(
     Aovs, OptionValue,
     ::testing::Values(

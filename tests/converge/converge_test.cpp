@@ -173,7 +173,8 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     Job job = jobOf(0.01);
     job.maxDepth = 2;
     const std::string deeper = refusalOf(mirrors, job);
-    EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do"), std::string::npos)
+    EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do; --within-depth"),
+              std::string::npos)
         << deeper;
     job.request.maxDepth = 11;
     EXPECT_TRUE(converge(mirrors, job).reached());

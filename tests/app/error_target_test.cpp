@@ -1,0 +1,114 @@
+// `glint render --error` on the host.
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::app::test::error_target_test {
+namespace {
+
+class ErrorTarget : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeSmallScene("a.json");
+    }
+
+    static Ran render(std::vector<std::string> options) {
+        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--size", "32x24"});
+        return runGlint(options);
+    }
+};
+
+TEST_F(ErrorTarget, IsReachedAndTold) {
+    const Ran ran = render({"--error", "0.02", "--within-depth", "--stats", "json", "-q"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json stats = nlohmann::json::parse(ran.out);
+    const nlohmann::json& error = stats.at("error");
+    EXPECT_EQ(error.at("stopped"), "reached");
+    EXPECT_LE(error.at("bound").get<double>(), 0.02);
+    EXPECT_GT(error.at("sampling").get<double>(), 0);
+    EXPECT_GT(error.at("rounding").get<double>(), 0);
+    EXPECT_EQ(stats.at("samplesTaken").at("min"), error.at("samplesPerPixel"));
+    const Ran again = render({"--error", "0.02", "--within-depth", "-q", "-o", "again.png"});
+    EXPECT_EQ(readBytes("a.png"), readBytes("again.png"));
+}
+
+TEST_F(ErrorTarget, SummaryNamesTheParts) {
+    const Ran ran = render({"--error", "0.02", "--within-depth"});
+    EXPECT_NE(ran.out.find("error (rmse): at most 0.0"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("(not counted)"), std::string::npos) << ran.out;
+}
+
+TEST_F(ErrorTarget, LayersHoldSamplesAndHalfWidths) {
+    const Ran ran = render({"--error", "0.5", "--measure", "pixel", "--within-depth", "--aov",
+                            "color,error,samples", "-o", "a.pfm", "-q"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Image errors = readImage("a.error.pfm"), samples = readImage("a.samples.pfm");
+    for (int y = 0; y < 24; ++y) {
+        for (int x = 0; x < 32; ++x) {
+            EXPECT_GT(errors.at(x, y, 0), 0);
+            EXPECT_LE(errors.at(x, y, 0), 0.5);
+            EXPECT_GT(samples.at(x, y, 0), 10);
+        }
+    }
+}
+
+TEST_F(ErrorTarget, WhatIsNotReachedIsSaidAndStrictFails) {
+    const std::vector<std::string> few = {"--error", "0.0001", "--max-spp", "8", "--within-depth"};
+    const Ran lenient = render(few);
+    EXPECT_EQ(lenient.code, 0);
+    EXPECT_NE(lenient.err.find("after 8 samples for a pixel (--max-spp)"), std::string::npos) << lenient.err;
+    std::vector<std::string> strict = few;
+    strict.push_back("--strict");
+    EXPECT_EQ(render(strict).code, 5);
+    EXPECT_TRUE(std::filesystem::exists("a.png"));
+}
+
+TEST_F(ErrorTarget, OptionsThatContradictAreRefused) {
+    const std::vector<std::vector<std::string>> wrong = {
+        {"--error", "0"},
+        {"--error", "-1"},
+        {"--error", "nan"},
+        {"--error", "0.01", "--confidence", "1"},
+        {"--error", "0.01", "--confidence", "0.4"},
+        {"--error", "0.01", "--spp", "4"},
+        {"--error", "0.01", "--adaptive", "16"},
+        {"--error", "0.01", "--sampler", "grid"},
+        {"--error", "0.01", "--measure", "pixel", "--filter", "mitchell"},
+        {"--error", "0.01", "--measure", "worst"},
+        {"--error", "0.01", "--max-seconds", "0"},
+        {"--confidence", "0.9"},
+        {"--measure", "pixel"},
+        {"--max-spp", "9"},
+        {"--max-seconds", "9"},
+        {"--within-depth"},
+        {"--strict"},
+        {"--aov", "error"}};
+    for (const auto& options : wrong) {
+        const Ran ran = render(options);
+        EXPECT_EQ(ran.code, 2) << options.front();
+        EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+        EXPECT_FALSE(std::filesystem::exists("a.png"));
+    }
+}
+
+// Two mirrors that face each other.
+TEST_F(ErrorTarget, WhatNoSampleMendsIsRefused) {
+    writeText("a.json", sceneText(32, 24, R"(
+        "maxDepth": 2,
+        "materials": {"m": {"mirror": [0.5, 0.5, 0.5], "diffuse": [0.5, 0.5, 0.5]}},
+        "lights": [{"type": "point", "position": [0, 0, 1]}],
+        "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1], "material": "m"},
+                    {"type": "plane", "point": [0, 0, 7], "normal": [0, 0, -1], "material": "m"}])"));
+    const Ran ran = render({"--error", "0.001"});
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_NE(ran.err.find("beyond maxDepth may add"), std::string::npos) << ran.err;
+    EXPECT_NE(ran.err.find("would do; --within-depth"), std::string::npos) << ran.err;
+    const Ran none = render({"--error", "0.001", "--max-depth", "0"});
+    EXPECT_EQ(none.code, 2);
+    EXPECT_NE(none.err.find("with maxDepth 0 nobody counts"), std::string::npos) << none.err;
+}
+
+}  // namespace
+}  // namespace glint::app::test::error_target_test
