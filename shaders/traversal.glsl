@@ -8,6 +8,9 @@
 #ifndef GLINT_TRAVERSAL_GLSL
 #define GLINT_TRAVERSAL_GLSL
 
+#ifdef GLINT_CROSSINGS
+#include "crossings.glsl"
+#endif
 #include "instance.glsl"
 #include "intersect.glsl"
 #include "material.glsl"
@@ -33,6 +36,11 @@ struct Traversal {
     uint cost;
 #ifdef GLINT_SHADOW_RAYS
     Passage passage;
+#endif
+#ifdef GLINT_CROSSINGS
+    uint crossed;   // surfaces so far
+    uint doubtful;  // 1: rounding decides about one of them
+    uvec2 list;     // the first place of what is crossed, and how many there are
 #endif
 };
 
@@ -110,6 +118,24 @@ bool isSolid(inout Traversal traversal, bool isHit, float t, float u, float v, u
     return isThere(traversal.ray, isHit, t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone);
 }
 
+#ifdef GLINT_CROSSINGS
+// Counts it, and writes it down where a list is wanted: behind the rows of the paths, two rows a hit.
+void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive) {
+#ifdef GLINT_LIST
+    if (traversal.crossed < traversal.list.y) {
+        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
+        uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
+                     2u * (traversal.list.x + traversal.crossed);
+        STORE4(pathRows, place,
+               uvec4(floatBitsToUint(t), floatBitsToUint(exchanged ? v : u),
+                     floatBitsToUint(exchanged ? u : v), primitive));
+        STORE4(pathRows, place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
+    }
+#endif
+    ++traversal.crossed;
+}
+#endif
+
 // Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray
 // through does not end it.
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
@@ -122,12 +148,18 @@ void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, f
                Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
         return;
 #endif
+#ifdef GLINT_CROSSINGS
+    if (counts) cross(traversal, kind, t, u, v, primitive);
+#else
     if (counts) accept(traversal, t, u, v, primitive, id);
+#endif
 }
 
 // Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays
 // through dielectrics.
-#ifdef GLINT_SHADOW_RAYS
+#ifdef GLINT_CROSSINGS
+const bool kMayGoThrough = true;
+#elif defined(GLINT_SHADOW_RAYS)
 const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 #else
 const bool kMayGoThrough = FEATURE_ALPHA_MASK;
@@ -137,8 +169,14 @@ void testTriangle(inout Traversal traversal, uint index) {
     Triangle triangle = loadTriangle(index);
     uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
     float t, u, v;
+#ifdef GLINT_CROSSINGS
+    bool doubtful;
+    bool isHit = crossTriangle(traversal.ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
+    traversal.doubtful |= doubtful ? 1u : 0u;
+#else
     bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
                  !isOwnTriangle(traversal, primitive, triangle.id);
+#endif
 #ifdef GLINT_SHADOW_RAYS
     if (FEATURE_COLORED_SHADOWS)
         traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
@@ -402,6 +440,9 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     // A walk from slot 0 comes by all leaves again, but not by the planes.
     Passage afterPlanes = traversal.passage;
 #endif
+#ifdef GLINT_CROSSINGS
+    uint afterPlanesCrossed = traversal.crossed;
+#endif
     bool inTree = kHasTree && sound && !settled(traversal);
     uint root = inTree ? environment.root : kNone;
     uint left;
@@ -412,6 +453,9 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     }
 #ifdef GLINT_SHADOW_RAYS
     if (left != kNone) traversal.passage = afterPlanes;
+#endif
+#ifdef GLINT_CROSSINGS
+    if (left != kNone) traversal.crossed = afterPlanesCrossed;
 #endif
     return left;
 }

@@ -95,9 +95,9 @@ bool anyTransmits(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
 }
 
-PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality) {
+PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split) {
     PackOptions options{threads, quality};
-    options.split = !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
+    options.split = split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);

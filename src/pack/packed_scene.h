@@ -103,7 +103,10 @@ glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 // once, behind what stands in the world itself. The origin is 0 unless the geometry lies far from it compared
 // with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
 // naming the array, its size and the limit.
-PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default);
+// split: triangles may stand in the tree more than once, where that makes it cheaper; not for whoever counts
+// them.
+PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default,
+                      bool split = true);
 
 // The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
 // point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",

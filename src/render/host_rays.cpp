@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/path_limits.h"
+#include "render/ray_queries.h"
 
 namespace glint::render {
 
@@ -10,16 +11,6 @@ namespace {
 
 // Bounds what the host holds besides the caller's arrays: 150 MiB.
 constexpr size_t kChunkRays = size_t{1} << 20;
-
-RayInput rounded(const LocalRay& ray) {
-    // kInfinity stands for all that fp32 cannot hold: there is no geometry that far away. NaN stays NaN and
-    // misses.
-    const auto bound = [](double t) {
-        const double limit = static_cast<double>(shared::kInfinity);
-        return static_cast<float>(std::clamp(t, -limit, limit));
-    };
-    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
-}
 
 WorldHit worldHit(const RayHit& found, const LocalRay& ray, HitDetail detail) {
     WorldHit hit;
@@ -44,7 +35,7 @@ std::vector<WorldHit> Renderer::trace(const RayBatch& batch, BatchTimes* times) 
         inputs.resize(count);
         for (size_t i = 0; i < count; ++i) {
             local[i] = localRay(batch.rays[first + i], scene().origin);
-            inputs[i] = rounded(local[i]);
+            inputs[i] = roundedRay(local[i]);
         }
         const std::vector<RayHit> found =
             traceLocal(inputs, {batch.detail, batch.cost, batch.methods, times});

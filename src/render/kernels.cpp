@@ -2,6 +2,10 @@
 
 #include "adapt.spv.h"
 #include "adapt_texel.spv.h"
+#include "count.spv.h"
+#include "count_list.spv.h"
+#include "count_list_texel.spv.h"
+#include "count_texel.spv.h"
 #include "generate.spv.h"
 #include "generate_texel.spv.h"
 #include "intersect.spv.h"
@@ -29,10 +33,17 @@
 namespace glint::render {
 
 const KernelCode& embeddedKernels(gpu::Access access) {
-    static const KernelCode storage = {
-        generate_spv, intersect_spv,        intersect_any_spv,        light_spv,
-        shade_spv,    packet_intersect_spv, packet_intersect_any_spv, light_packet_spv,
-        adapt_spv};
+    static const KernelCode storage = {generate_spv,
+                                       intersect_spv,
+                                       intersect_any_spv,
+                                       light_spv,
+                                       shade_spv,
+                                       packet_intersect_spv,
+                                       packet_intersect_any_spv,
+                                       light_packet_spv,
+                                       adapt_spv,
+                                       count_spv,
+                                       count_list_spv};
     static const KernelCode texel = {generate_texel_spv,
                                      intersect_texel_spv,
                                      intersect_any_texel_spv,
@@ -41,7 +52,9 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      packet_intersect_texel_spv,
                                      packet_intersect_any_texel_spv,
                                      light_packet_texel_spv,
-                                     adapt_texel_spv};
+                                     adapt_texel_spv,
+                                     count_texel_spv,
+                                     count_list_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 

@@ -9,11 +9,11 @@
 
 namespace glint::render {
 
-// One entry for each kernel; `any` is intersect.comp with any-hit rays. The last three are for packets of
-// rays (shaders/packet.glsl).
+// One entry for each kernel; `any` is intersect.comp with any-hit rays. `packet...` are for packets
+// of rays (shaders/packet.glsl), `list` is count.comp that writes down what it counts.
 struct KernelCode {
     std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect,
-        packetIntersectAny, packetLight, adapt;
+        packetIntersectAny, packetLight, adapt, count, list;
 };
 
 // The kernels that read arrays with `access`.

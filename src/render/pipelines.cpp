@@ -26,15 +26,26 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.packetIntersectAny;
         case KernelId::PacketLight:
             return code.packetLight;
+        case KernelId::Count:
+            return code.count;
+        case KernelId::List:
+            return code.list;
     }
     return {};
 }
 
 const char* nameOf(KernelId id) {
-    static const char* const names[] = {
-        "generate", "intersect",           "intersect (any hit)",          "light",
-        "shade",    "intersect (packets)", "intersect (any hit, packets)", "light (packets)",
-        "adapt"};
+    static const char* const names[] = {"generate",
+                                        "intersect",
+                                        "intersect (any hit)",
+                                        "light",
+                                        "shade",
+                                        "intersect (packets)",
+                                        "intersect (any hit, packets)",
+                                        "light (packets)",
+                                        "adapt",
+                                        "count",
+                                        "list"};
     return names[static_cast<int>(id)];
 }
 

@@ -22,7 +22,9 @@ enum class KernelId {
     PacketIntersect,
     PacketIntersectAny,
     PacketLight,
-    Adapt
+    Adapt,
+    Count,
+    List
 };
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.

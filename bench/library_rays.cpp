@@ -1,0 +1,154 @@
+// library_rays SCENE...
+//
+// What a batch costs by libglint's C API, from the caller's arrays to the caller's arrays, against the
+// kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
+// scene's box and of a camera's. fp32 origins and directions. Seconds of processor time, the best of so many
+// turns.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "core/error.h"
+#include "glint/glint.h"
+#include "gpu/device.h"
+#include "import/load.h"
+#include "pack/packed_scene.h"
+#include "rays.h"
+#include "render/ray_queries.h"
+
+namespace glint::bench {
+namespace {
+
+constexpr size_t kRays = 1u << 20;
+constexpr int kTurns = 5;
+
+struct Rays {
+    const char* name;
+    std::vector<glm::vec3> origins, directions;
+    bool coherent;
+};
+
+// From a sphere around the box to points in it.
+Rays randomRays(const glm::dvec3& lo, const glm::dvec3& hi) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform(0, 1);
+    Rays rays{"random", {}, {}, false};
+    const double reach = glm::length(hi - lo);
+    for (size_t i = 0; i < kRays; ++i) {
+        const glm::dvec3 to = lo + (hi - lo) * glm::dvec3(uniform(random), uniform(random), uniform(random));
+        const glm::dvec3 from =
+            to + reach * glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+        rays.origins.emplace_back(from);
+        rays.directions.emplace_back(to - from);
+    }
+    return rays;
+}
+
+// 1024 x 1024 rays from one point, in blocks of 8 x 4, which packets like.
+Rays cameraRays(const glm::dvec3& lo, const glm::dvec3& hi) {
+    Rays rays{"camera", {}, {}, true};
+    const glm::dvec3 middle = 0.5 * (lo + hi),
+                     eye = middle + glm::dvec3(0.3, 0.4, 1.0) * glm::length(hi - lo);
+    const glm::dvec3 back = glm::normalize(eye - middle), right = glm::normalize(glm::cross({0, 1, 0}, back)),
+                     up = glm::cross(back, right);
+    for (size_t i = 0; i < kRays; ++i) {
+        const size_t block = i / 32, x = block % 128 * 8 + i % 8, y = block / 128 * 4 + i / 8 % 4;
+        const double u = (static_cast<double>(x) + 0.5) / 512 - 1,
+                     v = (static_cast<double>(y) + 0.5) / 512 - 1;
+        rays.origins.emplace_back(eye);
+        rays.directions.emplace_back(-back + 0.5 * u * right + 0.5 * v * up);
+    }
+    return rays;
+}
+
+void check(glint_status status) {
+    if (status == GLINT_OK) return;
+    std::fprintf(stderr, "%s\n", glint_last_error());
+    std::exit(1);
+}
+
+glint_view viewOf(const std::vector<glm::vec3>& v) {
+    return {v.data(), v.size(), 0, GLINT_F32, 0};
+}
+
+using Ask = render::RayTask::Ask;
+
+double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask) {
+    BatchTimes times;
+    render::RayTask task;
+    task.count = kRays;
+    task.ask = ask;
+    task.coherent = rays.coherent;
+    task.kernels = &times;
+    task.fill = [&](size_t first, std::span<render::RayInput> inputs) {
+        for (size_t i = 0; i < inputs.size(); ++i)
+            inputs[i] = render::roundedRay(localRay(
+                {glm::dvec3(rays.origins[first + i]), glm::dvec3(rays.directions[first + i])}, origin));
+    };
+    task.take = [](size_t, std::span<const render::FoundHit>) {};
+    queries.run(task);
+    return times.processor;
+}
+
+double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask) {
+    static std::vector<float> t(kRays);
+    static std::vector<uint32_t> geometry(kRays), primitive(kRays);
+    static std::vector<uint8_t> hit(kRays);
+    GLINT_INIT(glint_rays, asked);
+    asked.origins = viewOf(rays.origins);
+    asked.directions = viewOf(rays.directions);
+    asked.flags = rays.coherent ? GLINT_RAYS_COHERENT : 0;
+    GLINT_INIT(glint_hits, hits);
+    hits.t = {t.data(), kRays, 0, GLINT_F32, 0};
+    hits.geometry = {geometry.data(), kRays, 0, GLINT_U32, 0};
+    hits.primitive = {primitive.data(), kRays, 0, GLINT_U32, 0};
+    const glint_out flags = {hit.data(), kRays, 0, GLINT_U8, 0};
+    const Timer timer;
+    if (ask == Ask::Nearest) check(glint_query_closest(scene, &asked, &hits, nullptr));
+    if (ask == Ask::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
+    if (ask == Ask::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
+    return timer.elapsed().cpu;
+}
+
+void measure(const char* path, glint_device* device, const gpu::Device& vulkan) {
+    glint_scene* scene = nullptr;
+    check(glint_scene_load(device, path, &scene));
+    const PackedScene packed = packScene(loadScene(path), 0, BuildQuality::Default, false);
+    render::RayQueries queries(vulkan, packed);
+    const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
+                     hi = packed.origin + glm::dvec3(packed.boundsHi);
+    for (const Rays& rays : {randomRays(lo, hi), cameraRays(lo, hi)}) {
+        for (const auto& [ask, name] : {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"),
+                                        std::pair(Ask::Count, "count")}) {
+            double kernel = 1e9, call = 1e9;
+            for (int turn = 0; turn < kTurns; ++turn) {
+                kernel = std::min(kernel, kernelSeconds(queries, rays, packed.origin, ask));
+                call = std::min(call, callSeconds(scene, rays, ask));
+            }
+            std::printf(
+                "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the "
+                "kernel\n",
+                path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
+            std::fflush(stdout);
+        }
+    }
+    glint_scene_release(scene);
+}
+
+}  // namespace
+}  // namespace glint::bench
+
+int main(int count, char** arguments) try {
+    glint_device* device = nullptr;
+    glint::bench::check(glint_device_open(nullptr, &device));
+    const glint::gpu::Device vulkan;
+    for (int i = 1; i < count; ++i) glint::bench::measure(arguments[i], device, vulkan);
+    glint_device_release(device);
+} catch (const glint::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

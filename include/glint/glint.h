@@ -1,0 +1,312 @@
+/* libglint: rays against scenes, and pictures of them, on any Vulkan device or on the processor alone.
+ *
+ * A C API. C++ programs may like glint.hpp better, which wraps it. The tutorial is docs/guide/library.md.
+ *
+ * Conventions
+ *   Status     Every call that can fail returns a glint_status; glint_last_error() then says in one line what
+ * was wrong and what to do, by thread. Outputs are untouched where a call fails before it computes. Handles
+ * Opaque and counted: ..._retain adds an owner, ..._release takes one away (NULL is allowed). A scene keeps
+ * its device alive. Structs    Those that may grow begin with `size`: set it to sizeof of the struct, as
+ * GLINT_INIT does together with zeros everywhere else, which stand for "the default" or "not wanted". Arrays
+ * Views: a pointer, how many elements, the bytes from one to the next (0: they are packed) and the type of
+ * their numbers. One ray's origin is an element of three numbers. An input view with a count of 1 stands for
+ * all rays. Nothing is copied on the way in but into the device's own buffers. Outputs    Allocated by the
+ * caller. What has no pointer is not wanted, and neither computed nor read back. Units      Right-handed, y
+ * up; colours are linear RGB; t is in units of the ray's direction, of any length. Accuracy   Vertices and
+ * rays may be fp64 and lie far from 0: a scene has an origin of its own, which is subtracted in double before
+ * anything is rounded to fp32. Device "cpu" goes on in double. Threads    A device may be used from any
+ * thread. Queries and pictures of a committed scene may run in any number of threads at a time, also while
+ * another thread changes or commits the scene: they see the scene as it was last committed. Changes of one
+ * scene are made by one thread at a time. Manners    No call ends the process, prints, handles signals or
+ * changes the environment.
+ */
+#ifndef GLINT_GLINT_H
+#define GLINT_GLINT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define GLINT_API __attribute__((visibility("default")))
+#else
+#define GLINT_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Version, status, errors ---- */
+
+#define GLINT_VERSION_MAJOR 0
+#define GLINT_VERSION_MINOR 1
+#define GLINT_VERSION_PATCH 0
+
+/* Of the library that runs: major * 1000000 + minor * 1000 + patch. */
+GLINT_API uint32_t glint_version(void);
+
+typedef int32_t glint_status;
+enum {
+    GLINT_OK = 0,
+    GLINT_ERROR_ARGUMENT = 1,  /* what the caller asked for is at fault */
+    GLINT_ERROR_SCENE = 2,     /* the scene, or a file it names, is at fault */
+    GLINT_ERROR_DEVICE = 3,    /* no usable device, or it failed */
+    GLINT_ERROR_MEMORY = 4,    /* of the host */
+    GLINT_ERROR_CANCELLED = 5, /* by the caller's callback; outputs hold what was finished */
+    GLINT_ERROR_CAPACITY = 6,  /* more hits than there is room for; nothing was written but how many */
+    GLINT_ERROR_FAILED = 7     /* anything else */
+};
+
+/* What went wrong in this thread's last call that failed; "" before any. Valid until the next one fails. */
+GLINT_API const char* glint_last_error(void);
+
+/* "ok", "argument", ...; "unknown" for other numbers. */
+GLINT_API const char* glint_status_name(glint_status status);
+
+/* Declares a struct with its size set and all else zero: GLINT_INIT(glint_rays, rays); */
+#ifdef __cplusplus
+#define GLINT_INIT(type, name) \
+    type name = {};            \
+    name.size = sizeof(type)
+#else
+#define GLINT_INIT(type, name) type name = {.size = sizeof(type)}
+#endif
+
+/* ---- Arrays ---- */
+
+typedef int32_t glint_type;
+enum { GLINT_F32 = 0, GLINT_F64 = 1, GLINT_U32 = 2, GLINT_U8 = 3, GLINT_U64 = 4 };
+
+typedef struct glint_view {
+    const void* data;
+    uint64_t count;
+    int64_t stride; /* bytes; 0: packed. May be negative. */
+    glint_type type;
+    int32_t reserved;
+} glint_view;
+
+typedef struct glint_out {
+    void* data; /* NULL: not wanted */
+    uint64_t count;
+    int64_t stride;
+    glint_type type;
+    int32_t reserved;
+} glint_out;
+
+/* ---- How a long call behaves ---- */
+
+typedef struct glint_options {
+    uint64_t size;
+    /* Asked now and then, from any thread; true ends the call with GLINT_ERROR_CANCELLED. */
+    int (*cancelled)(void* user);
+    /* Told the part that is done, 0..1, which never falls; from any thread, one call at a time. */
+    void (*progress)(void* user, double fraction);
+    void* user;
+} glint_options;
+
+/* ---- Devices ---- */
+
+typedef struct glint_device glint_device;
+
+typedef struct glint_device_info {
+    uint64_t size;
+    uint32_t index;
+    int32_t usable;    /* 0: refused, and `reason` says why */
+    int32_t software;  /* Vulkan on the processor */
+    int32_t reference; /* device "cpu": the tracer in double precision, without Vulkan */
+    char name[256];    /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
+    char reason[256];
+} glint_device_info;
+
+/* How many there are: Vulkan's, and "cpu" as the last. */
+GLINT_API glint_status glint_device_count(uint32_t* count);
+/* Of the device with that index, below the count. `info->size` must be set. */
+GLINT_API glint_status glint_device_describe(uint32_t index, glint_device_info* info);
+/* selector: NULL or "" for the best Vulkan device; a number: the index; "cpu"; else part of the name, any
+ * case. */
+GLINT_API glint_status glint_device_open(const char* selector, glint_device** device);
+GLINT_API glint_status glint_device_info_of(const glint_device* device, glint_device_info* info);
+GLINT_API void glint_device_retain(glint_device* device);
+GLINT_API void glint_device_release(glint_device* device);
+
+/* ---- Scenes ---- */
+
+typedef struct glint_scene glint_scene;
+
+/* An empty scene, to be filled and committed. */
+GLINT_API glint_status glint_scene_create(glint_device* device, glint_scene** scene);
+/* A scene (.json, .gltf, .glb, .nff) or model (.obj, .ply, .stl) from a file, committed. UTF-8. */
+GLINT_API glint_status glint_scene_load(glint_device* device, const char* path, glint_scene** scene);
+GLINT_API void glint_scene_retain(glint_scene* scene);
+GLINT_API void glint_scene_release(glint_scene* scene);
+
+/* Geometries are numbered from 0 in the order in which they are added; hits name them by these numbers. */
+#define GLINT_NONE 0xffffffffu
+
+typedef struct glint_triangles {
+    uint64_t size;
+    glint_view vertices; /* three numbers each, F32 or F64 */
+    glint_view indices;  /* three U32 each; no data: every three vertices are a triangle */
+    uint32_t material;   /* 0: the first of the scene, or a grey one */
+    uint32_t reserved;
+} glint_triangles;
+
+/* A mesh; outward is where its corners go round counter-clockwise. Triangles with a vertex that is not
+ * finite, or without area, are left out of the scene with a warning, and keep their numbers. */
+GLINT_API glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
+                                                 uint32_t* geometry);
+
+typedef struct glint_spheres {
+    uint64_t size;
+    glint_view centers; /* three numbers each */
+    glint_view radii;   /* one number each, > 0; a count of 1: all have that one */
+    uint32_t material;
+    uint32_t reserved;
+} glint_spheres;
+
+/* Each is a geometry of its own: *first and so on. */
+GLINT_API glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* spheres,
+                                               uint32_t* first);
+
+/* Anything that the scene format knows (docs/reference/scene-format.md), as its text: objects, materials and
+ * lights are added, and camera, background, image and all else are those of the text. Files it names are
+ * relative to `folder` (NULL: the working directory). *first and *count: its geometries; either may be NULL.
+ */
+GLINT_API glint_status glint_scene_add_json(glint_scene* scene, const char* text, const char* folder,
+                                            uint32_t* first, uint32_t* count);
+
+/* The geometry once more, where `transform` puts it: twelve numbers, three rows of a 3 x 4 matrix that is
+ * applied to the geometry as it was added. Meshes with several instances are stored once. */
+GLINT_API glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry,
+                                                const double transform[12], uint32_t* instance);
+/* Puts a geometry, or an instance, elsewhere; the matrix is applied to it as it was added. */
+GLINT_API glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry,
+                                                 const double transform[12]);
+/* Other vertices for a geometry that glint_scene_add_triangles made, as many as it has. Instances follow. */
+GLINT_API glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry,
+                                                const glint_view* vertices);
+
+/* The material of that name, among those from files and texts. */
+GLINT_API glint_status glint_scene_find_material(const glint_scene* scene, const char* name,
+                                                 uint32_t* material);
+
+/* Makes everything added and changed so far what queries see. Builds the trees. */
+GLINT_API glint_status glint_scene_commit(glint_scene* scene);
+
+typedef struct glint_scene_info {
+    uint64_t size;
+    uint32_t geometries;
+    uint32_t warnings;         /* see glint_scene_warning */
+    uint64_t triangles;        /* instanced ones as often as they are shown */
+    double lower[3], upper[3]; /* the box of everything committed but planes; all zero if there is nothing */
+    uint32_t width, height;    /* of its picture, as files and texts say */
+} glint_scene_info;
+
+/* Of the committed scene. */
+GLINT_API glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info);
+/* What was ignored or mended, one line each; valid until the next commit, or the scene's end. */
+GLINT_API glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const char** text);
+
+/* ---- Rays ---- */
+
+enum {
+    GLINT_RAYS_COHERENT =
+        1u /* neighbours in the array go about the same way: may be faster, changes no answer */
+};
+
+/* The points origin + t direction with t_min < t <= t_max; t = 0 is excluded. A ray that is not finite, or
+ * without direction, hits nothing. There are as many rays as the larger of the counts of origins and
+ * directions. */
+typedef struct glint_rays {
+    uint64_t size;
+    glint_view origins;
+    glint_view directions;
+    glint_view t_min; /* no data: 0 */
+    glint_view t_max; /* no data: infinite */
+    uint32_t flags;
+    uint32_t reserved;
+} glint_rays;
+
+/* On a miss t is infinite, geometry, primitive and material are GLINT_NONE and all else is 0. */
+typedef struct glint_hits {
+    uint64_t size;
+    glint_out hit;       /* U8: 1 or 0 */
+    glint_out t;         /* F32 or F64 */
+    glint_out geometry;  /* U32 */
+    glint_out primitive; /* U32: the triangle's number in its mesh; of a file the face's; else 0 */
+    glint_out material;  /* U32 */
+    glint_out
+        uv; /* two of F32 or F64: of a triangle a, b, c the point is (1 - u - v) a + u b + v c; else 0 */
+    glint_out point;  /* three of F32 or F64, world */
+    glint_out normal; /* three of F32 or F64: geometric, outward, unit */
+} glint_hits;
+
+/* The nearest hit of each ray. */
+GLINT_API glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays,
+                                           const glint_hits* hits, const glint_options* options);
+/* Whether there is a hit: U8, 1 or 0 for each ray. */
+GLINT_API glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, const glint_out* hit,
+                                       const glint_options* options);
+
+/* ---- Counts: closed surfaces are entered and left in turns ---- */
+
+/* How many surfaces each ray crosses in its interval, U32. Of triangles that share the edge or corner that a
+ * ray meets it crosses one, or as many more as it goes in and out there: whatever was rounded, a line crosses
+ * a closed mesh an even number of times, and a ray an odd number if it starts inside. Holes of alpha-masked
+ * surfaces count as holes, transparent surfaces as surfaces. Ask `closest` for what a ray meets first: there
+ * edges belong to both. */
+GLINT_API glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
+                                         const glint_out* count, const glint_options* options);
+
+/* All that glint_query_count counts, of each ray nearest first. Those of ray i are elements offsets[i] to
+ * offsets[i + 1] - 1 of the arrays of `hits`, whose counts say how much room there is.
+ *   offsets  U64, one more than there are rays; may be NULL.
+ *   hits     NULL: numbers only.
+ *   total    how many hits there are; set, as the offsets are, also where there is no room for them and the
+ * call returns GLINT_ERROR_CAPACITY. May be NULL. */
+GLINT_API glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays,
+                                       const glint_out* offsets, const glint_hits* hits, uint64_t* total,
+                                       const glint_options* options);
+
+enum { GLINT_OUTSIDE = 0, GLINT_INSIDE = 1, GLINT_ON_SURFACE = 2 };
+
+/* Where points of three F32 or F64 are, U8 each. Inside is what closed surfaces go round an odd number of
+ * times; below a plane is inside. On the surface: so near that rounding to fp32 takes the point through it,
+ * 2^-22 of the coordinates' size about the scene's own origin (2^-20 for instances). */
+GLINT_API glint_status glint_query_inside(const glint_scene* scene, const glint_view* points,
+                                          const glint_out* where, const glint_options* options);
+
+/* ---- Pictures ---- */
+
+typedef struct glint_camera {
+    uint64_t size;
+    double eye[3], target[3], up[3];
+    double fov_y; /* degrees, vertical, in (0, 180) */
+} glint_camera;
+
+/* Layers of a picture; pixel (x, y) from the upper left corner is element y * width + x. The layers but color
+ * are of each pixel's first sample, with the values of a miss where it hits nothing. */
+typedef struct glint_picture {
+    uint64_t size;
+    uint32_t width, height;     /* 0: those of the scene */
+    uint32_t samples;           /* 0: those of the scene; else so many for each pixel */
+    int32_t max_depth;          /* reflections in a row at most; 0: those of the scene, -1: none */
+    const glint_camera* camera; /* NULL: the scene's */
+    glint_out color;            /* four of F32 or F64: linear RGB, alpha */
+    glint_out depth;            /* F32 or F64: the ray's t, whose direction is unit */
+    glint_out position;         /* three of F32 or F64, world */
+    glint_out normal;           /* three of F32 or F64: shading normal, unit, outward */
+    glint_out geometry;         /* U32 */
+    glint_out primitive;        /* U32 */
+    glint_out material;         /* U32 */
+} glint_picture;
+
+/* Draws the committed scene. Cancelled: the pixels that were finished are written, the others have zeros. */
+GLINT_API glint_status glint_render(const glint_scene* scene, const glint_picture* picture,
+                                    const glint_options* options);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

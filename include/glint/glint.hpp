@@ -1,0 +1,366 @@
+// libglint for C++20: glint.h with owners that let go by themselves, exceptions for statuses, and views that
+// are made of spans. Header only; needs the standard library alone. What everything means is said in glint.h.
+#ifndef GLINT_GLINT_HPP
+#define GLINT_GLINT_HPP
+
+#include <glint/glint.h>
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <ranges>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace glint {
+inline namespace api {
+
+// Thrown for every status but GLINT_OK; what() is glint_last_error().
+class Error : public std::runtime_error {
+  public:
+    Error(glint_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
+    glint_status status() const noexcept { return status_; }
+
+  private:
+    glint_status status_;
+};
+
+inline void check(glint_status status) {
+    if (status != GLINT_OK) throw Error(status, glint_last_error());
+}
+
+// The number type of an element, and how many it has: float is one of itself, std::array<float, 3> three
+// floats.
+template <class Element>
+struct ElementOf {
+    using Number = Element;
+};
+template <class T, std::size_t N>
+struct ElementOf<std::array<T, N>> {
+    using Number = T;
+};
+
+template <class Number>
+concept Stored =
+    std::same_as<Number, float> || std::same_as<Number, double> || std::same_as<Number, std::uint32_t> ||
+    std::same_as<Number, std::uint64_t> || std::same_as<Number, std::uint8_t>;
+
+template <Stored Number>
+constexpr glint_type typeOf() {
+    if constexpr (std::same_as<Number, float>) return GLINT_F32;
+    if constexpr (std::same_as<Number, double>) return GLINT_F64;
+    if constexpr (std::same_as<Number, std::uint32_t>) return GLINT_U32;
+    if constexpr (std::same_as<Number, std::uint64_t>) return GLINT_U64;
+    return GLINT_U8;
+}
+
+// An input array: of a vector, span or array of numbers or std::arrays; or of any numbers by pointer, count
+// and stride in bytes, as they stand in somebody's structs. Of a temporary it lives as long as the full
+// expression.
+class View {
+  public:
+    View() = default;
+    template <std::ranges::contiguous_range Range>
+    requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> View(const Range& range)
+        : View(reinterpret_cast<const typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
+                   std::ranges::data(range)),
+               std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
+    template <Stored Number>
+    View(const Number* data, std::uint64_t count, std::int64_t strideBytes)
+        : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
+
+    glint_view raw{};
+};
+
+// An output array, of the same kinds; a default one is not wanted.
+class Out {
+  public:
+    Out() = default;
+    template <std::ranges::contiguous_range Range>
+    requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> &&
+        (!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>)Out(Range&& range)
+        : Out(reinterpret_cast<typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
+                  std::ranges::data(range)),
+              std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
+    template <Stored Number>
+    Out(Number* data, std::uint64_t count, std::int64_t strideBytes)
+        : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
+
+    glint_out raw{};
+};
+
+// How a long call behaves; both may be empty.
+struct Control {
+    std::function<bool()> cancelled;
+    std::function<void(double)> progress;
+};
+
+namespace detail {
+
+class RawOptions {
+  public:
+    explicit RawOptions(const Control& control) {
+        options.size = sizeof(options);
+        options.user = const_cast<Control*>(&control);
+        if (control.cancelled)
+            options.cancelled = [](void* user) { return static_cast<Control*>(user)->cancelled() ? 1 : 0; };
+        if (control.progress)
+            options.progress = [](void* user, double part) { static_cast<Control*>(user)->progress(part); };
+    }
+    glint_options options{};
+};
+
+// A counted handle.
+template <class Handle, void (*retain)(Handle*), void (*release)(Handle*)>
+class Owner {
+  public:
+    Owner() = default;
+    explicit Owner(Handle* owned) : handle_(owned) {}
+    Owner(const Owner& other) : handle_(other.handle_) { retain(handle_); }
+    Owner(Owner&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Owner& operator=(Owner other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Owner() { release(handle_); }
+    Handle* get() const noexcept { return handle_; }
+
+  private:
+    Handle* handle_ = nullptr;
+};
+
+}  // namespace detail
+
+using DeviceInfo = glint_device_info;
+using SceneInfo = glint_scene_info;
+
+// A copy is another owner of the same device.
+class Device {
+  public:
+    // "" for the best, a number, "cpu", or part of a name.
+    explicit Device(const std::string& selector = {}) {
+        glint_device* opened = nullptr;
+        check(glint_device_open(selector.c_str(), &opened));
+        owner_ = decltype(owner_)(opened);
+    }
+
+    DeviceInfo info() const {
+        GLINT_INIT(glint_device_info, found);
+        check(glint_device_info_of(get(), &found));
+        return found;
+    }
+    static std::vector<DeviceInfo> list() {
+        std::uint32_t count = 0;
+        check(glint_device_count(&count));
+        std::vector<DeviceInfo> devices(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            devices[i].size = sizeof(DeviceInfo);
+            check(glint_device_describe(i, &devices[i]));
+        }
+        return devices;
+    }
+    glint_device* get() const noexcept { return owner_.get(); }
+
+  private:
+    detail::Owner<glint_device, glint_device_retain, glint_device_release> owner_;
+};
+
+struct Rays {
+    View origins, directions;
+    View tMin = {}, tMax = {};  // default: 0 and infinity
+    bool coherent = false;
+
+    glint_rays raw() const {
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = origins.raw;
+        rays.directions = directions.raw;
+        rays.t_min = tMin.raw;
+        rays.t_max = tMax.raw;
+        if (coherent) rays.flags = GLINT_RAYS_COHERENT;
+        return rays;
+    }
+};
+
+struct Hits {
+    Out hit = {}, t = {}, geometry = {}, primitive = {}, material = {}, uv = {}, point = {}, normal = {};
+
+    glint_hits raw() const {
+        GLINT_INIT(glint_hits, hits);
+        hits.hit = hit.raw;
+        hits.t = t.raw;
+        hits.geometry = geometry.raw;
+        hits.primitive = primitive.raw;
+        hits.material = material.raw;
+        hits.uv = uv.raw;
+        hits.point = point.raw;
+        hits.normal = normal.raw;
+        return hits;
+    }
+};
+
+struct Camera {
+    std::array<double, 3> eye, target, up = {0, 1, 0};
+    double fovY = 40;
+};
+
+struct Picture {
+    std::uint32_t width = 0, height = 0, samples = 0;  // 0: the scene's
+    std::int32_t maxDepth = 0;
+    const Camera* camera = nullptr;  // null: the scene's
+    Out color = {}, depth = {}, position = {}, normal = {}, geometry = {}, primitive = {}, material = {};
+};
+
+using Transform = std::array<double, 12>;  // three rows of four
+
+// A copy is another owner of the same scene.
+class Scene {
+  public:
+    explicit Scene(const Device& device) {
+        glint_scene* made = nullptr;
+        check(glint_scene_create(device.get(), &made));
+        owner_ = decltype(owner_)(made);
+    }
+    // From a file, committed.
+    static Scene load(const Device& device, const std::string& path) {
+        glint_scene* loaded = nullptr;
+        check(glint_scene_load(device.get(), path.c_str(), &loaded));
+        return Scene(loaded);
+    }
+
+    // Each returns the number of the geometry.
+    std::uint32_t addTriangles(const View& vertices, const View& indices = {}, std::uint32_t material = 0) {
+        GLINT_INIT(glint_triangles, triangles);
+        triangles.vertices = vertices.raw;
+        triangles.indices = indices.raw;
+        triangles.material = material;
+        std::uint32_t geometry = 0;
+        check(glint_scene_add_triangles(get(), &triangles, &geometry));
+        return geometry;
+    }
+    std::uint32_t addSpheres(const View& centers, const View& radii, std::uint32_t material = 0) {
+        GLINT_INIT(glint_spheres, spheres);
+        spheres.centers = centers.raw;
+        spheres.radii = radii.raw;
+        spheres.material = material;
+        std::uint32_t first = 0;
+        check(glint_scene_add_spheres(get(), &spheres, &first));
+        return first;
+    }
+    std::uint32_t addJson(const std::string& text, const std::string& folder = {}) {
+        std::uint32_t first = 0;
+        check(glint_scene_add_json(get(), text.c_str(), folder.empty() ? nullptr : folder.c_str(), &first,
+                                   nullptr));
+        return first;
+    }
+    std::uint32_t addInstance(std::uint32_t geometry, const Transform& transform) {
+        std::uint32_t instance = 0;
+        check(glint_scene_add_instance(get(), geometry, transform.data(), &instance));
+        return instance;
+    }
+    void setTransform(std::uint32_t geometry, const Transform& transform) {
+        check(glint_scene_set_transform(get(), geometry, transform.data()));
+    }
+    void setVertices(std::uint32_t geometry, const View& vertices) {
+        check(glint_scene_set_vertices(get(), geometry, &vertices.raw));
+    }
+    std::uint32_t material(const std::string& name) const {
+        std::uint32_t found = 0;
+        check(glint_scene_find_material(get(), name.c_str(), &found));
+        return found;
+    }
+    void commit() { check(glint_scene_commit(get())); }
+
+    SceneInfo info() const {
+        GLINT_INIT(glint_scene_info, found);
+        check(glint_scene_info_of(get(), &found));
+        return found;
+    }
+    std::vector<std::string> warnings() const {
+        std::vector<std::string> texts(info().warnings);
+        for (std::uint32_t i = 0; i < texts.size(); ++i) {
+            const char* text = nullptr;
+            check(glint_scene_warning(get(), i, &text));
+            texts[i] = text;
+        }
+        return texts;
+    }
+
+    void closest(const Rays& rays, const Hits& hits, const Control& control = {}) const {
+        const glint_rays asked = rays.raw();
+        const glint_hits wanted = hits.raw();
+        const detail::RawOptions options(control);
+        check(glint_query_closest(get(), &asked, &wanted, &options.options));
+    }
+    void any(const Rays& rays, const Out& hit, const Control& control = {}) const {
+        const glint_rays asked = rays.raw();
+        const detail::RawOptions options(control);
+        check(glint_query_any(get(), &asked, &hit.raw, &options.options));
+    }
+
+    // How many surfaces each ray crosses.
+    void count(const Rays& rays, const Out& crossings, const Control& control = {}) const {
+        const glint_rays asked = rays.raw();
+        const detail::RawOptions options(control);
+        check(glint_query_count(get(), &asked, &crossings.raw, &options.options));
+    }
+    // All of them: those of ray i are offsets[i] ... offsets[i + 1] - 1. Returns how many there are; without
+    // `hits` nothing but the offsets, which may be left out.
+    std::uint64_t all(const Rays& rays, const Out& offsets, const Hits* hits = nullptr,
+                      const Control& control = {}) const {
+        const glint_rays asked = rays.raw();
+        const glint_hits wanted = hits != nullptr ? hits->raw() : glint_hits{};
+        const detail::RawOptions options(control);
+        std::uint64_t total = 0;
+        check(glint_query_all(get(), &asked, &offsets.raw, hits != nullptr ? &wanted : nullptr, &total,
+                              &options.options));
+        return total;
+    }
+    // GLINT_OUTSIDE, GLINT_INSIDE or GLINT_ON_SURFACE for each point.
+    void inside(const View& points, const Out& where, const Control& control = {}) const {
+        const detail::RawOptions options(control);
+        check(glint_query_inside(get(), &points.raw, &where.raw, &options.options));
+    }
+
+    void render(const Picture& picture, const Control& control = {}) const {
+        GLINT_INIT(glint_camera, camera);
+        GLINT_INIT(glint_picture, wanted);
+        if (picture.camera != nullptr) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                camera.eye[i] = picture.camera->eye[i];
+                camera.target[i] = picture.camera->target[i];
+                camera.up[i] = picture.camera->up[i];
+            }
+            camera.fov_y = picture.camera->fovY;
+            wanted.camera = &camera;
+        }
+        wanted.width = picture.width;
+        wanted.height = picture.height;
+        wanted.samples = picture.samples;
+        wanted.max_depth = picture.maxDepth;
+        wanted.color = picture.color.raw;
+        wanted.depth = picture.depth.raw;
+        wanted.position = picture.position.raw;
+        wanted.normal = picture.normal.raw;
+        wanted.geometry = picture.geometry.raw;
+        wanted.primitive = picture.primitive.raw;
+        wanted.material = picture.material.raw;
+        const detail::RawOptions options(control);
+        check(glint_render(get(), &wanted, &options.options));
+    }
+
+    glint_scene* get() const noexcept { return owner_.get(); }
+
+  private:
+    explicit Scene(glint_scene* owned) : owner_(owned) {}
+    detail::Owner<glint_scene, glint_scene_retain, glint_scene_release> owner_;
+};
+
+}  // namespace api
+}  // namespace glint
+
+#endif

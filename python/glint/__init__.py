@@ -1,0 +1,378 @@
+"""Rays against scenes, and pictures of them: numpy in, numpy out, on any Vulkan device or the processor alone.
+
+    import glint
+    scene = glint.Scene(vertices, faces)
+    hits = scene.cast(rays)                 # (n, 6), or origins and directions
+    scene.contains(points)
+
+Arrays are float32 or float64, and are passed on as they stand. A device is chosen by its number or a part of its name; "cpu" is
+the reference in double precision; none is the best there is.
+"""
+import collections
+import ctypes
+import math
+
+import numpy
+
+from . import _native
+from ._native import NONE, Error
+
+__all__ = ["Device", "Error", "NONE", "Scene", "INSIDE", "ON_SURFACE", "OUTSIDE", "devices", "render", "version"]
+
+OUTSIDE, INSIDE, ON_SURFACE = 0, 1, 2
+_WIDTHS = {"uv": 2, "point": 3, "normal": 3, "position": 3, "color": 4}
+_INDICES = ("geometry", "primitive", "material")
+
+
+def version():
+    """Of the library, as (major, minor, patch)."""
+    number = _native.loaded.glint_version()
+    return number // 1000000, number // 1000 % 1000, number % 1000
+
+
+def _described(info):
+    return {"index": info.index, "name": info.name.decode(), "usable": bool(info.usable), "software": bool(info.software),
+            "reference": bool(info.reference), "reason": info.reason.decode()}
+
+
+def devices():
+    """What there is, as dictionaries; "cpu" is the last."""
+    count = ctypes.c_uint32()
+    _native.call("glint_device_count", ctypes.byref(count))
+    found = []
+    for index in range(count.value):
+        info = _native.make(_native.DeviceInfo)
+        _native.call("glint_device_describe", index, ctypes.byref(info))
+        found.append(_described(info))
+    return found
+
+
+class Device:
+    """An open device; scenes keep theirs alive."""
+
+    def __init__(self, selector=""):
+        self._handle = ctypes.c_void_p()
+        _native.call("glint_device_open", str(selector).encode(), ctypes.byref(self._handle))
+
+    def __del__(self):
+        _native.loaded.glint_device_release(self._handle)
+
+    @property
+    def info(self):
+        info = _native.make(_native.DeviceInfo)
+        _native.call("glint_device_info_of", self._handle, ctypes.byref(info))
+        return _described(info)
+
+
+def _device(device):
+    return device if isinstance(device, Device) else Device("" if device is None else device)
+
+
+def _transform(matrix):
+    """Twelve doubles of a (3, 4) or (4, 4) matrix."""
+    rows = numpy.ascontiguousarray(numpy.asarray(matrix, dtype=numpy.float64)[:3, :4])
+    if rows.shape != (3, 4):
+        raise ValueError("a transform is a (3, 4) or (4, 4) matrix")
+    return rows, rows.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+class _Options:
+    """Callbacks of a long call. What they raise ends it and is raised again there."""
+
+    def __init__(self, cancelled, progress):
+        self.raised = None
+        self.struct = _native.make(_native.Options)
+
+        def guarded(body, fallback):
+            try:
+                return body()
+            except BaseException as error:  # pylint: disable=broad-except
+                self.raised = error
+                return fallback
+        if cancelled or progress:
+            self.struct.cancelled = _native.CANCELLED_CALLBACK(
+                lambda _: 1 if self.raised else int(bool(guarded(cancelled, True))) if cancelled else 0)
+        if progress:
+            self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: progress(part), None))
+
+    def call(self, name, *arguments):
+        try:
+            _native.call(name, *arguments, ctypes.byref(self.struct))
+        finally:
+            if self.raised is not None:
+                raise self.raised
+
+
+class _RayArrays:
+    """Keeps the arrays of a batch alive while it is under way."""
+
+    def __init__(self, rays, directions, t_min, t_max, coherent):
+        if directions is None:
+            both = _native.numbers(rays, 6, "rays")
+            self.shape = numpy.shape(rays)[:-1]
+            origins, directions = both[:, :3], both[:, 3:]
+        else:
+            origins = _native.numbers(rays, 3, "origins")
+            self.shape = numpy.broadcast_shapes(numpy.shape(rays)[:-1], numpy.shape(directions)[:-1])
+            directions = _native.numbers(directions, 3, "directions")
+        self.count = math.prod(self.shape)
+        for array in (origins, directions):
+            if array.shape[0] not in (1, self.count):
+                raise ValueError("origins and directions must be as many, or one for all")
+        # One origin and one direction for a shape of no axes, or of many.
+        if self.count > 1 and origins.shape[0] == directions.shape[0] == 1:
+            origins = numpy.repeat(origins, self.count, axis=0)
+        self.kept = [origins, directions]
+        self.struct = _native.make(_native.Rays)
+        self.struct.origins = _native.view(origins)
+        self.struct.directions = _native.view(directions)
+        for name, bound in (("t_min", t_min), ("t_max", t_max)):
+            if bound is not None:
+                array = _native.numbers(bound, None, name)
+                self.kept.append(array)
+                setattr(self.struct, name, _native.view(array))
+        self.struct.flags = _native.COHERENT if coherent else 0
+
+
+def _hit_arrays(want, count, dtype):
+    arrays = {}
+    for name in want:
+        if name == "hit":
+            arrays[name] = numpy.empty(count, numpy.uint8)
+        elif name in _INDICES:
+            arrays[name] = numpy.empty(count, numpy.uint32)
+        elif name in _native.HIT_FIELDS:
+            width = _WIDTHS.get(name)
+            arrays[name] = numpy.empty(count if width is None else (count, width), dtype)
+        else:
+            raise ValueError(f"{name!r} is not one of {', '.join(_native.HIT_FIELDS)}")
+    return arrays
+
+
+def _hits_struct(arrays):
+    struct = _native.make(_native.Hits)
+    for name, array in arrays.items():
+        setattr(struct, name, _native.view(array))
+    return struct
+
+
+def _record(name, arrays, shape=None):
+    if shape is not None:
+        arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
+    if "hit" in arrays:
+        arrays["hit"] = arrays["hit"].astype(bool)
+    return collections.namedtuple(name, arrays)(**arrays)
+
+
+class Scene:
+    """Geometry that rays are cast at. Geometries are numbered as they are added; hits name them by these numbers.
+
+    With `vertices` (n, 3), and `faces` (m, 3) unless every three vertices are a triangle, it is one mesh, committed.
+    """
+
+    def __init__(self, vertices=None, faces=None, device=None):
+        self._handle = ctypes.c_void_p()
+        self._device = _device(device)
+        _native.call("glint_scene_create", self._device._handle, ctypes.byref(self._handle))
+        if vertices is not None:
+            self.add_triangles(vertices, faces)
+            self.commit()
+
+    @classmethod
+    def load(cls, path, device=None):
+        """A scene or model from a file, committed."""
+        scene = cls.__new__(cls)
+        scene._handle = ctypes.c_void_p()
+        scene._device = _device(device)
+        _native.call("glint_scene_load", scene._device._handle, str(path).encode(), ctypes.byref(scene._handle))
+        return scene
+
+    def __del__(self):
+        _native.loaded.glint_scene_release(self._handle)
+
+    # ---- what is in it ----
+
+    def add_triangles(self, vertices, faces=None, material=0):
+        """A mesh; returns its number."""
+        points = _native.numbers(vertices, 3, "vertices")
+        given = _native.make(_native.Triangles)
+        given.vertices = _native.view(points)
+        given.material = material
+        if faces is not None:
+            corners = numpy.ascontiguousarray(numpy.asarray(faces), dtype=numpy.uint32)
+            if corners.ndim != 2 or corners.shape[1] != 3:
+                raise ValueError(f"faces has the shape {corners.shape}; it must be (n, 3)")
+            if corners.size and numpy.min(faces) < 0:
+                raise ValueError("faces has a negative index")
+            given.indices = _native.view(corners)
+        return self._added("glint_scene_add_triangles", ctypes.byref(given))
+
+    def add_spheres(self, centers, radii, material=0):
+        """Each is a geometry of its own; returns the number of the first."""
+        places = _native.numbers(centers, 3, "centers")
+        sizes = _native.numbers(radii, None, "radii")
+        given = _native.make(_native.Spheres)
+        given.centers = _native.view(places)
+        given.radii = _native.view(sizes)
+        given.material = material
+        return self._added("glint_scene_add_spheres", ctypes.byref(given))
+
+    def add_json(self, text, folder=None):
+        """What the text of a scene file describes; returns the numbers of its geometries, as a range."""
+        first, count = ctypes.c_uint32(), ctypes.c_uint32()
+        _native.call("glint_scene_add_json", self._handle, text.encode(), None if folder is None else str(folder).encode(),
+                     ctypes.byref(first), ctypes.byref(count))
+        return range(first.value, first.value + count.value)
+
+    def add_instance(self, geometry, transform):
+        """The geometry once more, elsewhere; returns the number of the new one."""
+        rows, pointer = _transform(transform)
+        number = self._added("glint_scene_add_instance", geometry, pointer)
+        del rows
+        return number
+
+    def set_transform(self, geometry, transform):
+        rows, pointer = _transform(transform)
+        _native.call("glint_scene_set_transform", self._handle, geometry, pointer)
+        del rows
+
+    def set_vertices(self, geometry, vertices):
+        points = _native.numbers(vertices, 3, "vertices")
+        _native.call("glint_scene_set_vertices", self._handle, geometry, ctypes.byref(_native.view(points)))
+
+    def material(self, name):
+        """The number of the material of that name."""
+        found = ctypes.c_uint32()
+        _native.call("glint_scene_find_material", self._handle, name.encode(), ctypes.byref(found))
+        return found.value
+
+    def commit(self):
+        """Makes what was added and changed what queries see."""
+        _native.call("glint_scene_commit", self._handle)
+        return self
+
+    def _added(self, name, *arguments):
+        number = ctypes.c_uint32()
+        _native.call(name, self._handle, *arguments, ctypes.byref(number))
+        return number.value
+
+    def _info(self):
+        info = _native.make(_native.SceneInfo)
+        _native.call("glint_scene_info_of", self._handle, ctypes.byref(info))
+        return info
+
+    @property
+    def bounds(self):
+        """The box around everything committed but planes: (2, 3)."""
+        info = self._info()
+        return numpy.array([info.lower, info.upper])
+
+    @property
+    def triangles(self):
+        return self._info().triangles
+
+    @property
+    def warnings(self):
+        texts = []
+        for index in range(self._info().warnings):
+            text = ctypes.c_char_p()
+            _native.call("glint_scene_warning", self._handle, index, ctypes.byref(text))
+            texts.append(text.value.decode())
+        return texts
+
+    # ---- rays ----
+
+    def cast(self, rays, directions=None, *, t_min=None, t_max=None, want=("t", "geometry", "primitive", "uv", "normal"),
+             dtype=numpy.float64, coherent=False, cancelled=None, progress=None):
+        """The nearest hit of each ray, as a named tuple of arrays: those in `want`, nothing else is computed.
+
+        rays: (..., 6), or origins (..., 3) with directions (..., 3), either may be one for all. want: of hit, t, geometry, primitive,
+        material, uv, point, normal. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
+        """
+        batch = _RayArrays(rays, directions, t_min, t_max, coherent)
+        arrays = _hit_arrays(want, batch.count, dtype)
+        hits = _hits_struct(arrays)
+        _Options(cancelled, progress).call("glint_query_closest", self._handle, ctypes.byref(batch.struct), ctypes.byref(hits))
+        return _record("Hits", arrays, batch.shape)
+
+    def _flags(self, name, batch, dtype, cancelled, progress):
+        answers = numpy.empty(batch.count, dtype)
+        if batch.count:
+            out = _native.view(answers)
+            _Options(cancelled, progress).call(name, self._handle, ctypes.byref(batch.struct), ctypes.byref(out))
+        return answers.reshape(batch.shape)
+
+    def occluded(self, rays, directions=None, *, t_min=None, t_max=None, coherent=False, cancelled=None, progress=None):
+        """Whether each ray hits anything."""
+        batch = _RayArrays(rays, directions, t_min, t_max, coherent)
+        return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).astype(bool)
+
+    def count(self, rays, directions=None, *, t_min=None, t_max=None, cancelled=None, progress=None):
+        """How many surfaces each ray crosses: a closed one is crossed an even number of times from outside, an odd one from inside."""
+        batch = _RayArrays(rays, directions, t_min, t_max, False)
+        return self._flags("glint_query_count", batch, numpy.uint32, cancelled, progress)
+
+    def all_hits(self, rays, directions=None, *, t_min=None, t_max=None, want=("t", "geometry", "primitive", "uv"),
+                 dtype=numpy.float64, cancelled=None, progress=None):
+        """Everything each ray crosses, nearest first: (offsets, hits), those of ray i at offsets[i]:offsets[i + 1]."""
+        batch = _RayArrays(rays, directions, t_min, t_max, False)
+        offsets = numpy.zeros(batch.count + 1, numpy.uint64)
+        out, total = _native.view(offsets), ctypes.c_uint64()
+        options = _Options(cancelled, progress)
+        options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), None, ctypes.byref(total))
+        arrays = _hit_arrays(want, total.value, dtype)
+        hits = _hits_struct(arrays)
+        options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), ctypes.byref(hits),
+                     ctypes.byref(total))
+        return offsets, _record("Hits", arrays)
+
+    def locate(self, points, *, cancelled=None, progress=None):
+        """OUTSIDE, INSIDE or ON_SURFACE for each point (..., 3)."""
+        places = _native.numbers(points, 3, "points")
+        where = numpy.empty(places.shape[0], numpy.uint8)
+        if places.shape[0]:
+            given, out = _native.view(places), _native.view(where)
+            _Options(cancelled, progress).call("glint_query_inside", self._handle, ctypes.byref(given), ctypes.byref(out))
+        return where.reshape(numpy.shape(points)[:-1])
+
+    def contains(self, points):
+        """Whether each point is inside of the closed surfaces; one on a surface is not."""
+        return self.locate(points) == INSIDE
+
+    # ---- pictures ----
+
+    def render(self, width=0, height=0, samples=0, *, layers=("color",), camera=None, max_depth=None, dtype=numpy.float32,
+               cancelled=None, progress=None):
+        """A picture: (height, width, 4) of linear RGB and alpha; for other `layers` than that one a named tuple.
+
+        Sizes and samples of 0 are the scene's. camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y).
+        """
+        info = self._info()
+        width, height = width or info.width, height or info.height
+        picture = _native.make(_native.Picture)
+        picture.width, picture.height, picture.samples = width, height, samples
+        if max_depth is not None:
+            picture.max_depth = max_depth or -1
+        if camera is not None:
+            eye, target, up, fov = tuple(camera) + ((0, 1, 0), 40)[len(camera) - 2:]
+            view = _native.make(_native.Camera)
+            view.eye[:], view.target[:], view.up[:], view.fov_y = eye, target, up, fov
+            picture.camera = ctypes.pointer(view)
+        arrays = {}
+        for name in layers:
+            if name not in _native.LAYERS:
+                raise ValueError(f"{name!r} is not one of {', '.join(_native.LAYERS)}")
+            wide = _WIDTHS.get(name)
+            kind = numpy.uint32 if name in _INDICES else dtype
+            arrays[name] = numpy.zeros((height * width, wide) if wide else height * width, kind)
+            setattr(picture, name, _native.view(arrays[name]))
+        _Options(cancelled, progress).call("glint_render", self._handle, ctypes.byref(picture))
+        made = _record("Picture", arrays, (height, width))
+        return made.color if tuple(layers) == ("color",) else made
+
+
+def render(scene, *arguments, device=None, **options):
+    """Scene.render of a Scene, or of the file of that name."""
+    if not isinstance(scene, Scene):
+        scene = Scene.load(scene, device)
+    return scene.render(*arguments, **options)

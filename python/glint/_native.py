@@ -1,0 +1,141 @@
+"""libglint's C API (include/glint/glint.h) by ctypes. Calls release the interpreter's lock."""
+import ctypes
+import ctypes.util
+import os
+
+import numpy
+
+OK, CANCELLED = 0, 5
+NONE = 0xFFFFFFFF
+COHERENT = 1
+_TYPES = {"float32": 0, "float64": 1, "uint32": 2, "uint8": 3, "uint64": 4}
+
+
+class Error(RuntimeError):
+    """What glint refuses or cannot do; `status` is the name of the C API's status."""
+
+    def __init__(self, status, message):
+        super().__init__(message)
+        self.status = status
+
+
+class View(ctypes.Structure):
+    """Both glint_view and glint_out."""
+    _fields_ = [("data", ctypes.c_void_p), ("count", ctypes.c_uint64), ("stride", ctypes.c_int64), ("type", ctypes.c_int32),
+                ("reserved", ctypes.c_int32)]
+
+
+def _struct(name, fields):
+    made = type(name, (ctypes.Structure,), {"_fields_": [("size", ctypes.c_uint64)] + fields})
+    return made
+
+
+Rays = _struct("Rays", [("origins", View), ("directions", View), ("t_min", View), ("t_max", View), ("flags", ctypes.c_uint32),
+                        ("reserved", ctypes.c_uint32)])
+HIT_FIELDS = ("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal")
+Hits = _struct("Hits", [(name, View) for name in HIT_FIELDS])
+Triangles = _struct("Triangles", [("vertices", View), ("indices", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
+Spheres = _struct("Spheres", [("centers", View), ("radii", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
+DeviceInfo = _struct("DeviceInfo", [("index", ctypes.c_uint32), ("usable", ctypes.c_int32), ("software", ctypes.c_int32),
+                                    ("reference", ctypes.c_int32), ("name", ctypes.c_char * 256), ("reason", ctypes.c_char * 256)])
+SceneInfo = _struct("SceneInfo", [("geometries", ctypes.c_uint32), ("warnings", ctypes.c_uint32), ("triangles", ctypes.c_uint64),
+                                  ("lower", ctypes.c_double * 3), ("upper", ctypes.c_double * 3), ("width", ctypes.c_uint32),
+                                  ("height", ctypes.c_uint32)])
+Camera = _struct("Camera", [("eye", ctypes.c_double * 3), ("target", ctypes.c_double * 3), ("up", ctypes.c_double * 3),
+                            ("fov_y", ctypes.c_double)])
+LAYERS = ("color", "depth", "position", "normal", "geometry", "primitive", "material")
+Picture = _struct("Picture", [("width", ctypes.c_uint32), ("height", ctypes.c_uint32), ("samples", ctypes.c_uint32),
+                              ("max_depth", ctypes.c_int32), ("camera", ctypes.POINTER(Camera))] + [(name, View) for name in LAYERS])
+CANCELLED_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
+PROGRESS_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double)
+Options = _struct("Options", [("cancelled", CANCELLED_CALLBACK), ("progress", PROGRESS_CALLBACK), ("user", ctypes.c_void_p)])
+
+
+def make(kind):
+    """A struct with its size set and all else zero."""
+    made = kind()
+    made.size = ctypes.sizeof(kind)
+    return made
+
+
+def _load():
+    chosen = os.environ.get("GLINT_LIBRARY")
+    for name in [chosen] if chosen else ["libglint.so.0", ctypes.util.find_library("glint")]:
+        if name:
+            try:
+                return ctypes.CDLL(name)
+            except OSError as error:
+                problem = error
+    raise ImportError(f"libglint was not found ({problem}): install it, or set GLINT_LIBRARY to the path of libglint.so.0")
+
+
+loaded = _load()
+_handle, _pointer = ctypes.c_void_p, ctypes.POINTER
+_SIGNATURES = {
+    "glint_device_count": [_pointer(ctypes.c_uint32)],
+    "glint_device_describe": [ctypes.c_uint32, _pointer(DeviceInfo)],
+    "glint_device_open": [ctypes.c_char_p, _pointer(_handle)],
+    "glint_device_info_of": [_handle, _pointer(DeviceInfo)],
+    "glint_scene_create": [_handle, _pointer(_handle)],
+    "glint_scene_load": [_handle, ctypes.c_char_p, _pointer(_handle)],
+    "glint_scene_add_triangles": [_handle, _pointer(Triangles), _pointer(ctypes.c_uint32)],
+    "glint_scene_add_spheres": [_handle, _pointer(Spheres), _pointer(ctypes.c_uint32)],
+    "glint_scene_add_json": [_handle, ctypes.c_char_p, ctypes.c_char_p, _pointer(ctypes.c_uint32), _pointer(ctypes.c_uint32)],
+    "glint_scene_add_instance": [_handle, ctypes.c_uint32, _pointer(ctypes.c_double), _pointer(ctypes.c_uint32)],
+    "glint_scene_set_transform": [_handle, ctypes.c_uint32, _pointer(ctypes.c_double)],
+    "glint_scene_set_vertices": [_handle, ctypes.c_uint32, _pointer(View)],
+    "glint_scene_find_material": [_handle, ctypes.c_char_p, _pointer(ctypes.c_uint32)],
+    "glint_scene_commit": [_handle],
+    "glint_scene_info_of": [_handle, _pointer(SceneInfo)],
+    "glint_scene_warning": [_handle, ctypes.c_uint32, _pointer(ctypes.c_char_p)],
+    "glint_query_closest": [_handle, _pointer(Rays), _pointer(Hits), _pointer(Options)],
+    "glint_query_any": [_handle, _pointer(Rays), _pointer(View), _pointer(Options)],
+    "glint_query_count": [_handle, _pointer(Rays), _pointer(View), _pointer(Options)],
+    "glint_query_all": [_handle, _pointer(Rays), _pointer(View), _pointer(Hits), _pointer(ctypes.c_uint64), _pointer(Options)],
+    "glint_query_inside": [_handle, _pointer(View), _pointer(View), _pointer(Options)],
+    "glint_render": [_handle, _pointer(Picture), _pointer(Options)],
+}
+for _name, _arguments in _SIGNATURES.items():
+    getattr(loaded, _name).argtypes = _arguments
+    getattr(loaded, _name).restype = ctypes.c_int32
+for _name in ("glint_device_release", "glint_scene_release"):
+    getattr(loaded, _name).argtypes = [_handle]
+    getattr(loaded, _name).restype = None
+loaded.glint_last_error.restype = ctypes.c_char_p
+loaded.glint_status_name.restype = ctypes.c_char_p
+loaded.glint_status_name.argtypes = [ctypes.c_int32]
+loaded.glint_version.restype = ctypes.c_uint32
+
+
+def call(name, *arguments):
+    status = getattr(loaded, name)(*arguments)
+    if status != OK:
+        raise Error(loaded.glint_status_name(status).decode(), loaded.glint_last_error().decode())
+
+
+def view(array):
+    """A view of an array of elements: its last axis is what an element is made of, unless it has but one."""
+    if array is None:
+        return View()
+    stride = array.strides[0] if array.size else 0
+    return View(array.ctypes.data_as(ctypes.c_void_p), array.shape[0], stride, _TYPES[array.dtype.name], 0)
+
+
+def numbers(given, width, what):
+    """As an array of float32 or float64, (n, width) or, for width None, (n,). Copied only where it has to be."""
+    array = numpy.asarray(given)
+    if array.dtype not in (numpy.float32, numpy.float64):
+        array = array.astype(numpy.float64)
+    if width is None:
+        array = array.reshape(-1) if array.ndim != 1 else array
+    else:
+        if array.shape[-1:] != (width,):
+            raise ValueError(f"{what} has the shape {array.shape}; its last axis must be {width}")
+        if array.ndim != 2:
+            array = array.reshape(-1, width)
+        if array.strides[1] != array.itemsize:
+            array = numpy.ascontiguousarray(array)
+    # A stride of 0 says "packed" to glint; numpy means "all the same".
+    if array.shape[0] > 1 and array.strides[0] == 0:
+        array = numpy.ascontiguousarray(array)
+    return array

@@ -1,0 +1,135 @@
+// Crossings: how often a ray goes through surfaces, each time counted once, whatever was rounded.
+//
+// In the plane across the ray (Woop's shear) each vertex has one rounded place, which all its triangles
+// share. So what is counted is a mesh that is closed if the given one is, seen from a point moved by (e, e^2)
+// (sideOfEdge): of that the signs are exact, as products that round to the same number are compared in whole
+// numbers. A line hence crosses a closed mesh an even number of times. t only tells what lies behind the
+// origin; where its sign is not beyond doubt the ray is reported, and the host counts anew.
+#ifndef GLINT_CROSSINGS_GLSL
+#define GLINT_CROSSINGS_GLSL
+
+#include "primitives/triangle.glsl"
+
+// Whether it matters where a crossing is, beside that it is in the interval.
+#ifdef GLINT_LIST
+const bool kPlacesMatter = true;
+#else
+const bool kPlacesMatter = FEATURE_ALPHA_MASK;
+#endif
+
+// The magnitude of x is m 2^(e - 150).
+void takeApart(float x, out uint m, out int e) {
+    uint bits = floatBitsToUint(x) & 0x7fffffffu;
+    uint exponent = bits >> 23;
+    m = (bits & 0x7fffffu) | (exponent > 0u ? 0x800000u : 0u);
+    e = int(max(exponent, 1u));
+}
+
+// A product's magnitude as 64 binary digits, the first of them 1 unless it is zero, and an exponent.
+struct Magnitude {
+    uint hi, lo;
+    int exponent;
+};
+Magnitude magnitudeOf(float x, float y) {
+    uint mx, my;
+    int ex, ey;
+    takeApart(x, mx, ex);
+    takeApart(y, my, ey);
+    Magnitude p;
+    umulExtended(mx, my, p.hi, p.lo);
+    int lead = p.hi != 0u ? 31 - findMSB(p.hi) : (p.lo != 0u ? 63 - findMSB(p.lo) : 0);
+    if (lead >= 32) {
+        p.hi = p.lo << (lead - 32);
+        p.lo = 0u;
+    } else if (lead > 0) {
+        p.hi = (p.hi << lead) | (p.lo >> (32 - lead));
+        p.lo <<= lead;
+    }
+    p.exponent = ex + ey - lead;
+    return p;
+}
+bool isZero(Magnitude p) { return (p.hi | p.lo) == 0u; }
+
+// The sign of a b - c d, exactly.
+int compareProducts(float a, float b, float c, float d) {
+    Magnitude p = magnitudeOf(a, b);
+    Magnitude q = magnitudeOf(c, d);
+    uint signP = (floatBitsToUint(a) ^ floatBitsToUint(b)) >> 31;
+    uint signQ = (floatBitsToUint(c) ^ floatBitsToUint(d)) >> 31;
+    int first = isZero(p) ? 0 : 1 - 2 * int(signP);
+    int second = isZero(q) ? 0 : 1 - 2 * int(signQ);
+    int bits = p.exponent != q.exponent
+                   ? (p.exponent > q.exponent ? 1 : -1)
+                   : (p.hi != q.hi ? (p.hi > q.hi ? 1 : -1) : (p.lo != q.lo ? (p.lo > q.lo ? 1 : -1) : 0));
+    return first != second ? sign(first - second) : first * bits;
+}
+
+// Of the edge from p to q, on which side of it the moved ray passes: 1 or -1, 0 only where p and q are one
+// place. The edge from q to p gets the other sign.
+int sideExactly(vec2 p, vec2 q) {
+    int side = compareProducts(p.x, q.y, p.y, q.x);
+    int moved = p.y != q.y ? (p.y > q.y ? 1 : -1) : (p.x != q.x ? (q.x > p.x ? 1 : -1) : 0);
+    return side != 0 ? side : moved;
+}
+
+// Whether the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
+// that is so behind the origin or before it. Three signs that are not zero are right (a rounded difference of
+// rounded products has the sign of the true one), and t lies between those of the corners: so few triangles
+// need more than signs, a loop of one trip, as lavapipe skips work only by not entering a loop. t, u and v
+// are only known where they are wanted.
+bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
+                   out float v, out bool doubtful) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    SeenTriangle seen = seenAlong(frame, a, b, c);
+    float ea = seen.ea;
+    float eb = seen.eb;
+    float ec = seen.ec;
+    precise float az = frame.shear.z * a.z;
+    precise float bz = frame.shear.z * b.z;
+    precise float cz = frame.shear.z * c.z;
+    float nearest = min(az, min(bz, cz));
+    float farthest = max(az, max(bz, cz));
+    bool crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
+                   farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
+    bool certain =
+        ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
+    bool closer = crosses && (kPlacesMatter || !certain);
+    t = nearest;
+    u = 0.0;
+    v = 0.0;
+    doubtful = false;
+    do {
+        if (closer) {
+            int sa = ea != 0.0 ? (ea > 0.0 ? 1 : -1) : sideExactly(seen.c, seen.b);
+            int sb = eb != 0.0 ? (eb > 0.0 ? 1 : -1) : sideExactly(seen.a, seen.c);
+            int sc = ec != 0.0 ? (ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
+            crosses = sa != 0 && sa == sb && sa == sc;
+            precise float det = ea + eb + ec;
+            precise float inverse = 1.0 / det;
+            precise float wHit = ea * inverse;
+            precise float uHit = eb * inverse;
+            precise float vHit = ec * inverse;
+            precise float tHit = wHit * az + uHit * bz + vHit * cz;
+            // All three rounded to zero: any point of the triangle will do.
+            bool collapsed = det == 0.0;
+            t = collapsed ? farthest : tHit;
+            u = collapsed ? 0.0 : uHit;
+            v = collapsed ? 0.0 : vHit;
+            // Each term of a weight rounds twice, their difference, the product with z and the sums again.
+            precise vec3 terms = vec3(abs(seen.c.x * seen.b.y) + abs(seen.c.y * seen.b.x),
+                                      abs(seen.a.x * seen.c.y) + abs(seen.a.y * seen.c.x),
+                                      abs(seen.b.x * seen.a.y) + abs(seen.b.y * seen.a.x));
+            precise float bound = 16.0 * kUnit * dot(terms, abs(vec3(az, bz, cz)));
+            precise float sum = ea * az + eb * bz + ec * cz;
+            doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
+            crosses = crosses && t > 0.0 && t > ray.tMin && t <= ray.tMax;
+            closer = false;
+            ++trips;
+        }
+    } while (closer);
+    return crosses;
+}
+
+#endif

@@ -1,0 +1,250 @@
+// Queries that count: crossings, all hits, insides.
+#include <algorithm>
+#include <atomic>
+
+#include "core/parallel.h"
+#include "library/ray_reader.h"
+#include "library/status.h"
+#include "reference/crossings.h"
+
+namespace glint::library {
+
+namespace {
+
+using glm::dvec3;
+using reference::Hit;
+
+using ReadRay = std::function<LocalRay(uint64_t)>;
+
+std::vector<Hit> crossingsOf(const Snapshot::Part& part, const LocalRay& ray) {
+    return reference::crossings(part.tracer, referenceRay(ray));
+}
+
+// Blocks of rays on all processors; false if it was cancelled.
+bool forBlocks(uint64_t count, const Callbacks& callbacks,
+               const std::function<void(uint64_t first, uint64_t end)>& body) {
+    constexpr uint64_t kTurn = 1024;
+    const uint64_t turns = (count + kTurn - 1) / kTurn;
+    std::atomic<bool> stopped = false;
+    std::mutex mutex;
+    uint64_t done = 0;
+    parallelFor(turns, [&](size_t turn) {
+        if (stopped || (callbacks.cancelled && callbacks.cancelled())) {
+            stopped = true;
+            return;
+        }
+        body(turn * kTurn, std::min((turn + 1) * kTurn, count));
+        if (!callbacks.progress) return;
+        const std::lock_guard lock(mutex);
+        callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
+    });
+    return !stopped;
+}
+
+struct CountRun {
+    const Snapshot::Part& part;
+    uint64_t count;
+    ReadRay ray;
+    const Callbacks& callbacks;
+    // From several threads. doubtful: the number is the host's, and the device knows another.
+    std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
+
+    void onDevice() const {
+        render::RayTask task;
+        task.count = count;
+        task.ask = render::RayTask::Ask::Count;
+        task.cancelled = callbacks.cancelled;
+        task.progress = callbacks.progress;
+        task.fill = [&](size_t first, std::span<render::RayInput> inputs) {
+            for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = render::roundedRay(ray(first + i));
+        };
+        task.take = [&](size_t first, std::span<const render::FoundHit> found) {
+            for (size_t i = 0; i < found.size(); ++i) {
+                const uint32_t crossings =
+                    found[i].doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(first + i)).size())
+                                      : found[i].crossings;
+                take(first + i, crossings, found[i].doubtful);
+            }
+        };
+        if (!part.queries->run(task)) reportCancelled();
+    }
+    void onHost() const {
+        const bool whole = forBlocks(count, callbacks, [&](uint64_t first, uint64_t end) {
+            for (uint64_t i = first; i < end; ++i)
+                take(i, static_cast<uint32_t>(crossingsOf(part, ray(i)).size()), false);
+        });
+        if (!whole) reportCancelled();
+    }
+    void run() const { part.queries ? onDevice() : onHost(); }
+};
+
+// Rays first ... first + counts.size() - 1, whose numbers are known: where each crosses, nearest first.
+struct ListRun {
+    const Snapshot::Part& part;
+    const RayReader& rays;
+    uint64_t first;
+    const std::vector<uint32_t>& counts;
+    const std::vector<uint8_t>& doubtful;  // listed by the host
+    const std::vector<uint64_t>& places;   // of the first of each, from 0
+    std::vector<Hit>& hits;
+
+    void byHost(size_t i) const {
+        const std::vector<Hit> own = crossingsOf(part, rays.local(first + i));
+        std::copy_n(own.begin(), std::min<size_t>(own.size(), counts[i]), hits.begin() + places[i]);
+    }
+    void byDevice() const {
+        std::vector<uint32_t> wanted = counts;
+        for (size_t i = 0; i < wanted.size(); ++i)
+            if (doubtful[i]) wanted[i] = 0;
+        part.queries->list(
+            wanted,
+            [&](size_t start, std::span<render::RayInput> inputs) {
+                for (size_t i = 0; i < inputs.size(); ++i)
+                    inputs[i] = render::roundedRay(rays.local(first + start + i));
+            },
+            [&](size_t i, std::span<const render::FoundHit> found) {
+                for (size_t k = 0; k < found.size(); ++k) {
+                    const render::FoundHit& f = found[k];
+                    hits[places[i] + k] = {static_cast<double>(f.t),
+                                           static_cast<double>(f.u),
+                                           static_cast<double>(f.v),
+                                           f.primitive,
+                                           0,
+                                           f.instance};
+                }
+                const auto begin = hits.begin() + static_cast<ptrdiff_t>(places[i]);
+                std::sort(begin, begin + static_cast<ptrdiff_t>(found.size()),
+                          [](const Hit& a, const Hit& b) {
+                              return std::pair(a.t, a.primitive) < std::pair(b.t, b.primitive);
+                          });
+            });
+    }
+    void run() const {
+        if (part.queries) byDevice();
+        parallelFor(counts.size(), [&](size_t i) {
+            if (counts[i] > 0 && (!part.queries || doubtful[i])) byHost(i);
+        });
+    }
+};
+
+uint64_t roomOf(const glint_hits& hits) {
+    uint64_t room = UINT64_MAX;
+    for (const glint_out* out : {&hits.hit, &hits.t, &hits.geometry, &hits.primitive, &hits.material,
+                                 &hits.uv, &hits.point, &hits.normal})
+        if (out->data != nullptr) room = std::min(room, out->count);
+    return room;
+}
+
+// Numbers first, so that a caller without room hears of it before anything is listed.
+void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offsets, const glint_hits* hits,
+             uint64_t* total, const Callbacks& callbacks) {
+    const Snapshot::Part& part = snapshot.counting();
+    std::vector<uint32_t> counts(rays.count());
+    std::vector<uint8_t> doubtful(rays.count());
+    CountRun{part, rays.count(), [&](uint64_t i) { return rays.local(i); }, callbacks,
+             [&](uint64_t i, uint32_t crossings, bool doubt) {
+                 counts[i] = crossings;
+                 doubtful[i] = doubt;
+             }}
+        .run();
+    uint64_t sum = 0;
+    for (uint64_t i = 0; i < counts.size(); ++i) {
+        offsets.putLong(i, sum);
+        sum += counts[i];
+    }
+    offsets.putLong(counts.size(), sum);
+    if (total != nullptr) *total = sum;
+    if (hits == nullptr) return;
+    if (roomOf(*hits) < sum)
+        throw Failure(GLINT_ERROR_CAPACITY, "there are " + std::to_string(sum) + " hits, and room for " +
+                                                std::to_string(roomOf(*hits)));
+    const HitWriter writer(*hits, sum, part);
+    uint64_t written = 0;
+    for (uint64_t first = 0; first < counts.size();) {
+        // A piece has so many rays, and hits, at the most; a ray with more is a piece by itself.
+        constexpr uint64_t kRays = 1u << 16, kHits = 1u << 18;
+        std::vector<uint64_t> places;
+        uint64_t end = first, found = 0;
+        while (end < counts.size() && end - first < kRays && (end == first || found + counts[end] <= kHits)) {
+            places.push_back(found);
+            found += counts[end++];
+        }
+        const std::vector<uint32_t> own(counts.begin() + static_cast<ptrdiff_t>(first),
+                                        counts.begin() + static_cast<ptrdiff_t>(end));
+        const std::vector<uint8_t> doubts(doubtful.begin() + static_cast<ptrdiff_t>(first),
+                                          doubtful.begin() + static_cast<ptrdiff_t>(end));
+        std::vector<Hit> listed(found);
+        ListRun{part, rays, first, own, doubts, places, listed}.run();
+        parallelFor(own.size(), [&](size_t i) {
+            const LocalRay ray = rays.local(first + i);
+            for (uint32_t k = 0; k < own[i]; ++k)
+                writer.write(written + places[i] + k, ray, listed[places[i] + k]);
+        });
+        written += found;
+        first = end;
+        if (callbacks.cancelled && callbacks.cancelled()) reportCancelled();
+    }
+}
+
+}  // namespace
+
+}  // namespace glint::library
+
+using namespace glint::library;
+
+glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays, const glint_out* count,
+                               const glint_options* options) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        const RayReader reader(rays, *snapshot);
+        require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
+        const Output out(*count, Output::Kind::Index, 1, reader.count(), "count");
+        const Callbacks callbacks(options);
+        CountRun{snapshot->counting(), reader.count(), [&](uint64_t i) { return reader.local(i); }, callbacks,
+                 [&](uint64_t i, uint32_t crossings, bool) { out.putIndex(i, crossings); }}
+            .run();
+    });
+}
+
+glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, const glint_out* offsets,
+                             const glint_hits* hits, uint64_t* total, const glint_options* options) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        const RayReader reader(rays, *snapshot);
+        const Output places(offsets != nullptr ? *offsets : glint_out{}, Output::Kind::Long, 1,
+                            reader.count() + 1, "offsets");
+        glint_hits wanted{};
+        if (hits != nullptr) wanted = readStruct(hits, "hits");
+        listAll(*snapshot, reader, places, hits != nullptr ? &wanted : nullptr, total, Callbacks(options));
+    });
+}
+
+// The parity of what a ray along z crosses, which shears nothing: a corner's place errs by its distance's
+// rounding alone. Points that this, or rounding to fp32, might take through a surface are on it.
+glint_status glint_query_inside(const glint_scene* scene, const glint_view* points, const glint_out* where,
+                                const glint_options* options) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        require(points != nullptr, "glint_query_inside: points is NULL");
+        require(where != nullptr && where->data != nullptr, "glint_query_inside: where is NULL");
+        const NumberView given(*points, 3, 0, "points");
+        const Output out(*where, Output::Kind::Flag, 1, given.count(), "where");
+        const Callbacks callbacks(options);
+        const Snapshot::Part& part = snapshot->counting();
+        const auto ray = [&](uint64_t i) {
+            glint::WorldRay up;
+            up.origin = given.three(i);
+            up.direction = {0, 0, 1};
+            return localRay(up, part.packed.origin);
+        };
+        CountRun{part, given.count(), ray, callbacks,
+                 [&](uint64_t i, uint32_t crossings, bool) {
+                     const glm::dvec3 point = ray(i).origin;
+                     const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&
+                                     glint::reference::touches(part.packed, part.tracer, point);
+                     out.putFlag(i,
+                                 on ? GLINT_ON_SURFACE : (crossings % 2 == 1 ? GLINT_INSIDE : GLINT_OUTSIDE));
+                 }}
+            .run();
+    });
+}

@@ -1,0 +1,60 @@
+// What the opaque handles point to.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "glint/glint.h"
+#include "gpu/device.h"
+#include "scene/scene.h"
+
+namespace glint::library {
+class Snapshot;
+}
+
+struct glint_device {
+    std::atomic<uint32_t> owners{1};
+    std::optional<glint::gpu::Device> vulkan;  // empty: the reference
+    glint_device_info info{};
+};
+
+struct glint_scene {
+    std::atomic<uint32_t> owners{1};
+    glint_device* device = nullptr;  // an owner of it
+
+    // What changes work on.
+    glint::Scene draft;
+    std::vector<glint::Affine> added;  // for each object, its transform as it was added
+    bool framed = true;                // there is no camera yet: commit finds one
+
+    // What queries see.
+    mutable std::mutex mutex;
+    std::shared_ptr<const glint::library::Snapshot> committed;
+};
+
+namespace glint::library {
+
+// The committed state; refuses a scene without one.
+std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene);
+
+// Makes the draft what queries see.
+void commit(glint_scene& scene);
+
+// An owner of a device as long as it lives.
+class DeviceOwner {
+  public:
+    explicit DeviceOwner(glint_device* device) : device_(device) { glint_device_retain(device); }
+    ~DeviceOwner() { glint_device_release(device_); }
+    DeviceOwner(const DeviceOwner&) = delete;
+    DeviceOwner& operator=(const DeviceOwner&) = delete;
+    glint_device& operator*() const { return *device_; }
+
+  private:
+    glint_device* device_;
+};
+
+}  // namespace glint::library

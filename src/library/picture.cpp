@@ -1,0 +1,113 @@
+// Pictures to a caller's buffers.
+#include <algorithm>
+
+#include "library/ray_reader.h"
+#include "library/snapshot.h"
+#include "library/status.h"
+#include "library/views.h"
+#include "pack/pack_samples.h"
+#include "scene/sampling.h"
+#include "scene/validate.h"
+
+namespace glint::library {
+
+namespace {
+
+using glm::dvec3;
+
+ImageSettings settingsOf(const glint_picture& picture, const Scene& scene) {
+    ImageSettings image = scene.image;
+    if (picture.width > 0) image.width = static_cast<int>(std::min(picture.width, 1u << 30));
+    if (picture.height > 0) image.height = static_cast<int>(std::min(picture.height, 1u << 30));
+    if (picture.samples > 0) {
+        image.samplesPerPixel = static_cast<int>(std::min(picture.samples, 1u << 30));
+        image.adaptive.reset();
+    }
+    validateImage(image, {"glint_render", "picture"});
+    const std::string wrong = samplingConflict(image);
+    if (!wrong.empty()) refuse("glint_render: " + wrong);
+    return image;
+}
+
+dvec3 threeOf(const double (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+
+Camera cameraFor(const glint_picture& picture, const Scene& scene) {
+    if (picture.camera == nullptr) return scene.camera;
+    const glint_camera given = readStruct(picture.camera, "glint_render: picture.camera");
+    Camera camera;
+    camera.eye = threeOf(given.eye);
+    camera.target = threeOf(given.target);
+    camera.up = threeOf(given.up);
+    camera.fovY = given.fov_y;
+    validateCamera(camera, {"glint_render", "camera"});
+    return camera;
+}
+
+struct Layers {
+    Output color, depth, position, normal, geometry, primitive, material;
+    Layers(const glint_picture& p, uint64_t pixels)
+        : color(p.color, Output::Kind::Real, 4, pixels, "picture.color"),
+          depth(p.depth, Output::Kind::Real, 1, pixels, "picture.depth"),
+          position(p.position, Output::Kind::Real, 3, pixels, "picture.position"),
+          normal(p.normal, Output::Kind::Real, 3, pixels, "picture.normal"),
+          geometry(p.geometry, Output::Kind::Index, 1, pixels, "picture.geometry"),
+          primitive(p.primitive, Output::Kind::Index, 1, pixels, "picture.primitive"),
+          material(p.material, Output::Kind::Index, 1, pixels, "picture.material") {}
+    bool needData() const {
+        return depth.wanted() || position.wanted() || normal.wanted() || geometry.wanted() ||
+               primitive.wanted() || material.wanted();
+    }
+    void write(const Picture& picture) const;
+};
+
+void Layers::write(const Picture& picture) const {
+    const std::vector<float>& colors = picture.color.pixels;
+    for (size_t i = 0; i < picture.done.size(); ++i)
+        color.put(i, glm::dvec4(colors[4 * i], colors[4 * i + 1], colors[4 * i + 2], colors[4 * i + 3]));
+    for (size_t i = 0; i < picture.data.size(); ++i) {
+        const PixelData& data = picture.data[i];
+        depth.put(i, data.depth);
+        position.put(i, data.position);
+        normal.put(i, dvec3(data.normal));
+        geometry.putIndex(i, data.object);
+        primitive.putIndex(i, data.primitive);
+        material.putIndex(i, data.material);
+    }
+}
+
+void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_options* options) {
+    const Scene& scene = snapshot.scene();
+    const ImageSettings image = settingsOf(wanted, scene);
+    const Camera camera = cameraFor(wanted, scene);
+    const auto pixels = static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
+    const Layers layers(wanted, pixels);
+    Request request = requestOf(image, camera.lensRadius > 0);
+    // More is refused in files too (maxDepth in docs/reference/scene-format.md).
+    if (wanted.max_depth != 0)
+        request.maxDepth = static_cast<uint32_t>(std::clamp(wanted.max_depth, 0, 1000));
+    request.data = layers.needData();
+    const Callbacks callbacks(options);
+    request.cancelled = callbacks.cancelled;
+    request.progress = callbacks.progress;
+    const shared::Camera packed =
+        packCamera(camera, image.width, image.height, snapshot.part().packed.origin);
+    const Picture picture = snapshot.render(packed, request);
+    layers.write(picture);
+    if (!picture.complete) reportCancelled();
+}
+
+}  // namespace
+
+}  // namespace glint::library
+
+using namespace glint::library;
+
+glint_status glint_render(const glint_scene* scene, const glint_picture* picture,
+                          const glint_options* options) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        draw(*snapshot, readStruct(picture, "picture"), options);
+    });
+}

@@ -1,0 +1,60 @@
+// The caller's rays and hits: read, followed in local coordinates, written.
+#pragma once
+
+#include "library/snapshot.h"
+#include "library/views.h"
+#include "trace/ray_batch.h"
+
+namespace glint::library {
+
+class RayReader {
+  public:
+    RayReader(const glint_rays* rays, const Snapshot& snapshot);
+
+    uint64_t count() const { return count_; }
+    bool coherent() const { return coherent_; }
+    WorldRay world(uint64_t i) const;
+    LocalRay local(uint64_t i) const { return localRay(world(i), origin_); }
+
+  private:
+    glint_rays given_;
+    NumberView origins_, directions_;
+    std::optional<NumberView> tMin_, tMax_;
+    uint64_t count_;
+    glm::dvec3 origin_;  // of the scene
+    bool coherent_;
+};
+
+class HitWriter {
+  public:
+    // part: of the snapshot, which the hits are in.
+    HitWriter(const glint_hits& hits, uint64_t count, const Snapshot::Part& part);
+
+    // hit: what the tracer found for a local ray, with hit.primitive kNone on a miss.
+    void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const;
+    bool wantsAny() const;
+
+  private:
+    void writeMiss(uint64_t i) const;
+
+    const Snapshot::Part& part_;
+    Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_;
+    bool places_ = false;    // geometry, primitive or material
+    bool surfaces_ = false;  // point or normal
+};
+
+// As the reference follows it.
+inline reference::Ray referenceRay(const LocalRay& ray) {
+    return {ray.origin, ray.direction, ray.tMin, ray.tMax};
+}
+
+// Both as a call is given them; absent ones are empty.
+struct Callbacks {
+    explicit Callbacks(const glint_options* options);
+    std::function<bool()> cancelled;
+    std::function<void(double)> progress;
+};
+
+[[noreturn]] void reportCancelled();
+
+}  // namespace glint::library

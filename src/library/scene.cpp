@@ -1,0 +1,104 @@
+// Scenes as handles: made, loaded, committed, asked about.
+#include "import/load.h"
+#include "library/handles.h"
+#include "library/snapshot.h"
+#include "library/status.h"
+
+using namespace glint::library;
+
+glint_status glint_scene_create(glint_device* device, glint_scene** scene) {
+    return guarded([&] {
+        require(device != nullptr, "glint_scene_create: device is NULL");
+        require(scene != nullptr, "glint_scene_create: scene is NULL");
+        *scene = nullptr;
+        auto made = std::make_unique<glint_scene>();
+        made->device = device;
+        glint_device_retain(device);
+        *scene = made.release();
+    });
+}
+
+glint_status glint_scene_load(glint_device* device, const char* path, glint_scene** scene) {
+    if (scene != nullptr) *scene = nullptr;
+    glint_scene* made = nullptr;
+    const glint_status created = glint_scene_create(device, scene == nullptr ? nullptr : &made);
+    if (created != GLINT_OK) return created;
+    const glint_status loaded = guarded([&] {
+        require(path != nullptr, "glint_scene_load: path is NULL");
+        made->draft = glint::loadScene(std::filesystem::path(path));
+        made->framed = false;
+        for (const glint::Object& object : made->draft.objects)
+            made->added.push_back(object.transform.value_or(glint::Affine{}));
+        commit(*made);
+    });
+    if (loaded != GLINT_OK) {
+        glint_scene_release(made);
+        return loaded;
+    }
+    *scene = made;
+    return GLINT_OK;
+}
+
+void glint_scene_retain(glint_scene* scene) {
+    if (scene != nullptr) scene->owners.fetch_add(1, std::memory_order_relaxed);
+}
+
+void glint_scene_release(glint_scene* scene) {
+    if (scene == nullptr || scene->owners.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    glint_device* device = scene->device;
+    delete scene;
+    glint_device_release(device);
+}
+
+glint_status glint_scene_commit(glint_scene* scene) {
+    return guarded([&] {
+        require(scene != nullptr, "glint_scene_commit: scene is NULL");
+        commit(*scene);
+    });
+}
+
+glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        const glint::PackedScene& packed = snapshot->part().packed;
+        glint_scene_info known{};
+        known.geometries = static_cast<uint32_t>(snapshot->scene().objects.size());
+        known.warnings = static_cast<uint32_t>(snapshot->warnings().size());
+        known.triangles = snapshot->triangles();
+        if (packed.boundsLo != packed.boundsHi) {
+            for (int axis = 0; axis < 3; ++axis) {
+                known.lower[axis] = packed.origin[axis] + static_cast<double>(packed.boundsLo[axis]);
+                known.upper[axis] = packed.origin[axis] + static_cast<double>(packed.boundsHi[axis]);
+            }
+        }
+        known.width = static_cast<uint32_t>(snapshot->scene().image.width);
+        known.height = static_cast<uint32_t>(snapshot->scene().image.height);
+        writeStruct(info, known, "glint_scene_info_of: info");
+    });
+}
+
+glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const char** text) {
+    return guarded([&] {
+        const auto snapshot = snapshotOf(scene);
+        require(text != nullptr, "glint_scene_warning: text is NULL");
+        if (index >= snapshot->warnings().size())
+            refuse("glint_scene_warning: there are " + std::to_string(snapshot->warnings().size()) +
+                   " warnings");
+        *text = snapshot->warnings()[index].c_str();
+    });
+}
+
+glint_status glint_scene_find_material(const glint_scene* scene, const char* name, uint32_t* material) {
+    return guarded([&] {
+        require(scene != nullptr, "glint_scene_find_material: scene is NULL");
+        require(name != nullptr, "glint_scene_find_material: name is NULL");
+        require(material != nullptr, "glint_scene_find_material: material is NULL");
+        const auto& materials = scene->draft.materials;
+        for (uint32_t i = 0; i < materials.size(); ++i) {
+            if (materials[i].name != name) continue;
+            *material = i;
+            return;
+        }
+        refuse("glint_scene_find_material: there is no material \"" + std::string(name) + "\"");
+    });
+}

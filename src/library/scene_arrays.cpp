@@ -1,0 +1,215 @@
+// What scenes are filled with.
+#include <filesystem>
+#include <limits>
+
+#include "import/load.h"
+#include "library/handles.h"
+#include "library/status.h"
+#include "library/views.h"
+#include "scene/transform.h"
+
+namespace glint::library {
+
+namespace {
+
+using glm::dvec3;
+
+uint32_t addObject(glint_scene& scene, Object object) {
+    const size_t number = scene.draft.objects.size();
+    if (number >= std::numeric_limits<uint32_t>::max()) refuse("a scene has at most 4294967295 geometries");
+    object.name = "/objects/" + std::to_string(number);
+    scene.added.push_back(object.transform.value_or(Affine{}));
+    scene.draft.objects.push_back(std::move(object));
+    return static_cast<uint32_t>(number);
+}
+
+void checkMaterial(const glint_scene& scene, uint32_t material, const char* call) {
+    const size_t count = std::max<size_t>(scene.draft.materials.size(), 1);
+    if (material >= count)
+        refuse(std::string(call) + ": there is no material " + std::to_string(material) + ", the scene has " +
+               std::to_string(count));
+}
+
+void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call) {
+    if (scene == nullptr) refuse(std::string(call) + ": scene is NULL");
+    if (geometry >= scene->draft.objects.size())
+        refuse(std::string(call) + ": there is no geometry " + std::to_string(geometry) + ", the scene has " +
+               std::to_string(scene->draft.objects.size()));
+}
+
+std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
+    const NumberView vertices(given.vertices, 3, 0, "glint_scene_add_triangles: vertices");
+    auto mesh = std::make_shared<Mesh>();
+    mesh->positions.resize(vertices.count());
+    for (uint64_t i = 0; i < vertices.count(); ++i) mesh->positions[i] = vertices.three(i);
+    if (given.indices.data == nullptr) {
+        if (vertices.count() % 3 != 0)
+            refuse(
+                "glint_scene_add_triangles: without indices the number of vertices must be a multiple of 3");
+        for (uint32_t i = 0; i + 2 < vertices.count(); i += 3) mesh->corners.push_back({i, i + 1, i + 2});
+        return mesh;
+    }
+    const CornerView corners(given.indices, "glint_scene_add_triangles: indices");
+    mesh->corners.resize(corners.count());
+    for (uint64_t i = 0; i < corners.count(); ++i) {
+        const glm::uvec3 corner = corners.three(i);
+        if (std::max({corner.x, corner.y, corner.z}) >= vertices.count())
+            refuse("glint_scene_add_triangles: triangle " + std::to_string(i) +
+                   " names a vertex beyond the " + std::to_string(vertices.count()) + " that there are");
+        mesh->corners[i] = corner;
+    }
+    return mesh;
+}
+
+Affine affineOf(const double (&rows)[12]) {
+    Affine affine;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) affine.linear[column][row] = rows[4 * row + column];
+        affine.offset[row] = rows[4 * row + 3];
+    }
+    const double determinant = glm::determinant(affine.linear);
+    if (!(std::abs(determinant) > 0 && std::isfinite(determinant)))
+        refuse("transform: the matrix is singular, or not finite");
+    return affine;
+}
+
+Affine readTransform(const double* transform, const char* call) {
+    if (transform == nullptr) refuse(std::string(call) + ": transform is NULL");
+    double rows[12];
+    std::memcpy(rows, transform, sizeof(rows));
+    return affineOf(rows);
+}
+
+// Objects and what they need join the scene; everything else of `text` replaces it.
+void merge(glint_scene& scene, Scene text) {
+    Scene& draft = scene.draft;
+    const auto materials = static_cast<uint32_t>(draft.materials.size());
+    const auto textures = static_cast<uint32_t>(draft.textures.size());
+    for (Material& material : text.materials) {
+        for (uint32_t* texture :
+             {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
+              &material.mirrorTexture, &material.transmissionTexture})
+            if (*texture != Material::kNoTexture) *texture += textures;
+    }
+    std::vector<Object> objects = std::move(text.objects);
+    const auto append = [](auto& to, auto& from) {
+        to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+    };
+    append(draft.materials, text.materials);
+    append(draft.textures, text.textures);
+    append(draft.lights, text.lights);
+    append(draft.warnings, text.warnings);
+    text.materials = std::move(draft.materials);
+    text.textures = std::move(draft.textures);
+    text.lights = std::move(draft.lights);
+    text.warnings = std::move(draft.warnings);
+    text.objects = std::move(draft.objects);
+    draft = std::move(text);
+    for (Object& object : objects) {
+        object.material += materials;
+        if (auto* shape = std::get_if<MeshShape>(&object.shape); shape && !shape->mesh->materials.empty()) {
+            auto mesh = std::make_shared<Mesh>(*shape->mesh);
+            for (uint32_t& material : mesh->materials) material += materials;
+            shape->mesh = std::move(mesh);
+        }
+        addObject(scene, std::move(object));
+    }
+    scene.framed = false;
+}
+
+}  // namespace
+
+}  // namespace glint::library
+
+using namespace glint::library;
+
+glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
+                                       uint32_t* geometry) {
+    return guarded([&] {
+        require(scene != nullptr, "glint_scene_add_triangles: scene is NULL");
+        const glint_triangles given = readStruct(triangles, "glint_scene_add_triangles: triangles");
+        checkMaterial(*scene, given.material, "glint_scene_add_triangles");
+        glint::Object object;
+        object.shape = glint::MeshShape{meshOf(given)};
+        object.material = given.material;
+        const uint32_t number = addObject(*scene, std::move(object));
+        if (geometry != nullptr) *geometry = number;
+    });
+}
+
+glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* spheres, uint32_t* first) {
+    return guarded([&] {
+        require(scene != nullptr, "glint_scene_add_spheres: scene is NULL");
+        const glint_spheres given = readStruct(spheres, "glint_scene_add_spheres: spheres");
+        checkMaterial(*scene, given.material, "glint_scene_add_spheres");
+        const NumberView centers(given.centers, 3, 0, "glint_scene_add_spheres: centers");
+        const NumberView radii(given.radii, 1, centers.count(), "glint_scene_add_spheres: radii");
+        for (uint64_t i = 0; i < centers.count(); ++i)
+            if (!(radii.one(i) > 0))
+                refuse("glint_scene_add_spheres: radius " + std::to_string(i) + " is not greater than 0");
+        const auto before = static_cast<uint32_t>(scene->draft.objects.size());
+        for (uint64_t i = 0; i < centers.count(); ++i) {
+            glint::Object object;
+            object.shape = glint::SphereShape{centers.three(i), radii.one(i)};
+            object.material = given.material;
+            addObject(*scene, std::move(object));
+        }
+        if (first != nullptr) *first = before;
+    });
+}
+
+glint_status glint_scene_add_json(glint_scene* scene, const char* text, const char* folder, uint32_t* first,
+                                  uint32_t* count) {
+    return guarded([&] {
+        require(scene != nullptr, "glint_scene_add_json: scene is NULL");
+        require(text != nullptr, "glint_scene_add_json: text is NULL");
+        glint::Scene parsed =
+            glint::parseScene(text, "text", folder == nullptr ? std::filesystem::path() : folder);
+        const auto before = static_cast<uint32_t>(scene->draft.objects.size());
+        merge(*scene, std::move(parsed));
+        if (first != nullptr) *first = before;
+        if (count != nullptr) *count = static_cast<uint32_t>(scene->draft.objects.size()) - before;
+    });
+}
+
+glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, const double transform[12],
+                                      uint32_t* instance) {
+    return guarded([&] {
+        checkGeometry(scene, geometry, "glint_scene_add_instance");
+        const glint::Affine moved = readTransform(transform, "glint_scene_add_instance");
+        const glint::Affine base = scene->added[geometry];
+        glint::Object object = scene->draft.objects[geometry];
+        object.transform = base;
+        const uint32_t number = addObject(*scene, std::move(object));
+        scene->draft.objects[number].transform = then(base, moved);
+        if (instance != nullptr) *instance = number;
+    });
+}
+
+glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, const double transform[12]) {
+    return guarded([&] {
+        checkGeometry(scene, geometry, "glint_scene_set_transform");
+        const glint::Affine moved = readTransform(transform, "glint_scene_set_transform");
+        scene->draft.objects[geometry].transform = then(scene->added[geometry], moved);
+    });
+}
+
+glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, const glint_view* vertices) {
+    return guarded([&] {
+        checkGeometry(scene, geometry, "glint_scene_set_vertices");
+        require(vertices != nullptr, "glint_scene_set_vertices: vertices is NULL");
+        const auto* shape = std::get_if<glint::MeshShape>(&scene->draft.objects[geometry].shape);
+        require(shape != nullptr, "glint_scene_set_vertices: the geometry is no mesh");
+        const std::shared_ptr<const glint::Mesh> before = shape->mesh;
+        const NumberView given(*vertices, 3, 0, "glint_scene_set_vertices: vertices");
+        if (given.count() != before->positions.size())
+            refuse("glint_scene_set_vertices: the mesh has " + std::to_string(before->positions.size()) +
+                   " vertices, but " + std::to_string(given.count()) + " were given");
+        auto mesh = std::make_shared<glint::Mesh>(*before);
+        for (uint64_t i = 0; i < given.count(); ++i) mesh->positions[i] = given.three(i);
+        for (glint::Object& object : scene->draft.objects) {
+            auto* other = std::get_if<glint::MeshShape>(&object.shape);
+            if (other != nullptr && other->mesh == before) other->mesh = mesh;
+        }
+    });
+}

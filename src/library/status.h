@@ -1,0 +1,65 @@
+// From exceptions to what the C API returns.
+#pragma once
+
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "glint/glint.h"
+
+namespace glint::library {
+
+// A failure with a status of its own.
+class Failure : public std::runtime_error {
+  public:
+    Failure(glint_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
+    glint_status status() const { return status_; }
+
+  private:
+    glint_status status_;
+};
+
+// Throws Failure(GLINT_ERROR_ARGUMENT).
+[[noreturn]] void refuse(const std::string& message);
+inline void require(bool holds, const char* message) {
+    if (!holds) refuse(message);
+}
+
+// Keeps the message of the exception at hand for this thread, and says which status it is. To be called in a
+// handler.
+glint_status statusOfException() noexcept;
+
+// Runs the body of a call of the API.
+template <class Body>
+glint_status guarded(Body&& body) noexcept {
+    try {
+        body();
+        return GLINT_OK;
+    } catch (...) {
+        return statusOfException();
+    }
+}
+
+// A caller's struct as this version knows it: what an older caller did not have is zero. `what` names it.
+template <class Struct>
+Struct readStruct(const Struct* given, const char* what) {
+    if (given == nullptr) refuse(std::string(what) + " is NULL");
+    constexpr uint64_t kMostPlausible = 4096;
+    if (given->size < sizeof(uint64_t) || given->size > kMostPlausible)
+        refuse(std::string(what) + ".size is not set: GLINT_INIT does it");
+    Struct known{};
+    std::memcpy(&known, given, given->size < sizeof(Struct) ? given->size : sizeof(Struct));
+    known.size = sizeof(Struct);
+    return known;
+}
+
+// The other way round: as much as the caller's struct has.
+template <class Struct>
+void writeStruct(Struct* wanted, Struct known, const char* what) {
+    readStruct(wanted, what);
+    known.size = wanted->size;
+    std::memcpy(static_cast<void*>(wanted), &known,
+                wanted->size < sizeof(Struct) ? wanted->size : sizeof(Struct));
+}
+
+}  // namespace glint::library

@@ -1,0 +1,52 @@
+#include "library/views.h"
+
+#include "library/status.h"
+
+namespace glint::library {
+
+namespace {
+
+std::string countText(uint64_t has, uint64_t expected) {
+    return "has " + std::to_string(has) + " elements, and " + std::to_string(expected) + " are needed";
+}
+
+}  // namespace
+
+NumberView::NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what)
+    : data_(static_cast<const std::byte*>(view.data)),
+      count_(view.count),
+      stride_(view.stride),
+      wide_(view.type == GLINT_F64) {
+    const std::string name = what;
+    if (view.type != GLINT_F32 && view.type != GLINT_F64)
+        refuse(name + " is neither GLINT_F32 nor GLINT_F64");
+    if (view.data == nullptr && view.count > 0) refuse(name + " has no data");
+    if (expected > 0 && count_ != expected && count_ != 1)
+        refuse(name + " " + countText(count_, expected) + ", or 1");
+    if (stride_ == 0) stride_ = numbers * static_cast<int64_t>(wide_ ? sizeof(double) : sizeof(float));
+    if (count_ == 1) stride_ = 0;
+}
+
+CornerView::CornerView(const glint_view& view, const char* what)
+    : data_(static_cast<const std::byte*>(view.data)), count_(view.count), stride_(view.stride) {
+    const std::string name = what;
+    if (view.type != GLINT_U32) refuse(name + " is not GLINT_U32");
+    if (view.data == nullptr && view.count > 0) refuse(name + " has no data");
+    if (stride_ == 0) stride_ = 3 * sizeof(uint32_t);
+}
+
+Output::Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what)
+    : data_(static_cast<std::byte*>(out.data)), stride_(out.stride) {
+    if (data_ == nullptr) return;
+    const std::string name = what;
+    if (kind == Kind::Real && out.type != GLINT_F32 && out.type != GLINT_F64)
+        refuse(name + " is neither GLINT_F32 nor GLINT_F64");
+    if (kind == Kind::Index && out.type != GLINT_U32) refuse(name + " is not GLINT_U32");
+    if (kind == Kind::Long && out.type != GLINT_U64) refuse(name + " is not GLINT_U64");
+    if (kind == Kind::Flag && out.type != GLINT_U8) refuse(name + " is not GLINT_U8");
+    if (out.count < expected) refuse(name + " " + countText(out.count, expected));
+    size_ = out.type == GLINT_F64 || out.type == GLINT_U64 ? 8 : (out.type == GLINT_U8 ? 1 : 4);
+    if (stride_ == 0) stride_ = int64_t{numbers} * size_;
+}
+
+}  // namespace glint::library

@@ -1,0 +1,124 @@
+// The caller's arrays, element by element.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <string>
+
+#include "glint/glint.h"
+
+namespace glint::library {
+
+// Elements of some numbers each, fp32 or fp64, of any alignment.
+class NumberView {
+  public:
+    // Refuses a view without data, of another type, or whose count is neither `expected` nor 1 (which stands
+    // for all); 0: any count is right.
+    NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what);
+
+    uint64_t count() const { return count_; }
+    double one(uint64_t i) const { return number(at(i)); }
+    glm::dvec3 three(uint64_t i) const {
+        const std::byte* p = at(i);
+        if (!wide_) {
+            float v[3];
+            std::memcpy(v, p, sizeof(v));
+            return {v[0], v[1], v[2]};
+        }
+        glm::dvec3 v;
+        std::memcpy(&v, p, sizeof(v));
+        return v;
+    }
+
+  private:
+    const std::byte* at(uint64_t i) const { return data_ + static_cast<int64_t>(i) * stride_; }
+    double number(const std::byte* p) const {
+        if (wide_) {
+            double v;
+            std::memcpy(&v, p, sizeof(v));
+            return v;
+        }
+        float v;
+        std::memcpy(&v, p, sizeof(v));
+        return static_cast<double>(v);
+    }
+
+    const std::byte* data_;
+    uint64_t count_;
+    int64_t stride_;
+    bool wide_;
+};
+
+// Three U32 an element.
+class CornerView {
+  public:
+    CornerView(const glint_view& view, const char* what);
+    uint64_t count() const { return count_; }
+    glm::uvec3 three(uint64_t i) const {
+        uint32_t v[3];
+        std::memcpy(v, data_ + static_cast<int64_t>(i) * stride_, sizeof(v));
+        return {v[0], v[1], v[2]};
+    }
+
+  private:
+    const std::byte* data_;
+    uint64_t count_;
+    int64_t stride_;
+};
+
+// Where results go; one that is not wanted swallows them.
+class Output {
+  public:
+    enum class Kind { Real, Index, Flag, Long };  // F32 or F64; U32; U8; U64
+    // Refuses another type, or fewer elements than `expected`.
+    Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
+
+    bool wanted() const { return data_ != nullptr; }
+    void put(uint64_t i, double value) const {
+        if (data_ != nullptr) store(at(i), value);
+    }
+    void put(uint64_t i, const glm::dvec3& value) const {
+        if (data_ == nullptr) return;
+        std::byte* p = at(i);
+        for (int axis = 0; axis < 3; ++axis) store(p + axis * size_, value[axis]);
+    }
+    void put(uint64_t i, double first, double second) const {
+        if (data_ == nullptr) return;
+        std::byte* p = at(i);
+        store(p, first);
+        store(p + size_, second);
+    }
+    void put(uint64_t i, const glm::dvec4& value) const {
+        if (data_ == nullptr) return;
+        std::byte* p = at(i);
+        for (int c = 0; c < 4; ++c) store(p + c * size_, value[c]);
+    }
+    void putIndex(uint64_t i, uint32_t value) const {
+        if (data_ != nullptr) std::memcpy(at(i), &value, sizeof(value));
+    }
+    void putLong(uint64_t i, uint64_t value) const {
+        if (data_ != nullptr) std::memcpy(at(i), &value, sizeof(value));
+    }
+    void putFlag(uint64_t i, uint8_t value) const {
+        if (data_ != nullptr) std::memcpy(at(i), &value, sizeof(value));
+    }
+
+  private:
+    std::byte* at(uint64_t i) const { return data_ + static_cast<int64_t>(i) * stride_; }
+    void store(std::byte* p, double value) const {
+        if (size_ == sizeof(double)) {
+            std::memcpy(p, &value, sizeof(value));
+        } else {
+            const auto narrow = static_cast<float>(value);
+            std::memcpy(p, &narrow, sizeof(narrow));
+        }
+    }
+
+    std::byte* data_;
+    int64_t stride_;
+    int size_ = 0;  // of a number
+};
+
+}  // namespace glint::library

@@ -1,0 +1,389 @@
+#include "render/ray_queries.h"
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/processor_watch.h"
+#include "core/stopwatch.h"
+#include "render/path_limits.h"
+#include "render/path_state.h"
+#include "render/pipelines.h"
+#include "render/scene_buffers.h"
+
+namespace glint::render {
+
+namespace {
+
+constexpr size_t kBlock = RayTask::kBlock;
+// Rays of a piece: 128 blocks keep what the host writes and the device reads in a processor's cache, and the
+// start of threads and kernels below a hundredth of the time; a GPU wants more at a time.
+constexpr uint32_t kSoftwarePiece = 1u << 17, kPiece = 1u << 20;
+// llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
+constexpr size_t kRuns = 16;
+
+// What of a scene decides hits; the rest of it would be dead code.
+SceneFeatures hitFeatures(SceneFeatures features) {
+    features.mirrors = features.transmission = features.coloredShadows = features.attenuation = false;
+    features.vertexNormals = features.specular = features.environmentMap = false;
+    return features;
+}
+
+// Rows that a ray needs, in the order of the staging buffer.
+constexpr std::array kRows = {shared::kRowOrigin, shared::kRowDirection, shared::kRowHit, shared::kPathRows};
+constexpr size_t kInstanceRow = 3, kHitRow = 2;  // of kRows
+// Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
+constexpr uint32_t kListRows = 8;
+
+KernelId kernelOf(RayTask::Ask ask) {
+    switch (ask) {
+        case RayTask::Ask::Nearest:
+            return KernelId::Intersect;
+        case RayTask::Ask::Any:
+            return KernelId::IntersectAny;
+        case RayTask::Ask::Count:
+            return KernelId::Count;
+    }
+    return KernelId::Intersect;
+}
+
+// Where the blocks of a piece stand.
+struct Placement {
+    size_t blocks, runs, perRun;
+    Placement(size_t count, bool dealt)
+        : blocks((count + kBlock - 1) / kBlock),
+          runs(dealt ? std::min(kRuns, blocks) : 1),
+          perRun((blocks + runs - 1) / runs) {}
+    size_t places() const { return runs * perRun; }
+    // The block at a place; `blocks` or more if there is none.
+    size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
+};
+
+}  // namespace
+
+RayInput roundedRay(const LocalRay& ray) {
+    const auto bound = [](double t) {
+        const double limit = static_cast<double>(shared::kInfinity);
+        return static_cast<float>(std::clamp(t, -limit, limit));
+    };
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
+}
+
+// What one piece of rays needs to be on its way. `rows` of a software device are written and read in place;
+// else `staging` holds copies of the rows that change hands.
+struct Slot {
+    gpu::Buffer counters, rows, staging;
+    Pipelines pipelines;
+    gpu::Submission submission;
+    uint32_t capacity;
+    bool busy = false;
+
+    Slot(const gpu::Device& device, Pipelines made, gpu::Access access, const SceneBuffers& scene,
+         uint32_t paths, uint32_t rowCount, bool inPlace)
+        : pipelines(std::move(made)), submission(device), capacity(paths) {
+        const uint64_t row = uint64_t{paths} * sizeof(RowEntry);
+        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
+                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
+        rows = gpu::Buffer(device, "rays", row * rowCount, access,
+                           inPlace ? gpu::MemoryKind::Host : gpu::MemoryKind::Device);
+        if (!inPlace)
+            staging = gpu::Buffer(device, "rays on their way", row * kRows.size(), gpu::Access::StorageBuffer,
+                                  gpu::MemoryKind::Host);
+        pipelines.bind(counters, rows, scene);
+        // Kernels leave the walk row alone but where a ray runs out of trips, and put it back when that is
+        // done.
+        RowEntry none;
+        std::fill_n(none.u, 4, shared::kNone);
+        const std::vector<RowEntry> finished(paths, none);
+        gpu::upload(device, rows, std::as_bytes(std::span(finished)), shared::kRowWalk * row);
+    }
+
+    // One of kRows, where the host writes and reads it.
+    RowEntry* row(size_t which) const {
+        return static_cast<RowEntry*>(staging ? staging.mapped() : rows.mapped()) +
+               (staging ? which : size_t{kRows[which]}) * capacity;
+    }
+    uint32_t& unfinished() const {
+        return static_cast<uint32_t*>(counters.mapped())[shared::kCounterUnfinished];
+    }
+};
+
+using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
+using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
+
+struct RayQueries::State {
+    const gpu::Device& device;
+    const PackedScene& scene;
+    SceneFeatures features;
+    gpu::Access access;
+    bool inPlace;
+    TraversalChoice traversal;
+    uint32_t tripBudget, rowCount, piece;
+    SceneBuffers buffers;
+    std::mutex mutex;
+    std::condition_variable freed;
+    std::vector<std::unique_ptr<Slot>> slots;
+
+    State(const gpu::Device& dev, const PackedScene& packed)
+        : device(dev),
+          scene(packed),
+          features(hitFeatures(packed.features)),
+          access(chooseAccess(dev.info(), largestArray(packed))),
+          inPlace(dev.info().software),
+          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
+          tripBudget(
+              deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf, looksUpTextures(packed.features))),
+          rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
+          piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
+          buffers(dev, packed, access, traversal) {
+        piece = std::max<uint32_t>(piece / kBlock, 1) * kBlock;
+    }
+
+    // A free slot, made if there may be one more; waits for one else. While one piece is on a GPU the host
+    // prepares the next.
+    Slot& acquire() {
+        std::unique_lock lock(mutex);
+        for (;;) {
+            for (const auto& slot : slots) {
+                if (slot->busy) continue;
+                slot->busy = true;
+                return *slot;
+            }
+            if (slots.size() < (inPlace ? 1u : 2u)) {
+                Pipelines pipelines(device, embeddedKernels(access), access, features);
+                slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
+                                                       rowCount, inPlace));
+                slots.back()->busy = true;
+                return *slots.back();
+            }
+            freed.wait(lock);
+        }
+    }
+    void release(Slot& slot) {
+        const std::lock_guard lock(mutex);
+        slot.busy = false;
+        freed.notify_one();
+    }
+
+    struct Release {
+        State& state;
+        Slot& slot;
+        ~Release() { state.release(slot); }
+    };
+
+    void fill(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+              size_t count) const;
+    void trace(Slot& slot, size_t paths, KernelId id, bool packets) const;
+    void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
+                   const ListTake& take);
+    void take(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+              size_t count) const;
+    void runPiece(const RayTask& task, size_t first, size_t count);
+    unsigned hostThreads() const { return inPlace ? 0 : 1; }
+};
+
+void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+                             size_t count) const {
+    parallelFor(
+        placement.places(),
+        [&](size_t place) {
+            std::array<RayInput, kBlock> rays;
+            const size_t start = std::min(placement.at(place) * kBlock, count);
+            const size_t present = std::min(kBlock, count - start);
+            if (present > 0) task.fill(first + start, std::span(rays).first(present));
+            for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
+            RowEntry* const origin = slot.row(0) + place * kBlock;
+            RowEntry* const direction = slot.row(1) + place * kBlock;
+            RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
+            for (size_t i = 0; i < kBlock; ++i) {
+                const RayInput& ray = rays[i];
+                origin[i] = {{ray.origin.x, ray.origin.y, ray.origin.z, 0}};
+                origin[i].u[3] = shared::kNone;
+                direction[i] = {{ray.direction.x, ray.direction.y, ray.direction.z, ray.tMin}};
+                hit[i] = {{ray.tMax, 0, 0, 0}};
+                hit[i].u[3] = task.ask == RayTask::Ask::Count ? 0 : shared::kNone;
+            }
+            if (!features.instances) return;
+            RowEntry none;
+            std::fill_n(none.u, 4, shared::kNone);
+            std::fill_n(slot.row(kInstanceRow) + place * kBlock, kBlock, none);
+        },
+        hostThreads());
+}
+
+void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets) const {
+    const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
+    shared::Dispatch dispatch;
+    dispatch.tileCount = dispatch.run = groups;
+    dispatch.interleave = 1;
+    dispatch.regionWidth = dispatch.regionHeight = 1;
+    dispatch.capacity = slot.capacity;
+    dispatch.tripBudget = tripBudget;
+    const auto constants = std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1));
+    const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
+    const size_t staged = slot.staging ? kRows.size() - (features.instances ? 0 : 1) : 0;
+
+    TraceModes modes = {.nodes = traversal.nodes};
+    for (size_t i = 0; i < staged; ++i)
+        slot.submission.copy(slot.staging, i * row, slot.rows, kRows[i] * row, used);
+    const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
+    slot.submission.dispatch(slot.pipelines.get(packets ? packetKernel(id) : id, modes),
+                             (groups + perLane - 1) / perLane, constants);
+    modes.resume = true;
+    for (;;) {
+        for (size_t i = kHitRow; i < staged; ++i)
+            slot.submission.copy(slot.rows, kRows[i] * row, slot.staging, i * row, used);
+        slot.unfinished() = 0;
+        slot.submission.submit();
+        if (slot.unfinished() == 0) break;
+        slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
+    }
+}
+
+void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+                             size_t count) const {
+    parallelFor(
+        placement.places(),
+        [&](size_t place) {
+            const size_t start = placement.at(place) * kBlock;
+            if (start >= count) return;
+            std::array<FoundHit, kBlock> hits;
+            const size_t present = std::min(kBlock, count - start);
+            const RowEntry* const found = slot.row(kHitRow) + place * kBlock;
+            if (task.ask == RayTask::Ask::Count) {
+                for (size_t i = 0; i < present; ++i) {
+                    hits[i].crossings = found[i].u[1];
+                    hits[i].doubtful = found[i].u[2] != 0;
+                }
+            } else {
+                for (size_t i = 0; i < present; ++i)
+                    hits[i] = {found[i].f[0], found[i].f[1], found[i].f[2], found[i].u[3]};
+            }
+            if (features.instances && task.ask != RayTask::Ask::Count) {
+                const RowEntry* const instance = slot.row(kInstanceRow) + place * kBlock;
+                for (size_t i = 0; i < present; ++i) hits[i].instance = instance[i].u[0];
+            }
+            task.take(first + start, std::span(hits).first(present));
+        },
+        hostThreads());
+}
+
+void RayQueries::State::runPiece(const RayTask& task, size_t first, size_t count) {
+    Slot& slot = acquire();
+    const Release release{*this, slot};
+    const Placement placement(count, inPlace);
+    fill(slot, placement, task, first, count);
+    const ProcessorWatch processor;
+    const Stopwatch watch;
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask),
+          task.coherent && traversal.packets && task.ask != RayTask::Ask::Count);
+    if (task.kernels) {
+        const std::lock_guard lock(mutex);
+        task.kernels->wall += watch.seconds();
+        task.kernels->processor += processor.seconds();
+    }
+    take(slot, placement, task, first, count);
+}
+
+// The rays from `first` on, whose hits fit into the room for lists.
+void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fillRays,
+                                  const ListTake& take) {
+    Slot& slot = acquire();
+    const Release release{*this, slot};
+    RayTask task;
+    task.ask = RayTask::Ask::Count;
+    task.fill = [&](size_t start, std::span<RayInput> rays) {
+        fillRays(first + start, rays);
+        for (size_t i = 0; i < rays.size(); ++i)
+            if (counts[start + i] == 0) rays[i].tMin = shared::kInfinity;
+    };
+    const Placement placement(counts.size(), inPlace);
+    fill(slot, placement, task, 0, counts.size());
+    std::vector<RowEntry> places(placement.places() * kBlock, RowEntry{{0, 0, 0, 0}});
+    std::vector<uint64_t> starts(counts.size());
+    uint64_t sum = 0;
+    for (size_t place = 0; place < placement.places(); ++place) {
+        const size_t start = placement.at(place) * kBlock;
+        for (size_t i = start; i < std::min(start + kBlock, counts.size()); ++i) {
+            RowEntry& entry = places[place * kBlock + (i - start)];
+            entry.u[0] = static_cast<uint32_t>(sum);
+            entry.u[1] = counts[i];
+            starts[i] = sum;
+            sum += counts[i];
+        }
+    }
+    const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
+    gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
+    trace(slot, placement.places() * kBlock, KernelId::List, false);
+    std::vector<RowEntry> found(2 * sum);
+    gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);
+    std::vector<FoundHit> hits;
+    for (size_t i = 0; i < counts.size(); ++i) {
+        hits.clear();
+        for (uint64_t k = starts[i]; k < starts[i] + counts[i]; ++k) {
+            const RowEntry& hit = found[2 * k];
+            hits.push_back({hit.f[0], hit.f[1], hit.f[2], hit.u[3], found[2 * k + 1].u[0]});
+        }
+        take(first + i, hits);
+    }
+}
+
+RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
+    : state_(std::make_unique<State>(device, scene)) {}
+RayQueries::~RayQueries() = default;
+
+bool RayQueries::run(const RayTask& task) {
+    // Places, not rays, must fit: runs are as long as the longest.
+    const size_t piece = std::max<size_t>(state_->piece / kBlock / kRuns, 1) * kRuns * kBlock;
+    const size_t usable = piece <= state_->piece ? piece : kBlock;
+    const size_t pieces = (task.count + usable - 1) / usable;
+    std::mutex mutex;
+    size_t done = 0;
+    bool stopped = false;
+    parallelFor(
+        pieces,
+        [&](size_t i) {
+            {
+                const std::lock_guard lock(mutex);
+                stopped = stopped || (task.cancelled && task.cancelled());
+                if (stopped) return;
+            }
+            const size_t first = i * usable;
+            state_->runPiece(task, first, std::min(usable, task.count - first));
+            const std::lock_guard lock(mutex);
+            ++done;
+            if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(pieces));
+        },
+        state_->inPlace ? 1 : 2);
+    return !stopped;
+}
+
+void RayQueries::list(std::span<const uint32_t> counts, const ListFill& fill, const ListTake& take) {
+    const size_t usable = std::max<size_t>(state_->piece / kBlock / kRuns * kRuns, 1) * kBlock;
+    const uint64_t room = uint64_t{state_->piece} * kListRows / 2;
+    for (size_t first = 0; first < counts.size();) {
+        size_t end = first;
+        uint64_t hits = 0;
+        while (end < counts.size() && end - first < usable && hits + counts[end] <= room)
+            hits += counts[end++];
+        if (end == first)
+            throw Error(ErrorKind::Device, "ray " + std::to_string(first) + " crosses " +
+                                               std::to_string(counts[first]) + " surfaces; " +
+                                               std::to_string(room) + " of one ray can be listed");
+        state_->listPiece(counts.subspan(first, end - first), first, fill, take);
+        first = end;
+    }
+}
+
+uint64_t RayQueries::workingBytes() const {
+    const std::lock_guard lock(state_->mutex);
+    uint64_t bytes = 0;
+    for (const auto& slot : state_->slots)
+        bytes += slot->rows.size() + (slot->staging ? slot->staging.size() : 0);
+    return bytes;
+}
+
+}  // namespace glint::render

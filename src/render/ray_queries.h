@@ -1,0 +1,71 @@
+// Rays of a caller's, answered with no more than the kernels find: nothing is shaded, and an answer is 20
+// bytes. What libglint's queries are made of; Renderer::trace answers in full.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "gpu/compute.h"
+#include "pack/packed_scene.h"
+#include "render/renderer.h"
+#include "trace/ray_batch.h"
+
+namespace glint::render {
+
+struct FoundHit {
+    float t = 0, u = 0, v = 0;           // u and v as in reference::Hit
+    uint32_t primitive = shared::kNone;  // kind and index; kNone: a miss
+    uint32_t instance = shared::kNone;   // that the primitive is one of
+    // Of Ask::Count alone: surfaces crossed; doubtful: rounding decides whether one of them lies before the
+    // origin.
+    uint32_t crossings = 0;
+    bool doubtful = false;
+};
+
+// `fill` and `take` are called for blocks of at most kBlock rays, from several threads at a time.
+struct RayTask {
+    static constexpr size_t kBlock = 1024;
+    size_t count = 0;
+    std::function<void(size_t first, std::span<RayInput> rays)> fill;  // local rays from number `first` on
+    std::function<void(size_t first, std::span<const FoundHit> hits)> take;
+    // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
+    // FoundHit::crossings, of a scene packed without split triangles.
+    enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
+    bool coherent = false;                 // neighbours go about the same way
+    std::function<bool()> cancelled;       // asked between pieces; may be empty
+    std::function<void(double)> progress;  // the fraction done; may be empty
+    BatchTimes* kernels = nullptr;         // added to: what the device took, without preparing and reading
+};
+
+// The answers of a ray do not depend on what else is asked. May be used from several threads, which take
+// turns at the device.
+class RayQueries {
+  public:
+    // Keeps references to both. Throws Error(Device) for arrays that do not fit.
+    RayQueries(const gpu::Device& device, const PackedScene& scene);
+    ~RayQueries();
+
+    // False if it was cancelled.
+    bool run(const RayTask& task);
+
+    // Where ray i crosses surfaces, counts[i] of them as Ask::Count has it, in no order; 0: the ray is left
+    // out. `take` is called for one ray after the other. Throws Error(Device) if one ray crosses more than
+    // fit into a piece.
+    void list(std::span<const uint32_t> counts,
+              const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
+              const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);
+
+    // Bytes on the device and of what is prepared for it, without the scene's arrays; all that the number of
+    // rays costs beside the caller's arrays.
+    uint64_t workingBytes() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+// As the kernels read it: t that fp32 cannot hold is kInfinity, NaN stays NaN and misses.
+RayInput roundedRay(const LocalRay& ray);
+
+}  // namespace glint::render

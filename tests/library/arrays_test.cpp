@@ -1,0 +1,189 @@
+// Arrays in and out: types, strides, what is not wanted, what is refused.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "support.h"
+
+namespace glint::library::test {
+namespace {
+
+class LibraryArrays : public LibraryTest {
+  protected:
+    // The square [0, 1]^2 at z = 0, seen from above along -z.
+    void addSquare() {
+        addMesh<float>({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+        commit();
+    }
+};
+
+TEST_F(LibraryArrays, EveryOutputOfAKnownHit) {
+    addSquare();
+    const std::vector<D3> origins = {{0.75, 0.25, 2}, {5, 5, 2}}, directions = {{0, 0, -4}};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    std::vector<uint8_t> hit(2, 9);
+    std::vector<double> t(2);
+    std::vector<uint32_t> geometry(2), primitive(2), material(2);
+    std::vector<std::array<float, 2>> uv(2);
+    std::vector<D3> point(2);
+    std::vector<F3> normal(2);
+    GLINT_INIT(glint_hits, hits);
+    hits.hit = outOf(hit);
+    hits.t = outOf(t);
+    hits.geometry = outOf(geometry);
+    hits.primitive = outOf(primitive);
+    hits.material = outOf(material);
+    hits.uv = outOf(uv);
+    hits.point = outOf(point);
+    hits.normal = outOf(normal);
+    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(hit, (std::vector<uint8_t>{1, 0}));
+    EXPECT_EQ(t[0], 0.5);  // in units of the direction
+    EXPECT_EQ(geometry[0], 0u);
+    EXPECT_EQ(primitive[0], 0u);
+    EXPECT_EQ(material[0], 0u);
+    EXPECT_EQ(uv[0], (std::array<float, 2>{0.5f, 0.25f}));  // 1/4 a + 1/2 b + 1/4 c
+    EXPECT_EQ(point[0], (D3{0.75, 0.25, 0}));
+    EXPECT_EQ(normal[0], (F3{0, 0, 1}));
+    EXPECT_TRUE(std::isinf(t[1]));
+    EXPECT_EQ(geometry[1], GLINT_NONE);
+    EXPECT_EQ(primitive[1], GLINT_NONE);
+    EXPECT_EQ(material[1], GLINT_NONE);
+    EXPECT_EQ(uv[1], (std::array<float, 2>{0, 0}));
+    EXPECT_EQ(point[1], (D3{0, 0, 0}));
+}
+
+// A caller's structs: strided inputs and outputs, unaligned ones, and an array read backwards.
+TEST_F(LibraryArrays, StridesOfAnySign) {
+    addSquare();
+    struct [[gnu::packed]] Row {
+        char tag;
+        float origin[3];
+        double way[3];
+        double t;
+        char end;
+    };
+    std::vector<Row> rows;
+    for (int i = 0; i < 5; ++i)
+        rows.push_back({'a', {0.5f, 0.25f, 1.0f + static_cast<float>(i)}, {0, 0, -1}, -7, 'z'});
+    const auto* base = reinterpret_cast<const char*>(rows.data());
+    const int64_t stride = sizeof(Row);
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = {base + offsetof(Row, origin) + 4 * stride, 5, -stride, GLINT_F32, 0};
+    rays.directions = {base + offsetof(Row, way), 5, stride, GLINT_F64, 0};
+    GLINT_INIT(glint_hits, hits);
+    hits.t = {reinterpret_cast<char*>(rows.data()) + offsetof(Row, t), 5, stride, GLINT_F64, 0};
+    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    for (int i = 0; i < 5; ++i) {
+        double t = 0;
+        std::memcpy(&t, reinterpret_cast<char*>(&rows[i]) + offsetof(Row, t), sizeof(t));
+        EXPECT_EQ(t, 5.0 - i);
+        EXPECT_EQ(rows[i].tag, 'a');
+        EXPECT_EQ(rows[i].end, 'z');
+    }
+}
+
+TEST_F(LibraryArrays, IntervalsAndBroadcasts) {
+    addSquare();
+    const std::vector<F3> origin = {{0.5f, 0.25f, 2}}, directions(4, F3{0, 0, -1});
+    const std::vector<double> tMin = {0, 2, 1.5, 0},
+                              tMax = {1, 9, 2, std::numeric_limits<double>::infinity()};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origin);
+    rays.directions = viewOf(directions);
+    rays.t_min = viewOf(tMin);
+    rays.t_max = viewOf(tMax);
+    std::vector<uint8_t> hit(4, 9);
+    const glint_out out = outOf(hit);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(hit, (std::vector<uint8_t>{0, 0, 1, 1}));  // tMin < t <= tMax
+}
+
+TEST_F(LibraryArrays, RaysThatAreNoneHitNothing) {
+    addSquare();
+    const float nan = std::numeric_limits<float>::quiet_NaN(),
+                infinite = std::numeric_limits<float>::infinity();
+    const std::vector<F3> origins = {
+        {nan, 0.25f, 2}, {0.5f, 0.25f, 2}, {0.5f, 0.25f, 2}, {0.5f, 0.25f, infinite}};
+    const std::vector<F3> directions = {{0, 0, -1}, {0, 0, 0}, {0, nan, -1}, {0, 0, -1}};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    std::vector<uint8_t> hit(4, 9);
+    const glint_out out = outOf(hit);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(hit, (std::vector<uint8_t>{0, 0, 0, 0}));
+    rays.origins.count = 0;
+    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK);
+}
+
+TEST_F(LibraryArrays, NothingWantedIsNothingDone) {
+    addSquare();
+    const std::vector<F3> origins = {{0.5f, 0.25f, 2}}, directions = {{0, 0, -1}};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    GLINT_INIT(glint_hits, hits);
+    GLINT_INIT(glint_options, options);
+    int asked = 0;
+    options.user = &asked;
+    options.cancelled = [](void* user) { return ++*static_cast<int*>(user), 0; };
+    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_OK);
+    EXPECT_EQ(asked, 0);
+}
+
+TEST_F(LibraryArrays, WhatIsRefusedIsNamed) {
+    const auto refused = [](glint_status status, const std::string& part) {
+        EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
+        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    };
+    const std::vector<F3> three(3), two(2);
+    std::vector<uint8_t> hit(3);
+    std::vector<float> real(3);
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(three);
+    rays.directions = viewOf(three);
+    glint_out out = outOf(hit);
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "has not been committed");
+    addSquare();
+    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK);
+    rays.directions = viewOf(two);
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.directions has 2 elements, and 3");
+    rays.directions = viewOf(three);
+    rays.directions.type = GLINT_U32;
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.directions is neither");
+    rays.directions = {nullptr, 3, 0, GLINT_F32, 0};
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.directions has no data");
+    rays.directions = viewOf(three);
+    rays.flags = 64;
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.flags");
+    rays.flags = 0;
+    out.count = 2;
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "hit has 2 elements, and 3");
+    out = outOf(real);
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "hit is not GLINT_U8");
+    rays.size = 0;
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.size is not set");
+    refused(glint_query_any(scene(), nullptr, &out, nullptr), "rays is NULL");
+    refused(glint_query_any(nullptr, &rays, &out, nullptr), "scene is NULL");
+}
+
+// A struct of an older version is shorter: what it lacks counts as zero.
+TEST_F(LibraryArrays, ShorterStructs) {
+    addSquare();
+    const std::vector<F3> origins = {{0.5f, 0.25f, 2}}, directions = {{0, 0, -1}};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    rays.size = offsetof(glint_rays, t_min);
+    std::memset(static_cast<void*>(&rays.t_min), 0x5a, sizeof(rays) - offsetof(glint_rays, t_min));
+    std::vector<uint8_t> hit(1, 9);
+    const glint_out out = outOf(hit);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(hit[0], 1);
+}
+
+}  // namespace
+}  // namespace glint::library::test

@@ -1,0 +1,379 @@
+// Counts, lists and insides, where rounding decides: rays aimed at the corners and edges of closed meshes,
+// and along their planes.
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "oracle.h"
+#include "support.h"
+#include "support/packed_scene_maker.h"
+
+namespace glint::library::test {
+namespace {
+
+#ifdef GLINT_TEST_ON_DEVICE
+constexpr size_t kAimed = 30'000;  // rays of each aim at each mesh: 10^6 in all
+#else
+constexpr size_t kAimed = 400;
+#endif
+size_t aimedRays() {
+    const char* wanted = std::getenv("GLINT_AIMED_RAYS");
+    return wanted == nullptr ? kAimed : std::strtoull(wanted, nullptr, 10);
+}
+
+struct Closed {
+    std::vector<D3> vertices;
+    std::vector<U3> corners;
+    double inner, outer;  // a ball about 0 that is inside, one that holds everything
+
+    std::vector<D3> movedBy(double offset) const {
+        std::vector<D3> moved = vertices;
+        for (D3& v : moved)
+            for (double& x : v) x += offset;
+        return moved;
+    }
+};
+
+// Star-shaped about 0, spikes and dents (tests/support/packed_scene_maker.h).
+Closed bumpy() {
+    const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7);
+    Closed closed{{}, {}, 0.2, 7};
+    for (const glm::vec3& v : mesh.vertices) closed.vertices.push_back({v.x, v.y, v.z});
+    for (const glm::uvec3& c : mesh.triangles) closed.corners.push_back({c.x, c.y, c.z});
+    return closed;
+}
+
+// The cube [-1, 1]^3 in squares of edge 2 / n, each cut in two: edges and planes along the axes, all places
+// exact.
+Closed gridCube(uint32_t n) {
+    Closed cube{{}, {}, 0.9, 2};
+    std::map<D3, uint32_t> known;
+    const auto vertex = [&](const D3& v) {
+        const auto [at, fresh] = known.emplace(v, static_cast<uint32_t>(cube.vertices.size()));
+        if (fresh) cube.vertices.push_back(v);
+        return at->second;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double side : {-1.0, 1.0}) {
+            for (uint32_t i = 0; i < n; ++i) {
+                for (uint32_t j = 0; j < n; ++j) {
+                    const auto at = [&](uint32_t a, uint32_t b) {
+                        D3 v;
+                        v[axis] = side;
+                        v[(axis + 1) % 3] = -1 + 2.0 * a / n;
+                        v[(axis + 2) % 3] = -1 + 2.0 * b / n;
+                        return vertex(v);
+                    };
+                    const uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+                    cube.corners.push_back(side > 0 ? U3{a, b, c} : U3{a, c, b});
+                    cube.corners.push_back(side > 0 ? U3{a, c, d} : U3{a, d, c});
+                }
+            }
+        }
+    }
+    return cube;
+}
+
+struct Random {
+    std::mt19937_64 engine;
+    explicit Random(uint64_t seed) : engine(seed) {}
+    double uniform() { return std::uniform_real_distribution<double>(0, 1)(engine); }
+    size_t index(size_t count) { return std::uniform_int_distribution<size_t>(0, count - 1)(engine); }
+    D3 direction() {
+        std::normal_distribution<double> normal;
+        const D3 v = {normal(engine), normal(engine), normal(engine)};
+        const double length = std::hypot(v[0], v[1], v[2]);
+        return {v[0] / length, v[1] / length, v[2] / length};
+    }
+};
+
+enum class Aim { Corners, Edges, Planes };
+
+// A point of the mesh to aim at.
+D3 targetOf(const Closed& mesh, Aim aim, Random& random) {
+    const U3& triangle = mesh.corners[random.index(mesh.corners.size())];
+    const D3 &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]];
+    if (aim == Aim::Corners) return a;
+    const double s = random.uniform();
+    return {a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])};
+}
+
+class LibraryCrossings : public LibraryTest {
+  protected:
+    // How many of the rays are counted wrong: even from outside, odd from inside. Planes: parallel to an
+    // axis, level with a corner.
+    size_t wrongCounts(const Closed& mesh, double offset, Aim aim, uint64_t seed) {
+        Random random(seed);
+        const size_t count = aimedRays();
+        std::vector<D3> origins(count), directions(count);
+        std::vector<uint8_t> inside(count);
+        for (size_t i = 0; i < count; ++i) {
+            inside[i] = i % 2;
+            const D3 out = random.direction();
+            const double far =
+                inside[i] ? mesh.inner * random.uniform() : mesh.outer * (1 + random.uniform());
+            D3 from = {far * out[0], far * out[1], far * out[2]};
+            D3 to = targetOf(mesh, aim == Aim::Planes ? Aim::Corners : aim, random);
+            if (aim == Aim::Planes) {
+                const size_t axis = random.index(3);
+                if (inside[i]) {  // level with it along one axis, and within the ball
+                    const size_t other = (axis + 1) % 3;
+                    from[other] = std::abs(to[other]) < 0.5 * mesh.inner ? to[other] : 0;
+                    for (size_t k = 0; k < 3; ++k) from[k] *= k == other ? 1 : 0.5;
+                    to = from;
+                    to[axis] += 1;
+                } else {
+                    from = to;
+                    from[axis] = -3 * mesh.outer;
+                }
+            }
+            for (size_t k = 0; k < 3; ++k) {
+                origins[i][k] = from[k] + offset;
+                directions[i][k] = to[k] - from[k];
+            }
+        }
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        std::vector<uint32_t> crossings(count, 99);
+        const glint_out out = outOf(crossings);
+        EXPECT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        size_t wrong = 0, some = 0;
+        for (size_t i = 0; i < count; ++i) {
+            wrong += crossings[i] % 2 != inside[i];
+            some += crossings[i] > 0;
+        }
+        EXPECT_GT(some, count / 2);
+        return wrong;
+    }
+
+    uint32_t addClosed(const Closed& mesh, double offset) {
+        return addMesh<double>(mesh.movedBy(offset), mesh.corners);
+    }
+
+    std::vector<uint8_t> insides(const std::vector<D3>& points) {
+        std::vector<uint8_t> where(points.size(), 9);
+        const glint_view view = viewOf(points);
+        const glint_out out = outOf(where);
+        EXPECT_EQ(glint_query_inside(scene(), &view, &out, nullptr), GLINT_OK) << glint_last_error();
+        return where;
+    }
+};
+
+class LibraryCrossingsFar : public LibraryCrossings, public testing::WithParamInterface<double> {};
+INSTANTIATE_TEST_SUITE_P(Offsets, LibraryCrossingsFar, testing::Values(0.0, 1e3, 1e6));
+
+TEST_P(LibraryCrossingsFar, AimedRaysAreCountedRight) {
+    size_t rays = 0;
+    for (const Closed& mesh : {bumpy(), gridCube(16)}) {
+        glint_scene* own = nullptr;
+        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+        useScene(own);
+        addClosed(mesh, GetParam());
+        commit();
+        for (const Aim aim : {Aim::Corners, Aim::Edges, Aim::Planes}) {
+            for (uint64_t seed = 0; seed < 2; ++seed) {
+                EXPECT_EQ(wrongCounts(mesh, GetParam(), aim, seed), 0u) << static_cast<int>(aim);
+                rays += aimedRays();
+            }
+        }
+    }
+    std::cout << rays << " rays, offset " << GetParam() << '\n';
+}
+
+// Turned, stretched, mirrored, and many of them: each is closed by itself.
+TEST_F(LibraryCrossings, Instances) {
+    const Closed mesh = gridCube(64);  // 49,152 triangles, enough to be stored once
+    const uint32_t first = addClosed(mesh, 0);
+    const double turned[12] = {0.6, 0.8, 0, 0, -0.8, 0.6, 0, 0, 0, 0, -1, 0};
+    const double around[12] = {9, 1, 0, 0, 0, 9, 2, 0, 1, 0, 9, 0};
+    ASSERT_EQ(glint_scene_add_instance(scene(), first, turned, nullptr), GLINT_OK);
+    ASSERT_EQ(glint_scene_add_instance(scene(), first, around, nullptr), GLINT_OK);
+    commit();
+    // Inside all three from the middle: three crossings more or less than a multiple of two.
+    EXPECT_EQ(wrongCounts({mesh.vertices, mesh.corners, 0.4, 30}, 0, Aim::Corners, 5), 0u);
+    EXPECT_EQ(wrongCounts({mesh.vertices, mesh.corners, 0.4, 30}, 0, Aim::Edges, 6), 0u);
+}
+
+// The truth by rationals: crossings of a ray in general position, each decided exactly.
+bool trulyInside(const Closed& mesh, const D3& point, Random& random) {
+    const auto vec = [](const D3& v) { return glm::dvec3(v[0], v[1], v[2]); };
+    for (;;) {
+        const oracle::Ray ray{vec(point), vec(random.direction())};
+        size_t crossings = 0;
+        bool general = true;
+        for (const U3& c : mesh.corners) {
+            const oracle::Truth truth = oracle::triangle(vec(mesh.vertices[c[0]]), vec(mesh.vertices[c[1]]),
+                                                         vec(mesh.vertices[c[2]]), ray);
+            crossings += truth.hit;
+            general = general && truth.margin != 0;
+        }
+        if (general) return crossings % 2 == 1;
+    }
+}
+
+TEST_F(LibraryCrossings, InsidesByTheOracle) {
+    const Closed mesh = bumpy();
+    addClosed(mesh, 0);
+    commit();
+    Random random(11);
+    std::vector<D3> points;
+    for (int i = 0; i < 60; ++i) {
+        const D3 out = random.direction();
+        const double far = 7 * random.uniform();
+        points.push_back({far * out[0], far * out[1], far * out[2]});
+    }
+    // Next to the surface, above corners and edges, down to what fp32 can tell.
+    for (const Aim aim : {Aim::Corners, Aim::Edges}) {
+        for (int i = 0; i < 60; ++i) {
+            const D3 at = targetOf(mesh, aim, random);
+            const double scale = 1 + (i % 2 ? 1 : -1) * std::pow(10, -2 - 0.1 * i);
+            points.push_back({at[0] * scale, at[1] * scale, at[2] * scale});
+        }
+    }
+    const std::vector<uint8_t> where = insides(points);
+    size_t told = 0, on = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+        if (where[i] == GLINT_ON_SURFACE) {
+            ++on;
+            continue;
+        }
+        ++told;
+        EXPECT_EQ(where[i] == GLINT_INSIDE, trulyInside(mesh, points[i], random)) << i;
+    }
+    EXPECT_GT(told, points.size() * 3 / 4);
+    EXPECT_GT(on, 0u);
+}
+
+TEST_F(LibraryCrossings, PointsOfTheSurfaceAreOnIt) {
+    const Closed mesh = bumpy();
+    addClosed(mesh, 1e6);
+    commit();
+    Random random(12);
+    std::vector<D3> on;
+    for (int i = 0; i < 300; ++i) {
+        on.push_back(targetOf(mesh, i % 2 ? Aim::Corners : Aim::Edges, random));
+        for (double& x : on.back()) x += 1e6;
+    }
+    for (const uint8_t where : insides(on)) EXPECT_EQ(where, GLINT_ON_SURFACE);
+    const double nan = std::nan("");
+    EXPECT_EQ(insides({{1e6, 1e6, 1e6}, {0, 0, 0}, {nan, 1e6, 1e6}, {1e300, 0, 0}}),
+              (std::vector<uint8_t>{GLINT_INSIDE, GLINT_OUTSIDE, GLINT_OUTSIDE, GLINT_OUTSIDE}));
+}
+
+TEST_F(LibraryCrossings, InsidesOfOtherShapes) {
+    ASSERT_EQ(glint_scene_add_json(scene(), R"({"materials": {"m": {}}, "objects": [
+        {"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"},
+        {"type": "box", "min": [10, -1, -1], "max": [12, 1, 1], "material": "m"},
+        {"type": "sphere", "center": [11, 0, 0], "radius": 0.5, "material": "m"}]})",
+                                   nullptr, nullptr, nullptr),
+              GLINT_OK)
+        << glint_last_error();
+    commit();
+    EXPECT_EQ(insides({{0, 0, 0},
+                       {0.9, 0, 0},
+                       {1.1, 0, 0},
+                       {1, 0, 0},
+                       {10.2, 0, 0},
+                       {11, 0, 0},
+                       {10, 0.5, 0.5},
+                       {11, 0, 2}}),
+              (std::vector<uint8_t>{GLINT_INSIDE, GLINT_INSIDE, GLINT_OUTSIDE, GLINT_ON_SURFACE, GLINT_INSIDE,
+                                    GLINT_OUTSIDE, GLINT_ON_SURFACE, GLINT_OUTSIDE}));
+}
+
+// Lists: as many as are counted, nearest first, in and out in turns.
+TEST_F(LibraryCrossings, ListsGoInAndOut) {
+    const Closed mesh = bumpy();
+    addClosed(mesh, 0);
+    commit();
+    Random random(21);
+    std::vector<D3> origins, directions;
+    for (int i = 0; i < 3000; ++i) {
+        const D3 out = random.direction(), to = random.direction();
+        origins.push_back({8 * out[0], 8 * out[1], 8 * out[2]});
+        directions.push_back({to[0] - 8 * out[0], to[1] - 8 * out[1], to[2] - 8 * out[2]});
+    }
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    std::vector<uint32_t> counts(origins.size());
+    const glint_out countOut = outOf(counts);
+    ASSERT_EQ(glint_query_count(scene(), &rays, &countOut, nullptr), GLINT_OK) << glint_last_error();
+    std::vector<uint64_t> offsets(origins.size() + 1);
+    const glint_out offsetOut = outOf(offsets);
+    uint64_t total = 0;
+    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, nullptr, &total, nullptr), GLINT_OK)
+        << glint_last_error();
+    ASSERT_GT(total, 5000u);
+    std::vector<double> t(total);
+    std::vector<D3> normal(total);
+    GLINT_INIT(glint_hits, hits);
+    hits.t = outOf(t);
+    hits.normal = outOf(normal);
+    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, &hits, &total, nullptr), GLINT_OK)
+        << glint_last_error();
+    size_t turns = 0;
+    for (size_t i = 0; i < counts.size(); ++i) {
+        ASSERT_EQ(offsets[i + 1] - offsets[i], counts[i]);
+        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k) {
+            if (k > offsets[i]) {
+                EXPECT_LE(t[k - 1], t[k]);
+            }
+            const double side = normal[k][0] * directions[i][0] + normal[k][1] * directions[i][1] +
+                                normal[k][2] * directions[i][2];
+            turns += (side > 0) != ((k - offsets[i]) % 2 == 1);
+        }
+    }
+    EXPECT_EQ(turns, 0u);
+    hits.t.count = 7;
+    EXPECT_EQ(glint_query_all(scene(), &rays, nullptr, &hits, &total, nullptr), GLINT_ERROR_CAPACITY);
+    EXPECT_EQ(total, t.size());
+}
+
+// Triangles that stand in the tree more than once are counted once.
+TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
+    load("arcade.json");
+    Random random(31);
+    GLINT_INIT(glint_scene_info, info);
+    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
+    std::vector<D3> origins, directions;
+    for (int i = 0; i < 1000; ++i) {
+        D3 from, to;
+        for (int k = 0; k < 3; ++k) {
+            from[k] = info.lower[k] + random.uniform() * (info.upper[k] - info.lower[k]);
+            to[k] = info.lower[k] + random.uniform() * (info.upper[k] - info.lower[k]) - from[k];
+        }
+        origins.push_back(from);
+        directions.push_back(to);
+    }
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    uint64_t total = 0;
+    std::vector<uint64_t> offsets(origins.size() + 1);
+    const glint_out out = outOf(offsets);
+    ASSERT_EQ(glint_query_all(scene(), &rays, &out, nullptr, &total, nullptr), GLINT_OK)
+        << glint_last_error();
+    std::vector<uint32_t> geometry(total), primitive(total);
+    GLINT_INIT(glint_hits, hits);
+    hits.geometry = outOf(geometry);
+    hits.primitive = outOf(primitive);
+    ASSERT_EQ(glint_query_all(scene(), &rays, &out, &hits, &total, nullptr), GLINT_OK) << glint_last_error();
+    size_t twice = 0;
+    for (size_t i = 0; i < origins.size(); ++i) {
+        std::vector<std::pair<uint32_t, uint32_t>> seen;
+        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k) seen.emplace_back(geometry[k], primitive[k]);
+        std::sort(seen.begin(), seen.end());
+        twice += std::adjacent_find(seen.begin(), seen.end()) != seen.end();
+    }
+    EXPECT_GT(total, 1000u);
+    EXPECT_EQ(twice, 0u);
+}
+
+}  // namespace
+}  // namespace glint::library::test

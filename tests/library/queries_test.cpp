@@ -1,0 +1,226 @@
+// Many rays: both devices' answers against each other, pieces, threads, cancelling, pictures.
+#include <atomic>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "support.h"
+
+namespace glint::library::test {
+namespace {
+
+struct Cast {
+    std::vector<D3> origins, directions;
+    std::vector<double> t;
+    std::vector<uint32_t> geometry, primitive;
+    std::vector<D3> normal;
+
+    glint_rays rays() const {
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        return rays;
+    }
+    glint_hits hits() {
+        t.assign(origins.size(), -1);
+        geometry.assign(origins.size(), 77);
+        primitive.assign(origins.size(), 77);
+        normal.assign(origins.size(), D3{});
+        GLINT_INIT(glint_hits, hits);
+        hits.t = outOf(t);
+        hits.geometry = outOf(geometry);
+        hits.primitive = outOf(primitive);
+        hits.normal = outOf(normal);
+        return hits;
+    }
+};
+
+// From a sphere around the scene's box to points in it.
+Cast raysInto(const glint_scene* scene, size_t count, uint32_t seed) {
+    GLINT_INIT(glint_scene_info, info);
+    EXPECT_EQ(glint_scene_info_of(scene, &info), GLINT_OK);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::normal_distribution<double> normal;
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis) reach = std::max(reach, info.upper[axis] - info.lower[axis]);
+    Cast cast;
+    for (size_t i = 0; i < count; ++i) {
+        D3 to, from, out;
+        for (int axis = 0; axis < 3; ++axis) {
+            to[axis] = info.lower[axis] + uniform(random) * (info.upper[axis] - info.lower[axis]);
+            out[axis] = normal(random);
+        }
+        const double length = std::hypot(out[0], out[1], out[2]);
+        D3 direction;
+        for (int axis = 0; axis < 3; ++axis) {
+            from[axis] = to[axis] + 2 * reach * out[axis] / length;
+            direction[axis] = to[axis] - from[axis];
+        }
+        cast.origins.push_back(from);
+        cast.directions.push_back(direction);
+    }
+    return cast;
+}
+
+class LibraryQueries : public LibraryTest {
+  protected:
+    void closest(Cast& cast, uint32_t flags = 0) {
+        glint_rays rays = cast.rays();
+        rays.flags = flags;
+        const glint_hits hits = cast.hits();
+        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    }
+};
+
+TEST_F(LibraryQueries, AgreeWithTheReference) {
+    for (const char* name : {"knot.json", "instances.json", "quadrics.json", "textures.json"}) {
+        load(name);
+        glint_device* cpu = nullptr;
+        glint_scene* exact = nullptr;
+        ASSERT_EQ(glint_device_open("cpu", &cpu), GLINT_OK);
+        ASSERT_EQ(glint_scene_load(cpu, sceneFile(name).c_str(), &exact), GLINT_OK) << glint_last_error();
+        Cast here = raysInto(scene(), 3000, 1), there = here;
+        closest(here);
+        const glint_rays rays = there.rays();
+        const glint_hits hits = there.hits();
+        ASSERT_EQ(glint_query_closest(exact, &rays, &hits, nullptr), GLINT_OK);
+        size_t found = 0, agree = 0;
+        for (size_t i = 0; i < here.t.size(); ++i) {
+            found += there.geometry[i] != GLINT_NONE;
+            if (here.geometry[i] != there.geometry[i] || here.primitive[i] != there.primitive[i]) continue;
+            ++agree;
+            if (here.geometry[i] == GLINT_NONE) continue;
+            EXPECT_NEAR(here.t[i], there.t[i], 1e-4);
+            for (int axis = 0; axis < 3; ++axis)
+                EXPECT_NEAR(here.normal[i][axis], there.normal[i][axis], 5e-2);
+        }
+        EXPECT_GT(found, 300u) << name;
+        EXPECT_GE(agree, here.t.size() * 99 / 100) << name;  // others graze, or meet two surfaces at once
+        glint_scene_release(exact);
+        glint_device_release(cpu);
+    }
+}
+
+// More rays than a piece holds: each is answered as by itself, neighbours or not.
+TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
+    load("knot.json");
+    Cast many = raysInto(scene(), 150'001, 2), coherent = many;
+    closest(many);
+    closest(coherent, GLINT_RAYS_COHERENT);
+    EXPECT_EQ(many.t, coherent.t);
+    EXPECT_EQ(many.geometry, coherent.geometry);
+    EXPECT_EQ(many.primitive, coherent.primitive);
+    std::vector<uint8_t> hit(many.t.size(), 9);
+    const glint_rays rays = many.rays();
+    const glint_out out = outOf(hit);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    size_t differ = 0;
+    for (size_t i = 0; i < hit.size(); ++i) differ += (hit[i] == 1) != (many.geometry[i] != GLINT_NONE);
+    EXPECT_EQ(differ, 0u);
+    for (const size_t i : {size_t{0}, size_t{1023}, size_t{131'072}, size_t{150'000}}) {
+        Cast one;
+        one.origins = {many.origins[i]};
+        one.directions = {many.directions[i]};
+        closest(one);
+        EXPECT_EQ(one.t[0], many.t[i]) << i;
+        EXPECT_EQ(one.primitive[0], many.primitive[i]) << i;
+    }
+}
+
+// Eight threads ask while a ninth commits changes.
+TEST_F(LibraryQueries, ThreadsAskOneScene) {
+    load("spheres.json");
+    Cast expected = raysInto(scene(), 2000, 3);
+    closest(expected);
+    std::atomic<int> wrong = 0;
+    std::vector<std::thread> threads;
+    for (int thread = 0; thread < 8; ++thread) {
+        threads.emplace_back([&] {
+            for (int turn = 0; turn < 4; ++turn) {
+                Cast mine = expected;
+                const glint_rays rays = mine.rays();
+                const glint_hits hits = mine.hits();
+                if (glint_query_closest(scene(), &rays, &hits, nullptr) != GLINT_OK) ++wrong;
+                if (mine.t != expected.t || mine.geometry != expected.geometry) ++wrong;
+            }
+        });
+    }
+    for (int turn = 0; turn < 4; ++turn) {
+        if (glint_scene_commit(scene()) != GLINT_OK) ++wrong;
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(LibraryQueries, CancelledAndReported) {
+    load("spheres.json");
+    Cast cast = raysInto(scene(), 300'000, 4);
+    const glint_rays rays = cast.rays();
+    const glint_hits hits = cast.hits();
+    struct Watch {
+        std::atomic<int> asked = 0;
+        std::atomic<bool> stop = false;
+        double last = 0;
+        bool fell = false;
+    } watch;
+    GLINT_INIT(glint_options, options);
+    options.user = &watch;
+    options.cancelled = [](void* user) {
+        auto* w = static_cast<Watch*>(user);
+        ++w->asked;
+        return w->stop ? 1 : 0;
+    };
+    options.progress = [](void* user, double part) {
+        auto* w = static_cast<Watch*>(user);
+        w->fell = w->fell || part < w->last;
+        w->last = part;
+    };
+    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(watch.last, 1);
+    EXPECT_FALSE(watch.fell);
+    EXPECT_GT(watch.asked, 1);
+    watch.stop = true;
+    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_ERROR_CANCELLED);
+}
+
+TEST_F(LibraryQueries, PicturesAndTheirLayers) {
+    load("spheres.json");
+    constexpr uint32_t kWidth = 40, kHeight = 30;
+    std::vector<std::array<float, 4>> color(kWidth * kHeight);
+    std::vector<double> depth(kWidth * kHeight);
+    std::vector<uint32_t> geometry(kWidth * kHeight);
+    GLINT_INIT(glint_picture, picture);
+    picture.width = kWidth;
+    picture.height = kHeight;
+    picture.samples = 1;
+    picture.color = outOf(color);
+    picture.depth = outOf(depth);
+    picture.geometry = outOf(geometry);
+    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    size_t seen = 0;
+    for (size_t i = 0; i < depth.size(); ++i) {
+        EXPECT_EQ(std::isfinite(depth[i]), geometry[i] != GLINT_NONE);
+        EXPECT_EQ(color[i][3], geometry[i] != GLINT_NONE ? 1.0f : 0.0f);
+        seen += geometry[i] != GLINT_NONE;
+    }
+    EXPECT_GT(seen, depth.size() / 10);
+    // From straight above, far away, everything is smaller.
+    GLINT_INIT(glint_camera, camera);
+    camera.eye[1] = 1000;
+    camera.up[2] = 1;
+    camera.fov_y = 40;
+    picture.camera = &camera;
+    const std::vector<double> before = depth;
+    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_NE(depth, before);
+    EXPECT_GT(depth[kWidth * kHeight / 2 + kWidth / 2], 900);
+    GLINT_INIT(glint_options, options);
+    options.cancelled = [](void*) { return 1; };
+    EXPECT_EQ(glint_render(scene(), &picture, &options), GLINT_ERROR_CANCELLED);
+    picture.color.count = 3;
+    EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);
+}
+
+}  // namespace
+}  // namespace glint::library::test

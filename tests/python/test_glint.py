@@ -1,0 +1,183 @@
+"""The Python module on the reference and on a Vulkan device: shapes and types of arrays, answers, errors.
+
+GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
+"""
+import os
+import pathlib
+import threading
+
+import numpy
+import pytest
+
+import glint
+
+SCENES = pathlib.Path(os.environ["GLINT_SOURCE"]) / "scenes"
+CUBE = numpy.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+FACES = numpy.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+                     [1, 5, 7], [1, 7, 3]])
+
+
+@pytest.fixture(params=["cpu", ""], scope="module")
+def device(request):
+    return glint.Device(request.param)
+
+
+@pytest.fixture
+def cube(device):
+    return glint.Scene(CUBE, FACES, device)
+
+
+def test_a_known_hit_and_a_miss(cube):
+    hits = cube.cast([[0.25, 0.5, 5], [9, 9, 9]], [0, 0, -2], want=("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal"))
+    assert hits.hit.tolist() == [True, False]
+    assert hits.t[0] == pytest.approx(2) and numpy.isinf(hits.t[1])
+    assert hits.geometry.tolist() == [0, glint.NONE]
+    assert hits.primitive[0] in (10, 11) and hits.primitive[1] == glint.NONE
+    a, b, c = CUBE[FACES[hits.primitive[0]]]
+    u, v = hits.uv[0]
+    assert (1 - u - v) * a + u * b + v * c == pytest.approx(hits.point[0], abs=1e-6)
+    assert hits.normal[0] == pytest.approx([0, 0, 1])
+
+
+def test_only_what_is_wanted(cube):
+    assert cube.cast([[0, 0, 5, 0, 0, -1]], want=("t",))._fields == ("t",)
+    with pytest.raises(ValueError):
+        cube.cast([[0, 0, 5, 0, 0, -1]], want=("colour",))
+
+
+@pytest.mark.parametrize("dtype", [numpy.float32, numpy.float64, int])
+@pytest.mark.parametrize("shape", [(), (5,), (2, 3), (0,)])
+def test_shapes_and_types(cube, dtype, shape):
+    rays = numpy.broadcast_to(numpy.array([0, 0, 5, 0, 0, -1], dtype), shape + (6,))
+    assert cube.cast(rays).t.shape == shape
+    assert cube.cast(rays).normal.shape == shape + (3,)
+    assert numpy.all(cube.cast(rays).t == 4)
+    assert cube.occluded(rays).shape == shape and cube.occluded(rays).all()
+    assert cube.count(rays).shape == shape and numpy.all(cube.count(rays) == 2)
+    assert cube.contains(rays[..., 3:] * 0.5).shape == shape
+
+
+def test_arrays_stay_as_they_stand(cube):
+    table = numpy.zeros((10, 9), numpy.float32)  # somebody's table, rays in the middle, every second row, backwards
+    table[:, 2:8] = [0, 0, 5, 0, 0, -1]
+    table[:, 2] = numpy.linspace(-2, 2, 10)
+    rays = table[::-2, 2:8]
+    assert numpy.array_equal(cube.cast(rays).t, cube.cast(rays.copy()).t)
+    fortran = numpy.asfortranarray(rays)
+    assert numpy.array_equal(cube.cast(fortran).t, cube.cast(rays).t)
+
+
+def test_intervals(cube):
+    rays = numpy.tile([0.0, 0, 5, 0, 0, -1], (3, 1))
+    assert cube.occluded(rays, t_max=[3, 4, 9]).tolist() == [False, True, True]
+    assert cube.count(rays, t_min=[0, 5, 7]).tolist() == [2, 1, 0]
+    assert cube.count(rays, t_max=4.5).tolist() == [1, 1, 1]
+
+
+def test_all_hits(cube):
+    offsets, hits = cube.all_hits([[0.1, 0.2, 5, 0, 0, -1], [9, 9, 9, 0, 0, 1], [0, 0, 0, 0.3, 0.1, 1]])
+    assert offsets.tolist() == [0, 2, 2, 3]
+    assert hits.t == pytest.approx([4, 6, 1], abs=1e-5)
+
+
+def test_rays_at_edges_and_corners_are_counted_right(device):
+    count = 20000
+    random = numpy.random.default_rng(1)
+    scene = glint.Scene(CUBE + 1e6, FACES, device)
+    targets = CUBE[FACES[random.integers(0, 12, count), 0]]
+    ends = CUBE[FACES[random.integers(0, 12, count), 1]]
+    share = random.choice([0, 0.5, 1, 0.3], count)[:, None]
+    targets = targets + share * (ends - targets)
+    for origins, parity in ((random.uniform(-0.5, 0.5, (count, 3)), 1), (5 * _unit(random, count), 0)):
+        crossings = scene.count(origins + 1e6, targets - origins)
+        assert numpy.count_nonzero(crossings % 2 != parity) == 0
+
+
+def _unit(random, count):
+    v = random.normal(size=(count, 3))
+    return v / numpy.linalg.norm(v, axis=1)[:, None]
+
+
+def test_insides(cube):
+    points = [[0, 0, 0], [0.99, 0.99, 0.99], [1.01, 0, 0], [1, 0.3, 0.2], [1, 1, 1]]
+    assert cube.locate(points).tolist() == [glint.INSIDE, glint.INSIDE, glint.OUTSIDE, glint.ON_SURFACE, glint.ON_SURFACE]
+    assert cube.contains(points).tolist() == [True, True, False, False, False]
+
+
+def test_scenes_are_filled_and_changed(device):
+    scene = glint.Scene(device=device)
+    ball = scene.add_spheres([[10, 0, 0], [20, 0, 0]], [1, 2])
+    mesh = scene.add_triangles(CUBE, FACES)
+    more = scene.add_json('{"materials": {"red": {}}, "objects": [{"type": "disc", "center": [30, 0, 1], "normal": [0, 0, 1], '
+                          '"radius": 1, "material": "red"}]}')
+    moved = scene.add_instance(mesh, [[1, 0, 0, 40], [0, 1, 0, 0], [0, 0, 1, 0]])
+    assert (ball, mesh, more, moved, scene.material("red")) == (0, 2, range(3, 4), 4, 0)
+    scene.commit()
+    downwards = [[x, 0.1, 9, 0, 0, -1] for x in (10, 20, 0.2, 30, 40.2)]
+    assert scene.cast(downwards).geometry.tolist() == [0, 1, 2, 3, 4]
+    scene.set_transform(moved, numpy.diag([1, 1, 2, 1]) + numpy.array([[0, 0, 0, 50], [0] * 4, [0] * 4, [0] * 4]))
+    scene.set_vertices(mesh, CUBE * [1, 1, 3])
+    scene.commit()
+    assert scene.cast([[0.2, 0.1, 9, 0, 0, -1], [50.2, 0.1, 9, 0, 0, -1]]).t == pytest.approx([6, 3], abs=1e-5)
+    assert scene.bounds[1] == pytest.approx([51, 2, 6], abs=1e-4)
+    assert scene.triangles == 24 and scene.warnings == []
+
+
+def test_pictures(device):
+    picture = glint.render(SCENES / "spheres.json", 32, 24, 1, device=device)
+    assert picture.shape == (24, 32, 4) and picture.dtype == numpy.float32
+    layers = glint.Scene.load(SCENES / "spheres.json", device).render(32, 24, 1, layers=("color", "depth", "geometry"))
+    assert numpy.array_equal(layers.color, picture)
+    assert numpy.array_equal(numpy.isfinite(layers.depth), layers.geometry != glint.NONE)
+    assert 0.1 < numpy.isfinite(layers.depth).mean() < 1
+    above = glint.Scene.load(SCENES / "spheres.json", device).render(32, 24, 1, layers=("depth",), camera=((0, 900, 0), (0, 0, 0), (0, 0, 1)))
+    assert above.depth[12, 16] > 800
+
+
+def test_errors(device, cube):
+    with pytest.raises(glint.Error) as error:
+        glint.Scene.load("/no/such/file.json", device)
+    assert error.value.status == "scene" and "/no/such/file.json" in str(error.value)
+    with pytest.raises(glint.Error):
+        glint.Scene(CUBE, FACES + 1, device)
+    with pytest.raises(ValueError):
+        glint.Scene(CUBE, FACES - 1, device)
+    with pytest.raises(ValueError):
+        cube.cast(numpy.zeros((4, 5)))
+    with pytest.raises(ValueError):
+        cube.cast(numpy.zeros((4, 3)), numpy.zeros((3, 3)))
+    with pytest.raises(glint.Error):
+        glint.Scene(device=device).cast(numpy.zeros((1, 6)))
+    with pytest.raises(glint.Error) as error:
+        cube.cast(numpy.ones((10, 6)), cancelled=lambda: True)
+    assert error.value.status == "cancelled"
+    with pytest.raises(ZeroDivisionError):  # of a callback
+        cube.cast(numpy.ones((10, 6)), cancelled=lambda: 1 / 0)
+    parts = []
+    cube.cast(numpy.ones((5000, 6)), progress=parts.append)
+    assert parts == sorted(parts) and parts[-1] == 1
+
+
+def test_threads_share_a_scene(cube):
+    random = numpy.random.default_rng(2)
+    rays = numpy.hstack([5 * _unit(random, 3000), random.normal(size=(3000, 3))])
+    expected = cube.cast(rays).t
+    answers = [None] * 4
+
+    def ask(number):
+        answers[number] = cube.cast(rays).t
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(numpy.array_equal(answer, expected) for answer in answers)
+
+
+def test_devices_and_version():
+    assert glint.version() == (0, 1, 0)
+    found = glint.devices()
+    assert found[-1]["name"] == "cpu" and found[-1]["reference"]
+    assert glint.Device("cpu").info["reference"]
+    with pytest.raises(glint.Error):
+        glint.Device("no such device")
