@@ -161,6 +161,14 @@ PreparedRay::PreparedRay(const Ray& ray) {
 }
 
 bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
+    {  // Double proves nearly all sides, in a sixteenth of the time; a side that it proves needs no moving.
+        const Vec<double> o = toVec<double>(ray.origin), d = toVec<double>(ray.direction);
+        const Vec<double> a = toVec<double>(triangle.v0) - o, b = toVec<double>(triangle.v1) - o,
+                          c = toVec<double>(triangle.v2) - o;
+        const int e0 = edgeSide(d, b, c, kUnitRoundoff), e1 = edgeSide(d, c, a, kUnitRoundoff),
+                  e2 = edgeSide(d, a, b, kUnitRoundoff);
+        if (e0 != 0 && e1 != 0 && e2 != 0) return e0 == e1 && e1 == e2;
+    }
     const Vec<Quad> o = toVec<Quad>(ray.origin), d = toVec<Quad>(ray.direction);
     const Vec<Quad> a = toVec<Quad>(triangle.v0) - o, b = toVec<Quad>(triangle.v1) - o,
                     c = toVec<Quad>(triangle.v2) - o;
