@@ -1,5 +1,5 @@
 # What libglint is installed as: a shared library that shows glint_... alone, a static one that hides the rest too, headers, a CMake
-# package and a pkg-config file. Components: library (to run what links it), development, program. Included by src/library.
+# package and a pkg-config file. Components: library (to run what links it), development, program, python. Included by src/library.
 #
 # Sanitized objects need their runtime in the program, so a sanitized build has no libglint to install.
 include(GNUInstallDirs)
@@ -55,3 +55,6 @@ install(FILES ${glint_config} ${CMAKE_CURRENT_BINARY_DIR}/glint-config-version.c
 file(RELATIVE_PATH glint_pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${CMAKE_SOURCE_DIR}/cmake/glint.pc.in ${CMAKE_CURRENT_BINARY_DIR}/glint.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/glint.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+
+# ctypes: the same for all Pythons and machines.
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/python/glint DESTINATION lib/python3/dist-packages COMPONENT python PATTERN __pycache__ EXCLUDE)

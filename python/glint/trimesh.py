@@ -1,0 +1,42 @@
+"""trimesh's way of asking, answered by glint: change one import, and corners and edges are counted right.
+
+    from glint.trimesh import RayMeshIntersector
+    RayMeshIntersector(mesh).contains_points(points)
+"""
+import numpy
+
+from . import Scene, _native
+
+
+class RayMeshIntersector:
+    """Method names and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`."""
+
+    def __init__(self, mesh, device=None):
+        self.mesh = mesh
+        self.scene = Scene(mesh.vertices, mesh.faces, device)
+
+    def intersects_location(self, ray_origins, ray_directions, multiple_hits=True):
+        """(locations (m, 3), index_ray (m,), index_tri (m,)): every crossing, or the nearest hit of each ray."""
+        if not multiple_hits:
+            hits = self.scene.cast(ray_origins, ray_directions, want=("hit", "primitive", "point"))
+            index_ray = numpy.flatnonzero(hits.hit)
+            return hits.point[index_ray], index_ray, hits.primitive[index_ray].astype(numpy.int64)
+        offsets, hits = self.scene.all_hits(ray_origins, ray_directions, want=("primitive", "point"))
+        index_ray = numpy.repeat(numpy.arange(len(offsets) - 1), numpy.diff(offsets).astype(numpy.int64))
+        return hits.point, index_ray, hits.primitive.astype(numpy.int64)
+
+    def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, return_locations=False):
+        """(index_tri, index_ray), with the locations if wanted."""
+        locations, index_ray, index_tri = self.intersects_location(ray_origins, ray_directions, multiple_hits)
+        return (index_tri, index_ray, locations) if return_locations else (index_tri, index_ray)
+
+    def intersects_first(self, ray_origins, ray_directions):
+        """The triangle that each ray hits first, -1 for none."""
+        first = self.scene.cast(ray_origins, ray_directions, want=("primitive",)).primitive
+        return numpy.where(first == _native.NONE, -1, first.astype(numpy.int64))
+
+    def intersects_any(self, ray_origins, ray_directions):
+        return self.scene.occluded(ray_origins, ray_directions)
+
+    def contains_points(self, points):
+        return self.scene.contains(points)

@@ -1,0 +1,26 @@
+"""The programs on docs/guide/python.md and README.md print what stands below them."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(os.environ["GLINT_SOURCE"])
+PAGES = ["docs/guide/python.md", "README.md"]
+
+
+def programs():
+    for name in PAGES:
+        found = re.findall(r"```python\n(.*?)```(?:\s*It prints\s*```text\n(.*?)```)?", (ROOT / name).read_text(), re.DOTALL)
+        assert found, f"{name} holds no program"
+        for number, (text, printed) in enumerate(found):
+            yield pytest.param(text, printed, id=f"{name}-{number}")
+
+
+@pytest.mark.parametrize("text, printed", programs())
+def test_page(text, printed):
+    done = subprocess.run([sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert not printed or done.stdout == printed
