@@ -10,6 +10,7 @@
 #include "app/exit_code.h"
 #include "app/usage.h"
 #include "core/error.h"
+#include "core/text_file.h"
 
 namespace glint::app {
 
@@ -99,7 +100,7 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
     const auto failed = [&](ExitCode code, const std::string& message) {
         out.flush();  // results come before the error, whoever reads both
-        err << "glint: " << message << std::endl;
+        err << "glint: " << printable(message) << std::endl;
         return static_cast<int>(code);
     };
     try {

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <iostream>
 
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "import/load.h"
 #include "pack/pack_samples.h"
 #include "scene/sampling.h"
@@ -34,7 +36,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     LoadedScene loaded;
     Stopwatch watch;
-    loaded.scene = loadScene(options.scene);
+    loaded.scene = loadScene(options.scene, {options.allowOutside, availableMemory()});
     if (options.size) {
         loaded.scene.image.width = options.size->width;
         loaded.scene.image.height = options.size->height;
@@ -47,7 +49,7 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
     loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
     loaded.packSeconds = watch.seconds();
     if (!quiet) {
-        for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << w << '\n';
+        for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << printable(w) << '\n';
         for (const std::string& w : loaded.packed.warnings) {
             err << "glint: warning: " << options.scene.string() << ": " << w << '\n';
         }
@@ -82,20 +84,19 @@ Error withAdvice(const Error& error) {
 
 gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms) {
     try {
-        return gpu::Device({choice.selector, choice.validation, {}, keepPrograms});
+        gpu::Device device({choice.selector, choice.validation, {}, keepPrograms});
+        if (!choice.validation || device.validationActive()) return device;
     } catch (const Error& error) {
         if (!hostWould) throw;
         throw withAdvice(error);
     }
+    throw Error(ErrorKind::Device,
+                "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
+                "vulkan-validationlayers)");
 }
 
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err) {
     if (!choice.validation) return;
-    if (!device.validationActive()) {
-        throw Error(ErrorKind::Device,
-                    "--validation: the layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
-                    "vulkan-validationlayers)");
-    }
     const auto messages = device.validationMessages();
     for (const std::string& message : messages) err << "glint: validation: " << message << '\n';
     if (!messages.empty()) throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");

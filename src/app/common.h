@@ -20,14 +20,13 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
 
 // Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
-// so.
+// so. Throws Error(Device) too if the validation layer was asked for and is not there.
 gpu::Device openDevice(const DeviceChoice& choice, bool hostWould, bool keepPrograms = true);
 
 // The error with the advice to use --backend cpu, if no device can be used.
 Error withAdvice(const Error& error);
 
-// Prints what the validation layer said; throws Error(Device) if it said anything, or was asked for and is
-// not there.
+// Prints what the validation layer said; throws Error(Device) if it said anything.
 void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std::ostream& err);
 
 // True if standard error is a terminal and `err` is it.

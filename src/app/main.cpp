@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -20,10 +21,23 @@ void quitOn(int signal) {
     if (std::signal(signal, quit) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
+// A stream that the caller has closed would be the next file that is opened, a picture say. Where it was,
+// what is written fails like on a full disk.
+void fillClosedStreams() {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
+        if (::fcntl(fd, F_GETFD) >= 0) continue;
+        [[maybe_unused]] const int opened =
+            ::open(fd == STDOUT_FILENO ? "/dev/full" : "/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    fillClosedStreams();
     quitOn(SIGINT);
     quitOn(SIGTERM);
+    // Writing beyond the limit of a file's size is then an error like a full disk, and has a message.
+    std::signal(SIGXFSZ, SIG_IGN);
     return glint::app::run({argv + std::min(argc, 1), argv + argc}, std::cout, std::cerr);
 }

@@ -7,14 +7,25 @@ namespace glint::app {
 
 using Text = std::string;
 
+namespace {
+
+void addOutside(OptionTable& table, bool& allowed) {
+    table.flag("--allow-outside", "read files outside the scene's folder too, if it or its models name some",
+               allowed);
+}
+
+}  // namespace
+
 void addScene(OptionTable& table, SceneOptions& options) {
     table.value(
         "SCENE", "", "a scene (.json .gltf .glb .nff) or a model alone (.obj .ply .stl)",
         [&](const Text& t) { options.scene = t; }, OptionTable::Need::Required);
+    addOutside(table, options.allowOutside);
 }
 
-void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes) {
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes, bool& allowOutside) {
     table.arguments("SCENE", "scenes or models", scenes);
+    addOutside(table, allowOutside);
 }
 
 void addSceneOverrides(OptionTable& table, SceneOptions& options) {

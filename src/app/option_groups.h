@@ -20,6 +20,7 @@ namespace glint::app {
 // What is drawn, and what the command line says instead of the scene.
 struct SceneOptions {
     std::filesystem::path scene;
+    bool allowOutside = false;  // files outside the scene's folder may be read
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
@@ -38,8 +39,9 @@ struct DeviceChoice {
     render::Traversal traversal = render::Traversal::Auto;
 };
 
-void addScene(OptionTable& table, SceneOptions& options);                        // one SCENE
-void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes);  // one or more
+void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
+void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
+               bool& allowOutside);
 void addSceneOverrides(OptionTable& table,
                        SceneOptions& options);               // --size, --spp, --max-depth, --build-quality
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere

@@ -2,14 +2,12 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdio>
-#include <fstream>
-#include <limits>
+#include <iostream>
 #include <string>
 #include <system_error>
 
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
 
@@ -25,22 +23,6 @@ namespace fs = std::filesystem;
 
 std::string reasonOf(int errorNumber) {
     return std::generic_category().message(errorNumber);
-}
-
-// The number after `key` in a file of the kernel's, or the first number if `key` is empty; `fallback` without
-// either ("max").
-uint64_t numberIn(const char* file, const std::string& key, uint64_t fallback) {
-    std::ifstream stream(file);
-    for (std::string word; !key.empty() && stream >> word && word != key;) {
-    }
-    uint64_t value = 0;
-    return stream >> value ? value : fallback;
-}
-
-std::string gibibytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.1f GiB", static_cast<double>(bytes) / (1024.0 * 1024.0 * 1024.0));
-    return text;
 }
 
 }  // namespace
@@ -71,20 +53,9 @@ void checkOutputFolder(const fs::path& folder) {
     if (access(folder.c_str(), W_OK | X_OK) != 0) cannotWrite(folder, reasonOf(errno));
 }
 
-uint64_t availableMemory() {
-    constexpr uint64_t kUnknown = std::numeric_limits<uint64_t>::max();
-    uint64_t available = kUnknown;
-    const uint64_t system = numberIn("/proc/meminfo", "MemAvailable:", kUnknown);
-    if (system != kUnknown) available = system * 1024;
-    const char* const groups[][2] = {
-        {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"},
-        {"/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"}};
-    for (const auto& [limitFile, usageFile] : groups) {
-        const uint64_t limit = numberIn(limitFile, "", kUnknown);
-        const uint64_t used = numberIn(usageFile, "", 0);
-        if (limit != kUnknown) available = std::min(available, limit - std::min(limit, used));
-    }
-    return available;
+void checkStandardOutput(const std::ostream& out) {
+    if (&out != &std::cout || ::write(STDOUT_FILENO, "", 0) == 0) return;
+    throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));
 }
 
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 
 namespace glint::app {
 
@@ -13,9 +14,9 @@ void checkPicturePath(const std::filesystem::path& path);
 // Throws Error(Failed) if `folder` is not a folder that can be written to.
 void checkOutputFolder(const std::filesystem::path& folder);
 
-// Bytes of memory that this process may still use: what the system calls available, less where a control
-// group (container) allows less. The greatest number if the system does not tell.
-uint64_t availableMemory();
+// Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or
+// the device behind it is full.
+void checkStandardOutput(const std::ostream& out);
 
 // Throws Error(Failed) if `width` x `height` pixels of `bytesPerPixel` need more than `available` bytes.
 void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available);

@@ -11,6 +11,7 @@
 #include "app/losses.h"
 #include "app/output_check.h"
 #include "app/picture_advice.h"
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
@@ -287,6 +288,7 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     checkDeviceOptions(command.backend, command.device);
     checkErrorTarget(command.target, command.scene, command.aovs);
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
+    if (!command.quiet || command.json) checkStandardOutput(out);
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
     // Opening a device (50 ms for lavapipe, whose libraries are large) and reading the scene need nothing of

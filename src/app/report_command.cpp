@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct ReportCommand {
     std::vector<fs::path> scenes;
     fs::path folder;
+    bool allowOutside = false;
     int width = 160;  // pixels
     int repeats = 5;
     int truthSamples = 256;
@@ -35,7 +36,7 @@ struct ReportCommand {
 };
 
 void declare(OptionTable& table, ReportCommand& c) {
-    addScenes(table, c.scenes);
+    addScenes(table, c.scenes, c.allowOutside);
     table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
                "the folder's name", c.folder, OptionTable::Need::Required);
     table.whole("--size", "WIDTH", "of the pictures in pixels (default 160); the height follows", 4, 4096,
@@ -93,6 +94,7 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     for (const fs::path& path : command.scenes) {
         SceneOptions scene;
         scene.scene = path;
+        scene.allowOutside = command.allowOutside;
         subjects.push_back({path, loadAndPack(scene, err)});
     }
     Progress progress("report", command.progress, err, isTerminal(err));

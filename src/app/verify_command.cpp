@@ -7,6 +7,7 @@
 #include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/verify_report.h"
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
@@ -25,7 +26,7 @@ struct VerifyCommand {
 };
 
 void declare(OptionTable& table, VerifyCommand& c) {
-    addScenes(table, c.scenes);
+    addScenes(table, c.scenes, c.common.allowOutside);
     table.path("-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
                "the folder's name", c.folder);
     addSceneOverrides(table, c.common);

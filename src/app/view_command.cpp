@@ -42,6 +42,7 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     view::Options options;
     options.scene = command.scene.scene;
+    options.allowOutside = command.scene.allowOutside;
     if (command.scene.size) {
         options.width = command.scene.size->width;
         options.height = command.scene.size->height;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
+#include "core/image_io.h"
 
 namespace glint {
 
@@ -44,12 +44,13 @@ struct ExrChannel {
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels);
 
 // The largest picture that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
-inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 28;
+inline constexpr uint64_t kMostPicturePixels = kMostPixels;
 inline constexpr uint64_t kMostPictureSide = 65536;
 
 // For decoders, before memory is taken: refuses a size of nothing, beyond the limits above, or of which the
 // file's bytes, each of which stands for at most `pixelsPerByte` pixels, cannot hold the pixels.
-void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte);
+void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte,
+                       uint64_t mostPixels);
 
 // Memory that is taken only as rows arrive: a file that ends early costs what it held.
 class RowCollector {
@@ -68,14 +69,14 @@ class RowCollector {
 std::vector<float> linearOfCodes(size_t count);
 
 // By libpng. 1 to 16 bits, grey, RGB or palette, with or without alpha; grey with alpha becomes RGBA.
-Image decodePng(ByteView file);
+Image decodePng(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 // By libjpeg-turbo. Grey, or RGB of whatever colour space.
-Image decodeJpeg(ByteView file);
-Image decodeHdr(ByteView file);
-Image decodePfm(ByteView file);
+Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of
 // the only layer. Tiles, scanlines and every compression; no deep pixels.
-Image decodeExr(ByteView file);
+Image decodeExr(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 
 }  // namespace glint

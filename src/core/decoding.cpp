@@ -4,12 +4,13 @@
 
 namespace glint {
 
-void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte) {
+void checkDeclaredSize(uint64_t width, uint64_t height, size_t fileBytes, double pixelsPerByte,
+                       uint64_t mostPixels) {
     const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
     if (width == 0 || height == 0)
         throw CodecError("the file is damaged or of a kind that is not supported (no pixels)");
-    if (width > kMostPictureSide || height > kMostPictureSide || width * height > kMostPicturePixels)
-        throw CodecError("the picture has " + size + ", the limit is " + std::to_string(kMostPicturePixels) +
+    if (width > kMostPictureSide || height > kMostPictureSide || width * height > mostPixels)
+        throw CodecError("the picture has " + size + ", the limit is " + std::to_string(mostPixels) +
                          " pixels, and " + std::to_string(kMostPictureSide) + " along a side");
     if (static_cast<double>(width * height) > pixelsPerByte * static_cast<double>(fileBytes))
         throw CodecError("the file is truncated or damaged (" + size + " cannot be in " +

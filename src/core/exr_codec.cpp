@@ -134,7 +134,7 @@ ChunkShape chunkShape(Imf::Compression compression) {
 }
 
 // Sizes, before the library takes memory for tables and buffers of them.
-void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes) {
+void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes, uint64_t mostPixels) {
     const auto& window = header.dataWindow();
     const auto width = static_cast<int64_t>(window.max.x) - window.min.x + 1;
     const auto height = static_cast<int64_t>(window.max.y) - window.min.y + 1;
@@ -144,7 +144,7 @@ void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes) {
         pixelBytes += channel.channel().type == Imf::HALF ? 2 : 4;
     const ChunkShape shape = chunkShape(header.compression());
     checkDeclaredSize(static_cast<uint64_t>(width), static_cast<uint64_t>(height), fileBytes,
-                      shape.bytesPerByte / std::max(pixelBytes, 1.0));
+                      shape.bytesPerByte / std::max(pixelBytes, 1.0), mostPixels);
     double chunkBytes = pixelBytes * static_cast<double>(width) * shape.rows;
     double chunks = std::ceil(static_cast<double>(height) / shape.rows);
     if (tiled) {
@@ -161,7 +161,7 @@ void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes) {
     if (chunks * sizeof(uint64_t) > static_cast<double>(fileBytes)) throw CodecError("the file is truncated");
 }
 
-void checkHeaders(ByteView file) {
+void checkHeaders(ByteView file, uint64_t mostPixels) {
     uint32_t version = 0;
     if (file.size() <= kFirstHeader) throw CodecError("the file is truncated");
     std::memcpy(&version, file.data() + 4, sizeof(version));
@@ -176,7 +176,7 @@ void checkHeaders(ByteView file) {
         header.readFrom(stream, part);
         if (header.readsNothing()) break;
         const bool tiled = Imf::isTiled(flags) || (header.hasType() && header.type() == Imf::TILEDIMAGE);
-        checkPart(header, tiled, file.size());
+        checkPart(header, tiled, file.size(), mostPixels);
     } while (Imf::isMultiPart(flags));
 }
 
@@ -268,9 +268,9 @@ Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels) {
     return std::move(stream.file);
 }
 
-Image decodeExr(ByteView file) {
+Image decodeExr(ByteView file, uint64_t mostPixels) {
     try {
-        checkHeaders(file);
+        checkHeaders(file, mostPixels);
         MemoryReader stream(file);
         Imf::MultiPartInputFile parts(stream, 0, false);
         Imf::InputPart part(parts, 0);

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <deque>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 
@@ -31,8 +32,11 @@ class Descriptor {
             ::close(fd_);
         }
     }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
+    Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(fd_, other.fd_);
+        return *this;
+    }
 
     bool isOpen() const { return fd_ >= 0; }
     int get() const { return fd_; }
@@ -49,7 +53,7 @@ class Descriptor {
 };
 
 // False with errno set if not every byte could be written.
-bool writeAndClose(Descriptor& file, const std::vector<uint8_t>& bytes) {
+bool writeBytes(const Descriptor& file, const std::vector<uint8_t>& bytes) {
     size_t written = 0;
     while (written < bytes.size()) {
         const ssize_t count = ::write(file.get(), bytes.data() + written, bytes.size() - written);
@@ -58,13 +62,26 @@ bool writeAndClose(Descriptor& file, const std::vector<uint8_t>& bytes) {
         }
         written += count > 0 ? static_cast<size_t>(count) : 0;
     }
-    return file.close();
+    return true;
 }
 
+// To the disk, so that a name never stands for what a power cut has kept from being written. Some file
+// systems know no such thing.
+bool sync(const Descriptor& file) {
+    return ::fsync(file.get()) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
+
+// Where a link leads, even if there is no file yet. A link in a circle stays: writing it fails.
 fs::path followLinks(const fs::path& path) {
+    constexpr int kMostLinks = 40;  // as many as Linux follows
     std::error_code error;
-    fs::path target = fs::canonical(path, error);
-    return error ? path : target;
+    fs::path target = path;
+    for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++i) {
+        const fs::path next = fs::read_symlink(target, error);
+        if (error) break;
+        target = target.parent_path() / next;
+    }
+    return target;
 }
 
 // One output file between its temporary name and its own.
@@ -98,10 +115,13 @@ class StagedFile {
     void commit() {
         if (isDevice_) {
             Descriptor device(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
-            if (!device.isOpen() || !writeAndClose(device, output_.bytes)) {
+            if (!device.isOpen() || !writeBytes(device, output_.bytes) || !device.close()) {
                 fail(output_.path, "write", errno);
             }
             return;
+        }
+        if (nameless_.isOpen()) {
+            giveName();
         }
         if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
             fail(output_.path, "write", errno);
@@ -117,36 +137,65 @@ class StagedFile {
     }
 
   private:
+    // A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system).
     void writeTemporary(const struct stat& status) {
-        static std::atomic<unsigned> counter{0};
-        const fs::path folder = target_.parent_path();
-        // Names end at 255 bytes; the process and a counter make the shortened name unique.
-        std::string stem(1, '.');
-        stem += target_.filename().string().substr(0, 200);
-        stem += '.' + std::to_string(::getpid());
-        fs::path name;
-        int fd = -1;
-        do {
-            name = folder / (stem + "." + std::to_string(counter++) + ".tmp");
-            fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        } while (fd < 0 && errno == EEXIST);
-        Descriptor file(fd);
+        const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+        nameless_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+        Descriptor named(-1);
+        if (!nameless_.isOpen()) {
+            named = Descriptor(tryNames([](const fs::path& name) {
+                return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            }));
+        }
+        const Descriptor& file = nameless_.isOpen() ? nameless_ : named;
         if (!file.isOpen()) {
             fail(output_.path, "write", errno);
         }
-        temporary_ = name;
         if (existed_) {
             // Without success the new file has the mode of any other new file.
             [[maybe_unused]] const int ignored = ::fchmod(file.get(), status.st_mode & 07777);
         }
-        if (!writeAndClose(file, output_.bytes)) {
+        if (!writeBytes(file, output_.bytes) || !sync(file)) {
             fail(output_.path, "write", errno);
+        }
+        if (named.isOpen() && !named.close()) {
+            fail(output_.path, "write", errno);
+        }
+    }
+
+    // Nothing replaces a file but a rename, so the file has another name for a moment.
+    void giveName() {
+        const std::string self = "/proc/self/fd/" + std::to_string(nameless_.get());
+        const int failed = tryNames([&](const fs::path& name) {
+            return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
+        });
+        if (failed < 0 || !nameless_.close()) {
+            fail(output_.path, "write", errno);
+        }
+    }
+
+    // Calls make(name) with names beside the target until there is no such file yet; `temporary_` is then the
+    // name. Less than 0, with errno set, if that fails.
+    template <typename Make>
+    int tryNames(Make make) {
+        static std::atomic<unsigned> counter{0};
+        // Names end at 255 bytes; the process and a counter make the shortened name unique.
+        std::string stem(1, '.');
+        stem += target_.filename().string().substr(0, 200);
+        stem += '.' + std::to_string(::getpid());
+        for (;;) {
+            const fs::path name = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
+            const int made = make(name);
+            if (made < 0 && errno == EEXIST) continue;
+            if (made >= 0) temporary_ = name;
+            return made;
         }
     }
 
     const OutputFile& output_;
     fs::path target_;
-    fs::path temporary_;  // empty once renamed
+    fs::path temporary_;  // empty before it has a name, and once it is renamed
+    Descriptor nameless_{-1};
     bool existed_ = false;
     bool isDevice_ = false;
 };

@@ -16,13 +16,13 @@ constexpr size_t kLeastRunWidth = 8, kMostRunWidth = 32767;
 
 class HdrReader {
   public:
-    explicit HdrReader(ByteView file) : file_(file) {}
+    HdrReader(ByteView file, uint64_t mostPixels) : file_(file), mostPixels_(mostPixels) {}
 
     Image read() {
         readHeader();
         readSize();
         // A run of 127 bytes takes two, and a pixel has four.
-        checkDeclaredSize(width_, height_, file_.size(), 127.0 / 8);
+        checkDeclaredSize(width_, height_, file_.size(), 127.0 / 8, mostPixels_);
         RowCollector rows(static_cast<int>(width_), static_cast<int>(height_), 3);
         std::vector<uint8_t> pixels(4 * width_);
         for (size_t y = 0; y < height_; ++y) {
@@ -129,6 +129,7 @@ class HdrReader {
     }
 
     ByteView file_;
+    uint64_t mostPixels_;
     size_t position_ = 0;
     size_t width_ = 0, height_ = 0;
     std::array<float, 256> units_ = makeUnits();
@@ -136,8 +137,8 @@ class HdrReader {
 
 }  // namespace
 
-Image decodeHdr(ByteView file) {
-    return HdrReader(file).read();
+Image decodeHdr(ByteView file, uint64_t mostPixels) {
+    return HdrReader(file, mostPixels).read();
 }
 
 }  // namespace glint

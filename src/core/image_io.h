@@ -12,6 +12,8 @@
 
 namespace glint {
 
+inline constexpr uint64_t kMostPixels = uint64_t{1} << 28;  // 16,384 x 16,384
+
 // True if the extension of `path` names a format that writeImage can write (.png .exr .pfm .hdr, any case).
 bool isWritableImagePath(const std::filesystem::path& path);
 
@@ -32,9 +34,10 @@ std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path
 
 // Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
 // the reason if it is missing, truncated or of an unknown kind.
-Image readImage(const std::filesystem::path& path);
+// Pictures of more pixels than `mostPixels`, or than codecs.h allows, are refused before memory is taken.
+Image readImage(const std::filesystem::path& path, uint64_t mostPixels = kMostPixels);
 
 // Decodes the bytes of such a file; `name` stands for it in messages.
-Image decodeImage(std::span<const uint8_t> bytes, const std::string& name);
+Image decodeImage(std::span<const uint8_t> bytes, const std::string& name, uint64_t mostPixels = kMostPixels);
 
 }  // namespace glint

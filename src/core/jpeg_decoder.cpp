@@ -137,11 +137,11 @@ void run(Decoder& decoder, Step step) {
 
 }  // namespace
 
-Image decodeJpeg(ByteView file) {
+Image decodeJpeg(ByteView file, uint64_t mostPixels) {
     Decoder decoder;
     jpeg_decompress_struct& info = decoder.info;
     run(decoder, [&] { start(decoder, file); });
-    checkDeclaredSize(info.image_width, info.image_height, file.size(), kMostPixelsPerByte);
+    checkDeclaredSize(info.image_width, info.image_height, file.size(), kMostPixelsPerByte, mostPixels);
     run(decoder, [&] { startRows(decoder); });
     const auto stored = static_cast<size_t>(info.output_components);
     decoder.row.resize(stored * info.output_width);

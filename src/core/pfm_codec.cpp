@@ -83,7 +83,7 @@ Bytes encodePfm(const Image& image) {
     return file;
 }
 
-Image decodePfm(ByteView file) {
+Image decodePfm(ByteView file, uint64_t mostPixels) {
     HeaderReader header(file);
     const int channels = header.word() == "PF" ? 3 : 1;
     const int width = header.number<int>("width");
@@ -96,6 +96,10 @@ Image decodePfm(ByteView file) {
     const size_t rowSamples = static_cast<size_t>(width) * channels;
     if (data.size() / sizeof(float) / rowSamples < static_cast<size_t>(height)) {
         throw CodecError("the file is truncated");
+    }
+    if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > mostPixels) {
+        throw CodecError("the picture has " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, the limit is " + std::to_string(mostPixels));
     }
     Image image(width, height, channels);
     const uint8_t* next = data.data();

@@ -116,7 +116,7 @@ void readInterlaced(Decoder& decoder) {
 
 }  // namespace
 
-Image decodePng(ByteView file) {
+Image decodePng(ByteView file, uint64_t mostPixels) {
     Decoder decoder(file);
     decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, onError, onWarning);
     decoder.info = decoder.png == nullptr ? nullptr : png_create_info_struct(decoder.png);
@@ -126,7 +126,7 @@ Image decodePng(ByteView file) {
     decoder.height = png_get_image_height(decoder.png, decoder.info);
     const double bits = png_get_bit_depth(decoder.png, decoder.info) *
                         static_cast<double>(png_get_channels(decoder.png, decoder.info));
-    checkDeclaredSize(decoder.width, decoder.height, file.size(), kMostPixelsPerByte / bits);
+    checkDeclaredSize(decoder.width, decoder.height, file.size(), kMostPixelsPerByte / bits, mostPixels);
     run(decoder, [&] { startRows(decoder); });
 
     RowCollector rows(static_cast<int>(decoder.width), static_cast<int>(decoder.height),

@@ -12,6 +12,11 @@ namespace {
 // An accessor without data is all zeros, as many as it likes to say.
 constexpr uint64_t kMostZeros = uint64_t{1} << 24;
 
+// `count` elements as numbers, and again as what becomes of them.
+void takeMemory(GltfFile& file, const JsonCursor& accessor, uint64_t count, size_t components) {
+    file.files().take(2 * count * components * sizeof(double), file.name() + ": " + accessor.pointer());
+}
+
 enum ComponentType { kByte = 5120, kUnsignedByte, kShort, kUnsignedShort, kUnsignedInt = 5125, kFloat };
 
 struct Component {
@@ -145,6 +150,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
 
     if (accessor.find("bufferView")) {
         const Source source = openSource(file, accessor, component, numbers.components, count, true);
+        takeMemory(file, accessor, count, numbers.components);
         numbers.values.resize(count * numbers.components);
         for (size_t i = 0; i < count; i++)
             for (size_t k = 0; k < numbers.components; k++)
@@ -153,6 +159,7 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
         if (count > kMostZeros)
             accessor.fail(std::to_string(count) + " elements without a buffer view, the limit is " +
                           std::to_string(kMostZeros));
+        takeMemory(file, accessor, count, numbers.components);
         numbers.values.resize(count * numbers.components);
     }
     numbers.count = count;

@@ -79,8 +79,12 @@ std::string percentDecoded(const std::string& text) {
 
 }  // namespace
 
-GltfFile::GltfFile(const std::filesystem::path& path)
-    : folder_(path.parent_path()), name_(path.string()), bytes_(readWholeFile(path)), text_(bytes_) {
+GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
+    : files_(files),
+      folder_(path.parent_path()),
+      name_(path.string()),
+      bytes_(files.read(path)),
+      text_(bytes_) {
     if (bytes_.starts_with("glTF")) openBinary();
     document_ = parseJson(text_, name_);
     root_.emplace(document_, name_);
@@ -174,7 +178,7 @@ size_t GltfFile::index(GltfList list, const JsonCursor& reference) const {
     return static_cast<size_t>(*value);
 }
 
-std::string GltfFile::readUri(const JsonCursor& uri) const {
+std::string GltfFile::readUri(const JsonCursor& uri) {
     const std::string& text = uri.string();
     if (text.starts_with("data:")) {
         const size_t comma = text.find(',');
@@ -186,10 +190,15 @@ std::string GltfFile::readUri(const JsonCursor& uri) const {
     }
     if (text.find("://") != std::string::npos)
         uri.fail("only files beside the model and data: URIs are read (got " + text.substr(0, 60) + ")");
-    const std::filesystem::path path = folder_ / percentDecoded(text);
+    std::filesystem::path path;
+    try {
+        path = files_.resolve(folder_, percentDecoded(text));
+    } catch (const Error& error) {
+        uri.fail(error.what());
+    }
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) uri.fail("no such file: " + path.string());
-    return readWholeFile(path);
+    return files_.read(path);
 }
 
 std::string_view GltfFile::buffer(size_t index) {
@@ -197,7 +206,11 @@ std::string_view GltfFile::buffer(size_t index) {
     const uint64_t length = gltfSize(buffer, "byteLength", 0);
     std::string_view bytes;
     if (const auto uri = buffer.find("uri")) {
-        if (!buffers_[index]) buffers_[index] = readUri(*uri);
+        if (!buffers_[index]) {
+            std::shared_ptr<const std::string>& known = byUri_[uri->string()];
+            if (!known) known = std::make_shared<const std::string>(readUri(*uri));
+            buffers_[index] = known;
+        }
         bytes = *buffers_[index];
     } else {
         if (index != 0 || !binary_) buffer.fail("has no uri, and the file has no binary chunk for it");

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include "import/json_cursor.h"
 #include "import/json_document.h"
+#include "import/scene_files.h"
 
 namespace glint {
 
@@ -36,7 +39,7 @@ class GltfFile {
   public:
     // Reads .gltf or .glb, told apart by their first bytes, and checks the version and the extensions that
     // the file requires.
-    explicit GltfFile(const std::filesystem::path& path);
+    GltfFile(const std::filesystem::path& path, SceneFiles& files);
     GltfFile(const GltfFile&) = delete;
     GltfFile& operator=(const GltfFile&) = delete;
 
@@ -51,7 +54,10 @@ class GltfFile {
     // Of item `view` of bufferViews; external files are read when they are first used.
     std::string_view bufferView(size_t view);
     // What a "uri" holds: decoded base64 of a data: URI, or the bytes of the file it names.
-    std::string readUri(const JsonCursor& uri) const;
+    std::string readUri(const JsonCursor& uri);
+
+    // To be asked for memory before it is taken.
+    SceneFiles& files() { return files_; }
 
     // One line each, however often the same is said.
     void warn(const std::string& what);
@@ -63,6 +69,7 @@ class GltfFile {
     void checkHeader();
     std::string_view buffer(size_t index);
 
+    SceneFiles& files_;
     std::filesystem::path folder_;
     std::string name_;
     std::string bytes_;
@@ -72,7 +79,8 @@ class GltfFile {
     std::optional<JsonCursor> root_;
     std::vector<JsonCursor> parents_;  // of the lists of extensions
     std::array<std::pair<std::optional<JsonCursor>, size_t>, kGltfLists> cursors_;
-    std::vector<std::optional<std::string>> buffers_;
+    std::vector<std::shared_ptr<const std::string>> buffers_;
+    std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
     std::set<std::string> said_;
     std::vector<std::string> warnings_;
 };

@@ -69,6 +69,7 @@ class GltfMaterials {
     std::optional<uint32_t> default_;
     std::map<size_t, Use> uses_;
     std::map<size_t, std::shared_ptr<const Image>> images_;
+    std::map<std::string, std::shared_ptr<const Image>> byUri_;
     std::map<size_t, Means> means_;
 };
 

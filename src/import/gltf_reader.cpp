@@ -47,7 +47,7 @@ Affine placeOf(const JsonCursor& node) {
 
 class GltfReader {
   public:
-    explicit GltfReader(const std::filesystem::path& path) : file_(path) {}
+    GltfReader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
 
     ImportedScene read() {
         scene_.background = kModelBackground;
@@ -255,8 +255,8 @@ class GltfReader {
 
 }  // namespace
 
-ImportedScene readGltf(const std::filesystem::path& path) {
-    return GltfReader(path).read();
+ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files) {
+    return GltfReader(path, files).read();
 }
 
 }  // namespace glint

@@ -41,6 +41,9 @@ std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
     if (const auto known = images_.find(index); known != images_.end()) return known->second;
     const JsonCursor image = file_.item(GltfList::Images, index);
     const auto uri = image.find("uri");
+    const std::string source = uri ? uri->string() : "";
+    if (const auto known = byUri_.find(source); uri && known != byUri_.end())
+        return images_[index] = known->second;
     std::string owned;
     std::string_view bytes;
     if (uri) {
@@ -55,12 +58,14 @@ std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
     } else {
         try {
             const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
-            decoded = std::make_shared<const Image>(
-                decodeImage({data, bytes.size()}, file_.name() + ": " + image.pointer()));
+            decoded = std::make_shared<const Image>(decodeImage(
+                {data, bytes.size()}, file_.name() + ": " + image.pointer(), file_.files().mostPixels()));
+            file_.files().takePicture(*decoded);
         } catch (const Error& error) {
             throw Error(ErrorKind::Scene, error.what());
         }
     }
+    if (uri) byUri_[source] = decoded;
     return images_[index] = decoded;
 }
 

@@ -7,11 +7,16 @@
 namespace glint {
 
 ImportedMesh importMesh(const std::filesystem::path& path) {
+    SceneFiles files(path.parent_path());
+    return importMesh(path, files);
+}
+
+ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files) {
     const std::string extension = lowerExtension(path);
-    if (extension == ".obj") return readObj(path);
-    if (extension == ".ply") return readPly(path);
-    if (extension == ".stl") return readStl(path);
-    if (extension == ".gltf" || extension == ".glb") return flattened(readGltf(path).scene);
+    if (extension == ".obj") return readObj(path, files);
+    if (extension == ".ply") return readPly(path, files);
+    if (extension == ".stl") return readStl(path, files);
+    if (extension == ".gltf" || extension == ".glb") return flattened(readGltf(path, files).scene);
     throw Error(ErrorKind::Scene,
                 path.string() + ": a mesh file must end in .obj, .ply, .stl, .gltf or .glb");
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "import/scene_files.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -35,6 +36,8 @@ struct ImportedMesh {
 //
 // Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
 // "bunny.obj:88: face uses vertex 9, the file has 8".
+// The first form reads what lies in the model's folder.
 ImportedMesh importMesh(const std::filesystem::path& path);
+ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files);
 
 }  // namespace glint

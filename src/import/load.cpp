@@ -11,8 +11,8 @@ namespace glint {
 
 namespace {
 
-Scene loadModel(const std::filesystem::path& path) {
-    ImportedMesh imported = importMesh(path);
+Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
+    ImportedMesh imported = importMesh(path, files);
     Scene scene;
     scene.materials = std::move(imported.materials);
     scene.textures = std::move(imported.textures);
@@ -37,12 +37,13 @@ Scene completed(ImportedScene imported, const std::filesystem::path& path) {
 
 }  // namespace
 
-Scene loadScene(const std::filesystem::path& path) {
+Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
+    SceneFiles files(path.parent_path(), options);
     const std::string extension = lowerExtension(path);
-    if (extension == ".json") return parseScene(readWholeFile(path), path.string(), path.parent_path());
-    if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path);
-    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path), path);
-    if (extension == ".nff") return completed(readNff(path), path);
+    if (extension == ".json") return parseScene(files.read(path), path.string(), path.parent_path(), files);
+    if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path, files);
+    if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path, files), path);
+    if (extension == ".nff") return completed(readNff(path, files), path);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
         readWholeFile(path);  // says what is wrong

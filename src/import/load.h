@@ -5,6 +5,7 @@
 #include <memory>
 #include <string_view>
 
+#include "import/scene_files.h"
 #include "scene/frame_model.h"
 #include "scene/scene.h"
 
@@ -14,9 +15,13 @@ namespace glint {
 // .stl), chosen by extension, any case. Relative paths inside a file are relative to that file. A model alone
 // gets a camera that frames it and a light (frameModel), a scene of another program what it lacks of these.
 // Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/reference/scene-format.md.
-Scene loadScene(const std::filesystem::path& path);
+// Files that it names must lie in its folder or below, but by options.allowOutside.
+Scene loadScene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // Parses scene text; `name` stands for the file in messages, `folder` is where relative paths start.
-Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder);
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
+                 const LoadOptions& options = {});
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
+                 SceneFiles& files);
 
 }  // namespace glint

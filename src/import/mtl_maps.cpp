@@ -42,7 +42,7 @@ std::optional<Texture> MtlMaps::load(const std::string& name, const tinyobj::tex
     ImageTexture image;
     image.file = name;
     try {
-        image.image = files_.read(file_.parent_path() / path);
+        image.image = files_.image(files_.resolve(file_.parent_path(), path));
     } catch (const Error& e) {
         const std::string warning = file_.string() + ": " + e.what() + "; drawn without it";
         if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end())

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "import/texture_files.h"
+#include "import/scene_files.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -17,9 +17,9 @@ namespace glint {
 // broken is warned of once, and its material drawn without.
 class MtlMaps {
   public:
-    MtlMaps(const std::filesystem::path& file, std::vector<Texture>& textures,
+    MtlMaps(const std::filesystem::path& file, SceneFiles& files, std::vector<Texture>& textures,
             std::vector<std::string>& warnings)
-        : file_(file), textures_(textures), warnings_(warnings) {}
+        : file_(file), files_(files), textures_(textures), warnings_(warnings) {}
 
     // map_Ka, map_Kd, map_Ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
     void apply(const tinyobj::material_t& from, Material& material);
@@ -30,9 +30,9 @@ class MtlMaps {
     void applyAlpha(const tinyobj::material_t& from, Material& material);
 
     std::filesystem::path file_;
+    SceneFiles& files_;
     std::vector<Texture>& textures_;
     std::vector<std::string>& warnings_;
-    TextureFiles files_;
 };
 
 }  // namespace glint

@@ -77,16 +77,16 @@ void letThrough(const tinyobj::material_t& m, Material& material) {
 
 }  // namespace
 
-void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
+void readMtl(const std::filesystem::path& path, SceneFiles& files, std::vector<Material>& materials,
              std::vector<Texture>& textures, std::vector<std::string>& warnings) {
     const std::string file = path.string();
-    std::istringstream stream(readWholeFile(path));
+    std::istringstream stream(files.read(path));
     std::map<std::string, int> indices;
     std::vector<tinyobj::material_t> parsed;
     std::string parserWarnings, errors;
     tinyobj::LoadMtl(&indices, &parsed, &stream, &parserWarnings, &errors);
 
-    MtlMaps maps(path, textures, warnings);
+    MtlMaps maps(path, files, textures, warnings);
     std::vector<std::string> ignored;  // each map once, in order
     for (const tinyobj::material_t& m : parsed) {
         if (m.name.empty()) continue;  // what stands before the first newmtl

@@ -31,8 +31,8 @@ using Fill = std::array<double, 8>;  // red green blue Kd Ks Shine T index of re
 
 class NffReader {
   public:
-    explicit NffReader(const std::filesystem::path& path)
-        : file_(path.string()), text_(readWholeFile(path)), scanner_(text_, file_) {}
+    NffReader(const std::filesystem::path& path, SceneFiles& files)
+        : file_(path.string()), text_(files.read(path)), scanner_(text_, file_) {}
 
     ImportedScene read() {
         scene_.maxDepth = 4;  // "maximum tree depth is 5 (where the eye ray is of depth 1)": SPD, rule 7
@@ -335,8 +335,8 @@ class NffReader {
 
 }  // namespace
 
-ImportedScene readNff(const std::filesystem::path& path) {
-    return NffReader(path).read();
+ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files) {
+    return NffReader(path, files).read();
 }
 
 }  // namespace glint

@@ -4,8 +4,10 @@
 // none of this hurts, go through tinyobjloader.
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <unordered_map>
 
+#include "core/error.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
 #include "import/readers.h"
@@ -34,8 +36,8 @@ struct Face {
 
 class ObjReader {
   public:
-    explicit ObjReader(const std::filesystem::path& path)
-        : path_(path), text_(readWholeFile(path)), scanner_(text_, path.string(), 1, true) {}
+    ObjReader(const std::filesystem::path& path, SceneFiles& files)
+        : path_(path), files_(files), text_(files.read(path)), scanner_(text_, path.string(), 1, true) {}
 
     ImportedMesh read() {
         while (scanner_.nextLine()) readLine();
@@ -141,13 +143,15 @@ class ObjReader {
         }
         material_ = Mesh::kNoIndex;
         materialIndices_[name] = Mesh::kNoIndex;  // so that the warning comes once
-        warnings_.push_back(path_.string() + ":" + std::to_string(scanner_.line()) + ": material \"" + name +
-                            "\" is not defined in a material file; grey is used");
+        warnings_.push_back(printable(path_.string() + ":" + std::to_string(scanner_.line()) +
+                                      ": material \"" + name +
+                                      "\" is not defined in a material file; grey is used"));
     }
 
     // The name may hold blanks; several names may be listed.
     void readLibraries(const std::string& names) {
-        if (std::filesystem::exists(path_.parent_path() / names)) return readLibrary(names);
+        std::error_code ignored;  // a list of names may be too long for a name
+        if (std::filesystem::exists(path_.parent_path() / names, ignored)) return readLibrary(names);
         TextScanner words(names, path_.string());
         words.nextLine();
         for (std::string_view name = words.word(); !name.empty(); name = words.word())
@@ -155,14 +159,21 @@ class ObjReader {
     }
 
     void readLibrary(const std::string& name) {
-        const std::filesystem::path file = path_.parent_path() / name;
-        if (!std::filesystem::is_regular_file(file)) {
-            warnings_.push_back(path_.string() + ":" + std::to_string(scanner_.line()) +
-                                ": no material file \"" + name + "\"");
+        std::filesystem::path file;
+        try {
+            file = files_.resolve(path_.parent_path(), name);
+        } catch (const Error& error) {
+            scanner_.fail(error.what());
+        }
+        if (!libraries_.insert(file.lexically_normal()).second) return;
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(file, ignored)) {
+            warnings_.push_back(printable(path_.string() + ":" + std::to_string(scanner_.line()) +
+                                          ": no material file \"" + name + "\""));
             return;
         }
         const size_t first = materials_.size();
-        readMtl(file, materials_, textures_, warnings_);
+        readMtl(file, files_, materials_, textures_, warnings_);
         for (size_t i = first; i < materials_.size(); i++)
             materialIndices_.emplace(materials_[i].name,
                                      static_cast<uint32_t>(i));  // the first definition counts
@@ -209,6 +220,7 @@ class ObjReader {
     }
 
     std::filesystem::path path_;
+    SceneFiles& files_;
     std::string text_;
     TextScanner scanner_;
     MeshBuilder builder_;
@@ -216,6 +228,7 @@ class ObjReader {
     std::vector<Face> faces_;
     std::vector<Material> materials_;
     std::vector<Texture> textures_;
+    std::set<std::filesystem::path> libraries_;  // each is read once
     std::unordered_map<std::string, uint32_t> materialIndices_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;
@@ -224,8 +237,8 @@ class ObjReader {
 
 }  // namespace
 
-ImportedMesh readObj(const std::filesystem::path& path) {
-    return ObjReader(path).read();
+ImportedMesh readObj(const std::filesystem::path& path, SceneFiles& files) {
+    return ObjReader(path, files).read();
 }
 
 }  // namespace glint

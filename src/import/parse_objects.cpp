@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "core/near_names.h"
 #include "import/parse_quadrics.h"
 #include "import/parse_transform.h"
@@ -55,8 +56,8 @@ std::string_view readType(const JsonCursor& type, const keys::TypeTable& table) 
 }
 
 ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                           const JsonCursor* meshes)
-    : scene_(scene), file_(file), folder_(folder), meshes_(meshes) {
+                           SceneFiles& files, const JsonCursor* meshes)
+    : scene_(scene), file_(file), folder_(folder), files_(files), meshes_(meshes) {
     for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
 }
 
@@ -143,6 +144,7 @@ std::shared_ptr<const Mesh> ObjectParser::parseMesh(const JsonCursor& object, ui
     }
     if (loaded.own->materials.empty()) return loaded.own;
     if (!loaded.plain) {
+        files_.take(loaded.own->corners.size() * 2 * sizeof(glm::uvec3), file_);
         auto plain = std::make_shared<Mesh>(*loaded.own);
         plain->materials.clear();
         loaded.plain = std::move(plain);
@@ -153,7 +155,7 @@ std::shared_ptr<const Mesh> ObjectParser::parseMesh(const JsonCursor& object, ui
 ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     const std::string& name = nameCursor.string();
     const auto known = loaded_.find(name);
-    if (known != loaded_.end()) return known->second;
+    if (known != loaded_.end()) return *known->second;
 
     std::vector<std::string_view> names;
     if (meshes_)
@@ -165,11 +167,21 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
                         (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
     }
     const JsonCursor file = entry->require("file");
-    const std::filesystem::path path = folder_ / file.string();
+    std::filesystem::path path;
+    try {
+        path = files_.resolve(folder_, file.string());
+    } catch (const Error& error) {
+        file.fail(error.what());
+    }
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) file.fail("no such file: " + path.string());
+    std::shared_ptr<LoadedMesh>& shared = byFile_[std::filesystem::canonical(path)];
+    if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
+    return *loaded_.emplace(name, shared).first->second;
+}
 
-    ImportedMesh imported = importMesh(path);
+ObjectParser::LoadedMesh ObjectParser::readMesh(const std::filesystem::path& path) {
+    ImportedMesh imported = importMesh(path, files_);
     for (std::string& warning : imported.warnings) scene_.warnings.push_back(std::move(warning));
     LoadedMesh mesh;
     mesh.material = static_cast<uint32_t>(scene_.materials.size());
@@ -184,7 +196,7 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     }
     for (uint32_t& material : imported.mesh.materials) material += mesh.material;
     mesh.own = std::make_shared<const Mesh>(std::move(imported.mesh));
-    return loaded_.emplace(name, std::move(mesh)).first->second;
+    return mesh;
 }
 
 void ObjectParser::warnOfUnusedMeshes() {

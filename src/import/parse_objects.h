@@ -9,6 +9,7 @@
 
 #include "import/importers.h"
 #include "import/json_cursor.h"
+#include "import/scene_files.h"
 #include "import/scene_keys.h"
 #include "scene/scene.h"
 
@@ -22,7 +23,7 @@ class ObjectParser {
     // `meshes` is the scene's object of that name, if any; files are loaded when an object first uses them,
     // relative to `folder`. Materials are found by their names in `scene`, from index 0.
     ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                 const JsonCursor* meshes);
+                 SceneFiles& files, const JsonCursor* meshes);
 
     // Appends the object, or those of a group, to the scene.
     void parse(const JsonCursor& object) { parse(object, {}); }
@@ -47,15 +48,18 @@ class ObjectParser {
     Shape parseShape(const JsonCursor& object, std::string_view type);
     std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material);
     LoadedMesh& load(const JsonCursor& name);
+    LoadedMesh readMesh(const std::filesystem::path& path);
     uint32_t findMaterial(const JsonCursor& name) const;
     uint32_t defaultMaterial();
 
     Scene& scene_;
     const std::string& file_;
     const std::filesystem::path& folder_;
+    SceneFiles& files_;
     const JsonCursor* meshes_;
     std::map<std::string, uint32_t, std::less<>> materials_;
-    std::map<std::string, LoadedMesh, std::less<>> loaded_;
+    std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name
+    std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one
     uint32_t default_ = Mesh::kNoIndex;
 };
 

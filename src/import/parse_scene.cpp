@@ -191,7 +191,7 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
 }
 
 void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
-                  const std::filesystem::path& folder) {
+                  const std::filesystem::path& folder, SceneFiles& files) {
     const auto meshes = root.find("meshes");
     if (meshes) {
         meshes->expectObject();
@@ -201,7 +201,7 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
             mesh.require("file").string();
         }
     }
-    ObjectParser parser(scene, name, folder, meshes ? &*meshes : nullptr);
+    ObjectParser parser(scene, name, folder, files, meshes ? &*meshes : nullptr);
     if (const auto objects = root.find("objects"))
         for (size_t i = 0; i < objects->size(); i++) parser.parse(objects->item(i));
     parser.warnOfUnusedMeshes();
@@ -209,7 +209,14 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
 
 }  // namespace
 
-Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
+                 const LoadOptions& options) {
+    SceneFiles files(folder, options);
+    return parseScene(text, name, folder, files);
+}
+
+Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
+                 SceneFiles& files) {
     const JsonValue document = parseJson(text, name);
     const JsonCursor root(document, name);
     root.expectKeys(keys::kScene);
@@ -218,7 +225,7 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     if (const auto schema = root.find("$schema")) schema->string();
     if (const auto image = root.find("image")) parseImage(*image, scene.image);
     if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
-    TextureParser textures(scene, folder);
+    TextureParser textures(scene, folder, files);
     textures.readBackground(root);
     readColor(root, "ambient", scene.ambient);
     readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
@@ -232,7 +239,7 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
             scene.materials.push_back(
                 parseMaterial(materials->member(i), materials->memberName(i), textures));
     }
-    parseObjects(root, scene, name, folder);
+    parseObjects(root, scene, name, folder, files);
     placeObjects(scene);
     validateScene(scene, name);
     return scene;

@@ -54,7 +54,7 @@ TexelFilter readFilter(const JsonCursor& source) {
 std::shared_ptr<const Image> TextureParser::load(const JsonCursor& file) {
     const std::string& name = file.string();
     try {
-        return files_.read(folder_ / name);
+        return files_.image(files_.resolve(folder_, name));
     } catch (const Error& e) {
         file.fail(e.what());
     }

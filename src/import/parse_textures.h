@@ -5,7 +5,7 @@
 #include <string>
 
 #include "import/json_cursor.h"
-#include "import/texture_files.h"
+#include "import/scene_files.h"
 #include "scene/scene.h"
 
 namespace glint {
@@ -13,7 +13,8 @@ namespace glint {
 class TextureParser {
   public:
     // Textures are added to `scene`; image files are relative to `folder`.
-    TextureParser(Scene& scene, const std::filesystem::path& folder) : scene_(scene), folder_(folder) {}
+    TextureParser(Scene& scene, const std::filesystem::path& folder, SceneFiles& files)
+        : scene_(scene), folder_(folder), files_(files) {}
 
     // Reads the optional key as a colour, or as a texture and the colour it is multiplied with. True if it is
     // there.
@@ -28,7 +29,7 @@ class TextureParser {
 
     Scene& scene_;
     const std::filesystem::path& folder_;
-    TextureFiles files_;
+    SceneFiles& files_;
 };
 
 }  // namespace glint

@@ -362,9 +362,9 @@ class PlyBody {
 
 }  // namespace
 
-ImportedMesh readPly(const std::filesystem::path& path) {
+ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
     const std::string file = path.string();
-    const std::string bytes = readWholeFile(path);
+    const std::string bytes = files.read(path);
     const PlyHeader header = readPlyHeader(bytes, file);
     const std::string_view body = std::string_view(bytes).substr(header.bodyOffset);
     if (header.format == PlyFormat::Ascii) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 namespace glint {
 
@@ -53,28 +55,115 @@ bool isConvex(const std::vector<Point>& points) {
     return true;
 }
 
+// Points of which some have been taken out, in a tree of boxes (Bentley 1975), so that a search of a triangle
+// looks at few of them.
+class PointTree {
+  public:
+    PointTree(const std::vector<Point>& points, std::vector<uint32_t> corners)
+        : points_(points), order_(std::move(corners)), leaf_(points.size()) {
+        if (!order_.empty()) build(0, 0, order_.size());
+    }
+
+    void remove(uint32_t corner) {
+        Node& leaf = nodes_[leaf_[corner]];
+        const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(leaf.first);
+        const auto end = begin + static_cast<std::ptrdiff_t>(leaf.count);
+        std::iter_swap(std::find(begin, end, corner), end - 1);
+        for (size_t node = leaf_[corner];; node = (node - 1) / 2) {
+            --nodes_[node].count;
+            if (node == 0) break;
+        }
+    }
+
+    // Whether a point lies in the triangle or on its edge. Not those in the same place as a corner: its own,
+    // and those of a bridge to a hole, walked twice.
+    bool anyWithin(const Point& a, const Point& b, const Point& c) const {
+        return !order_.empty() && anyWithin(0, a, b, c);
+    }
+
+  private:
+    static constexpr size_t kLeaf = 8;
+    struct Node {
+        Point lo, hi;
+        size_t first = 0, count = 0;  // in order_; of a leaf, those that are left come first
+        bool leaf = true;
+    };
+
+    // Children of node i are 2 i + 1 and 2 i + 2.
+    void build(size_t node, size_t first, size_t end) {
+        if (nodes_.size() <= node) nodes_.resize(2 * node + 1);
+        Node& n = nodes_[node];
+        n.lo = n.hi = points_[order_[first]];
+        for (size_t i = first; i < end; i++) {
+            n.lo = glm::min(n.lo, points_[order_[i]]);
+            n.hi = glm::max(n.hi, points_[order_[i]]);
+        }
+        n.first = first;
+        n.count = end - first;
+        n.leaf = n.count <= kLeaf;
+        if (n.leaf) {
+            for (size_t i = first; i < end; i++) leaf_[order_[i]] = node;
+            return;
+        }
+        const int axis = n.hi.x - n.lo.x >= n.hi.y - n.lo.y ? 0 : 1;
+        const size_t middle = first + n.count / 2;
+        const auto at = [&](size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+        std::nth_element(at(first), at(middle), at(end),
+                         [&](uint32_t a, uint32_t b) { return points_[a][axis] < points_[b][axis]; });
+        build(2 * node + 1, first, middle);
+        build(2 * node + 2, middle, end);
+    }
+
+    // Whether all points of the box are right of a b. Every operation of area() rounds monotonically, so what
+    // is right of it at the farthest corner is so, as computed, everywhere in the box: no point is passed
+    // over that a look at each would find.
+    static bool outside(const Node& n, const Point& a, const Point& b) {
+        const Point farthest(b.y - a.y > 0 ? n.lo.x : n.hi.x, b.x - a.x > 0 ? n.hi.y : n.lo.y);
+        return area(a, b, farthest) < 0;
+    }
+
+    bool anyWithin(size_t node, const Point& a, const Point& b, const Point& c) const {
+        const Node& n = nodes_[node];
+        if (n.count == 0 || outside(n, a, b) || outside(n, b, c) || outside(n, c, a)) return false;
+        if (!n.leaf) return anyWithin(2 * node + 1, a, b, c) || anyWithin(2 * node + 2, a, b, c);
+        for (size_t i = n.first; i < n.first + n.count; i++) {
+            const Point& p = points_[order_[i]];
+            if (p == a || p == b || p == c) continue;
+            if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return true;
+        }
+        return false;
+    }
+
+    const std::vector<Point>& points_;
+    std::vector<uint32_t> order_;
+    std::vector<size_t> leaf_;  // of each corner
+    std::vector<Node> nodes_;
+};
+
 // Ear clipping over a ring of the corners that are left (Meisters, Polygons have ears, Am. Math. Monthly 82,
-// 1975). Quadratic: cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping, 2002).
+// 1975). Cutting an ear changes only its neighbours (Eberly, Triangulation by Ear Clipping, 2002), and
+// whether one is an ear is a search in a tree: n log n for polygons whose triangles cross few boxes.
 class EarClipper {
   public:
     explicit EarClipper(const std::vector<Point>& points)
-        : points_(points), next_(points.size()), previous_(points.size()), ear_(points.size()) {
-        const auto n = static_cast<uint32_t>(points.size());
-        for (uint32_t i = 0; i < n; i++) {
-            next_[i] = (i + 1) % n;
-            previous_[i] = (i + n - 1) % n;
-        }
-        for (uint32_t i = 0; i < n; i++)
-            if (turn(i) <= 0) reflex_.push_back(i);
-        for (uint32_t i = 0; i < n; i++) ear_[i] = isEar(i);
+        : points_(points),
+          next_(points.size()),
+          previous_(ringBefore(points.size())),
+          reflex_(points.size()),
+          tree_(points, findReflex()) {
+        for (uint32_t i = 0; i < points.size(); i++)
+            if (isEar(i)) ears_.insert(ears_.end(), i);
     }
 
     void clip(std::vector<std::array<uint32_t, 3>>& triangles) {
         uint32_t corner = 0;
         for (size_t left = points_.size(); left > 3; left--) {
-            size_t tried = 0;
-            while (!ear_[corner] && tried++ < left) corner = next_[corner];
-            // Without an ear all the way round the polygon crosses itself: then this cuts the rest as a fan.
+            // The next ear along the ring, whose corners are in order. Without one all the way round the
+            // polygon crosses itself: then this cuts the rest as a fan.
+            if (!ears_.empty()) {
+                const auto ear = ears_.lower_bound(corner);
+                corner = ear == ears_.end() ? *ears_.begin() : *ear;
+            }
             triangles.push_back({previous_[corner], corner, next_[corner]});
             remove(corner);
             corner = next_[corner];
@@ -83,34 +172,57 @@ class EarClipper {
     }
 
   private:
+    static std::vector<uint32_t> ringBefore(size_t count) {
+        std::vector<uint32_t> before(count);
+        for (size_t i = 0; i < count; i++) before[i] = static_cast<uint32_t>((i + count - 1) % count);
+        return before;
+    }
+
+    // Only these can lie inside an ear.
+    std::vector<uint32_t> findReflex() {
+        const auto n = static_cast<uint32_t>(points_.size());
+        for (uint32_t i = 0; i < n; i++) next_[i] = (i + 1) % n;
+        std::vector<uint32_t> found;
+        for (uint32_t i = 0; i < n; i++) {
+            reflex_[i] = turn(i) <= 0;
+            if (reflex_[i]) found.push_back(i);
+        }
+        return found;
+    }
+
     double turn(uint32_t i) const { return area(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
     bool isEar(uint32_t i) const {
-        if (turn(i) <= 0) return false;
-        const Point &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
-        for (const uint32_t other : reflex_) {
-            const Point& p = points_[other];
-            // Corners in the same place: the ear's own, and those of a bridge to a hole, walked twice.
-            if (p == a || p == b || p == c) continue;
-            if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return false;
-        }
-        return true;
+        return turn(i) > 0 && !tree_.anyWithin(points_[previous_[i]], points_[i], points_[next_[i]]);
+    }
+
+    void noLongerReflex(uint32_t i) {
+        if (!reflex_[i]) return;
+        reflex_[i] = false;
+        tree_.remove(i);
     }
 
     void remove(uint32_t i) {
         const uint32_t before = previous_[i], after = next_[i];
         next_[before] = after;
         previous_[after] = before;
-        std::erase_if(reflex_,
-                      [&](uint32_t r) { return r == i || ((r == before || r == after) && turn(r) > 0); });
-        ear_[before] = isEar(before);
-        ear_[after] = isEar(after);
+        ears_.erase(i);
+        noLongerReflex(i);
+        for (const uint32_t neighbour : {before, after})
+            if (turn(neighbour) > 0) noLongerReflex(neighbour);
+        for (const uint32_t neighbour : {before, after}) {
+            if (isEar(neighbour))
+                ears_.insert(neighbour);
+            else
+                ears_.erase(neighbour);
+        }
     }
 
     const std::vector<Point>& points_;
     std::vector<uint32_t> next_, previous_;
-    std::vector<char> ear_;
-    std::vector<uint32_t> reflex_;  // only these can lie inside an ear
+    std::vector<char> reflex_;
+    PointTree tree_;
+    std::set<uint32_t> ears_;
 };
 
 }  // namespace

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "import/importers.h"
+#include "import/scene_files.h"
 
 namespace glint {
 
-ImportedMesh readObj(const std::filesystem::path& path);
-ImportedMesh readPly(const std::filesystem::path& path);
-ImportedMesh readStl(const std::filesystem::path& path);
+// All of them read through `files`, which knows what may be read and how much.
+ImportedMesh readObj(const std::filesystem::path& path, SceneFiles& files);
+ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files);
+ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files);
 
 // A scene that another program wrote. Without a camera of its own scene.camera means nothing; without lights
 // scene.lights is empty. Not yet validated.
@@ -22,15 +24,15 @@ struct ImportedScene {
 
 // What is read, how it is mapped and what is only warned about: docs/reference/file-formats.md. They throw
 // Error(Scene) "FILE:LINE: ..." (NFF), "FILE: /JSON/POINTER: ..." (glTF).
-ImportedScene readNff(const std::filesystem::path& path);
-ImportedScene readGltf(const std::filesystem::path& path);
+ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
+ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
 
 // The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
 ImportedMesh flattened(Scene scene);
 
 // Appends the materials of an MTL file, and the textures that they index. What is read and what is only
 // warned about: importers.h. Throws Error(Scene) if it cannot be read or a value is out of range.
-void readMtl(const std::filesystem::path& path, std::vector<Material>& materials,
+void readMtl(const std::filesystem::path& path, SceneFiles& files, std::vector<Material>& materials,
              std::vector<Texture>& textures, std::vector<std::string>& warnings);
 
 }  // namespace glint

@@ -189,9 +189,9 @@ bool isAscii(std::string_view bytes) {
 
 }  // namespace
 
-ImportedMesh readStl(const std::filesystem::path& path) {
+ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files) {
     const std::string file = path.string();
-    const std::string bytes = readWholeFile(path);
+    const std::string bytes = files.read(path);
     return isAscii(bytes) ? AsciiStl(bytes, file).read() : readBinary(bytes, file);
 }
 

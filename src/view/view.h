@@ -14,6 +14,7 @@ namespace glint::view {
 
 struct Options {
     std::filesystem::path scene;
+    bool allowOutside = false;  // files outside the scene's folder may be read
     int width = 0, height = 0;  // of the window's picture; 0: the scene's
     std::optional<int> maxDepth, samplesPerPixel;
     std::string device;  // selector, see gpu::chooseDevice

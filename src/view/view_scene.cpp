@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/available_memory.h"
 #include "import/load.h"
 #include "pack/kind_packer.h"
 #include "pack/scene_arrays.h"
@@ -49,10 +50,10 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
 }  // namespace
 
 std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
-                                               std::optional<int> samplesPerPixel) {
+                                               std::optional<int> samplesPerPixel, bool allowOutside) {
     auto loaded = std::make_shared<ViewScene>();
     loaded->path = path;
-    loaded->scene = loadScene(path);
+    loaded->scene = loadScene(path, {allowOutside, availableMemory()});
     if (maxDepth) loaded->scene.maxDepth = *maxDepth;
     if (samplesPerPixel) loaded->scene.image.samplesPerPixel = *samplesPerPixel;
     loaded->packed = packScene(loaded->scene);

@@ -23,7 +23,7 @@ struct ViewScene {
 
 // Loads and packs. Throws Error(Scene) as loadScene does.
 std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
-                                               std::optional<int> samplesPerPixel);
+                                               std::optional<int> samplesPerPixel, bool allowOutside);
 
 // Around everything that is finite; around eye and target if nothing is.
 Ball boundsOf(const ViewScene& scene);

@@ -31,7 +31,7 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     : options_(options),
       out_(out),
       err_(err),
-      scene_(loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel)),
+      scene_(loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel, options.allowOutside)),
       window_(sizeOf(options, scene_->scene), "glint: " + options.scene.filename().string()),
       gui_(window_.scale()),
       control_(scene_->scene.camera),
@@ -152,7 +152,8 @@ bool Viewer::work() {
 void Viewer::startLoading() {
     const Options options = options_;
     loading_.start([options](JobControl&) {
-        auto scene = loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel);
+        auto scene =
+            loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel, options.allowOutside);
         Window::wake();
         return scene;
     });

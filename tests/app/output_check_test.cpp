@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "support.h"
 

@@ -1,6 +1,8 @@
 // The program itself, on the reference: interrupts, progress, terminals, a machine without Vulkan.
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 
@@ -49,6 +51,52 @@ TEST_F(Process, ExitCodesAndStreams) {
     Child nothing({});
     EXPECT_EQ(nothing.wait(), 2);
 }
+
+using glint::test::readText;
+
+// Run by a shell, which can close streams and limit resources.
+int shell(const std::string& text) {
+    const int status = std::system(text.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// What nobody can read is found out before the work, and a picture does not go to where results should.
+TEST_F(Process, ClosedStandardOutput) {
+    const std::string render = std::string("'" GLINT_PROGRAM "' render a.json --backend cpu ");
+    for (const std::string to : {">&-", "> /dev/full"}) {
+        EXPECT_EQ(shell(render + to + " 2> err.txt"), 1);
+        EXPECT_EQ(readText("err.txt"), "glint: cannot write to standard output: No space left on device\n");
+        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "err.txt"}));
+        EXPECT_EQ(shell(render + "--stats json -q " + to + " 2> err.txt"), 1);
+        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "err.txt"}));
+        // Who wants no output need not have one.
+        EXPECT_EQ(shell(render + "-q " + to + " 2> err.txt"), 0);
+        EXPECT_EQ(readText("err.txt"), "");
+        EXPECT_EQ(readImage("a.png").width, 64);
+        std::filesystem::remove("a.png");
+    }
+}
+
+TEST_F(Process, FilesThatGrowBeyondTheLimitAreNotLeft) {
+    // The size that `ulimit -f` takes is in blocks of 512 or 1024 bytes; the picture has 3 MB.
+    EXPECT_EQ(shell("ulimit -f 8; '" GLINT_PROGRAM
+                    "' render a.json --backend cpu --size 500x500 -o a.pfm 2> err.txt"),
+              1);
+    EXPECT_EQ(readText("err.txt"), "glint: a.pfm: cannot write: File too large\n");
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "err.txt"}));
+}
+
+#ifndef __SANITIZE_ADDRESS__  // whose shadow memory takes terabytes of address space
+// The limit of address space counts: refused before the work, with both figures.
+TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreRefused) {
+    EXPECT_EQ(shell("ulimit -v 2000000; '" GLINT_PROGRAM
+                    "' render a.json --backend cpu --size 20000x20000 2> err.txt"),
+              1);
+    const std::string message = readText("err.txt");
+    EXPECT_TRUE(message.starts_with("glint: a picture of 20000x20000 pixels takes ")) << message;
+    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
+}
+#endif
 
 TEST_F(Process, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {

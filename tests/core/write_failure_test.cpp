@@ -160,6 +160,14 @@ TEST_F(WriteFiles, LinksAreFollowed) {
     EXPECT_EQ(names(), (std::set<std::string>{"link.txt", "real.txt"}));
 }
 
+TEST_F(WriteFiles, LinksToFilesThatAreNotThereYetAreFollowed) {
+    fs::create_symlink("later.txt", file("link.txt"));
+    writeTextFile(file("link.txt"), "new");
+    EXPECT_TRUE(fs::is_symlink(file("link.txt")));
+    EXPECT_EQ(readBytes(file("later.txt")), (std::vector<uint8_t>{'n', 'e', 'w'}));
+    EXPECT_EQ(names(), (std::set<std::string>{"link.txt", "later.txt"}));
+}
+
 TEST_F(WriteFiles, ModesAreKept) {
     writeBytes(file("a.txt"), kOld);
     const fs::perms mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;

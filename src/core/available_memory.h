@@ -1,0 +1,18 @@
+// How much memory there is to take.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace glint {
+
+// Bytes that this process may still take: what the system calls available, less where its control groups
+// (containers, versions 1 and 2, each group up to the root) or its limit of address space (RLIMIT_AS,
+// `ulimit -v`) allow less. The greatest number if none of them tells. `root` stands before /proc and /sys.
+uint64_t availableMemory(const std::filesystem::path& root = "/");
+
+// "1.5 GiB"
+std::string gibibytes(uint64_t bytes);
+
+}  // namespace glint

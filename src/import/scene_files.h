@@ -1,0 +1,58 @@
+// The files that one scene reads: which of them it may, each once, and how much memory they may take.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/image.h"
+
+namespace glint {
+
+struct LoadOptions {
+    // Files outside the folder of the scene (or model) may be read: absolute names, "..", links that lead
+    // out.
+    bool allowOutside = false;
+    // Bytes that reading may take.
+    uint64_t memory = std::numeric_limits<uint64_t>::max();
+};
+
+class SceneFiles {
+  public:
+    // `folder` is that of the scene; empty is the current one.
+    explicit SceneFiles(const std::filesystem::path& folder, const LoadOptions& options = {});
+
+    // The file that another one in `folder` calls `name`. Throws Error(Scene) for URLs, names with a zero
+    // byte, links in a circle, names that the system refuses, and what lies outside and may not be read.
+    std::filesystem::path resolve(const std::filesystem::path& folder, const std::string& name) const;
+
+    // The bytes of a regular file, which count as taken while the scene is read.
+    std::string read(const std::filesystem::path& path);
+
+    // The image in linear samples: PNG and JPEG are decoded from sRGB (their alpha is linear already), HDR,
+    // EXR and PFM are linear. Throws Error(Scene) "PATH: reason" if there is none.
+    std::shared_ptr<const Image> image(const std::filesystem::path& path);
+
+    // Pixels that a picture may still have.
+    uint64_t mostPixels() const;
+
+    // Counts a picture that was not read by image().
+    void takePicture(const Image& image) { pictures_ += image.pixels.size() * sizeof(float); }
+
+    // To be called before memory is taken for what a file declares: throws Error(Scene) if all that was asked
+    // for is more than options.memory, or out of all proportion to the files that were read.
+    void take(uint64_t bytes, const std::string& where);
+
+  private:
+    std::filesystem::path root_;
+    LoadOptions options_;
+    uint64_t read_ = 0;                                           // bytes of files
+    uint64_t pictures_ = 0;                                       // and of their samples
+    uint64_t taken_ = 0;                                          // and all else
+    std::map<std::string, std::shared_ptr<const Image>> images_;  // by path, links followed
+};
+
+}  // namespace glint

@@ -1,0 +1,58 @@
+#!/bin/bash
+# answers.sh GLINT FOLDER [no-limit]: how the program answers the files of FOLDER. Each is refused with the exit code of its command, in one
+# line without control characters, within a second of processor time and below 1 GiB (no-limit: for sanitized builds, whose memory is no
+# measure). Prints what is otherwise, and exits with 1.
+set -u
+glint=$(realpath "$1")
+folder=$(realpath "$2")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cp "$folder"/scenes/* "$folder"/pictures/* "$work"
+cd "$work" || exit 1
+mkfifo fifo.png
+ln -s loop.mtl loop.mtl
+# Legal, but for names that messages repeat: drawn.
+drawn=" escape.obj "
+faults=0 count=0
+
+# answer CODE ARGUMENT...
+answer() {
+    local expected=$1 code seconds
+    shift
+    (
+        [ "${no_limit:-}" ] || ulimit -v 1048576
+        ulimit -t 10
+        TIMEFORMAT=%U
+        { time timeout 60 "$glint" "$@" </dev/null >out 2>err; } 2>seconds
+        echo $? >code
+    )
+    code=$(cat code)
+    seconds=$(tail -n 1 seconds)
+    count=$((count + 1))
+    if [ "$code" != "$expected" ]; then
+        fault "$*" "exit code $code, not $expected"
+    fi
+    if [ "$(wc -l <err)" != 1 ]; then fault "$*" "not one line"; fi
+    if tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'; then fault "$*" "control characters"; fi
+    if [ -z "${no_limit:-}" ] && [ "${seconds%%.*}" -ge 1 ]; then fault "$*" "$seconds s"; fi
+}
+
+fault() {
+    echo "glint $1: $2: $(head -c 300 err | tr -c '[:print:]' '?')"
+    faults=$((faults + 1))
+}
+
+no_limit=${3:-}
+for file in $(cd "$folder/pictures" && ls); do answer 1 diff "$file" "$file"; done
+answer 1 diff /dev/zero /dev/zero
+answer 1 diff fifo.png fifo.png
+for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)$'); do
+    if [[ "$drawn" == *" $file "* ]]; then
+        answer 0 render "$file" --backend cpu --size 8x8 -o picture.png
+    else
+        answer 3 render "$file" --backend cpu --size 8x8 -o picture.png
+        answer 3 info "$file"
+    fi
+done
+echo "$count answers, $faults of them wrong"
+[ "$faults" = 0 ]

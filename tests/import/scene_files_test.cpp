@@ -1,0 +1,134 @@
+// Which files a scene may read, each once, and how much memory they may take.
+#include "import/scene_files.h"
+
+#include "import/load.h"
+#include "support.h"
+
+namespace glint::test::scene_files_test {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+std::string sceneOf(const std::string& file) {
+    return R"({"meshes": {"m": {"file": ")" + file + R"("}}, "objects": [{"type": "mesh", "mesh": "m"}]})";
+}
+
+// A folder "own" with a scene, and "other" beside it.
+class SceneFolder : public FolderTest {
+  protected:
+    void SetUp() override {
+        fs::create_directory(file("own"));
+        fs::create_directory(file("other"));
+        writeText(file("other/t.obj"), kTriangle);
+        writeText(file("own/t.obj"), kTriangle);
+    }
+    std::string loading(const std::string& meshFile, bool allowOutside = false) {
+        writeText(file("own/a.json"), sceneOf(meshFile));
+        return errorOf([&] { loadScene(file("own/a.json"), {allowOutside}); });
+    }
+};
+
+TEST_F(SceneFolder, FilesOutsideAreRefused) {
+    fs::create_directory(file("own/sub"));
+    fs::create_symlink("../other", file("own/link"));
+    fs::create_symlink("../other/t.obj", file("own/linked.obj"));
+    for (const std::string& name :
+         {std::string("../other/t.obj"), file("other/t.obj").string(), std::string("link/t.obj"),
+          std::string("linked.obj"), std::string("sub/../../other/t.obj"), std::string("../gone.obj")}) {
+        const std::string message = loading(name);
+        EXPECT_NE(message.find("lies outside the scene's folder (--allow-outside"), std::string::npos)
+            << name << ": " << message;
+        EXPECT_NE(message.find("/meshes/m/file: "), std::string::npos) << message;
+        if (name != "../gone.obj") {
+            EXPECT_EQ(loading(name, true), "no error") << name;
+        }
+    }
+}
+
+TEST_F(SceneFolder, FilesWithinAreRead) {
+    fs::create_symlink("t.obj", file("own/linked.obj"));
+    fs::create_directory(file("own/sub"));
+    for (const std::string& name :
+         {std::string("t.obj"), std::string("./t.obj"), std::string("sub/../t.obj"),
+          std::string("../own/t.obj"), std::string("linked.obj"), file("own/t.obj").string()})
+        EXPECT_EQ(loading(name), "no error") << name;
+}
+
+// A model in a folder below may name files of the scene's folder: that is the border, not the model's.
+TEST_F(SceneFolder, TheBorderIsThatOfTheScene) {
+    fs::create_directory(file("own/models"));
+    writeText(file("own/red.mtl"), "newmtl red\nKd 1 0 0\n");
+    writeText(file("own/models/t.obj"), std::string("mtllib ../red.mtl\nusemtl red\n") + kTriangle);
+    EXPECT_EQ(loading("models/t.obj"), "no error");
+    EXPECT_NE(errorOf([&] { loadScene(file("own/models/t.obj")); }).find("lies outside"), std::string::npos);
+}
+
+TEST_F(SceneFolder, NamesThatAreNoFilesAreRefused) {
+    EXPECT_NE(loading("https://example.org/t.obj").find("URLs are not read"), std::string::npos);
+    EXPECT_NE(loading("t.obj\\u0000.png").find("no file name holds a zero byte"), std::string::npos);
+    fs::create_symlink("loop.obj", file("own/loop.obj"));
+    EXPECT_NE(loading("loop.obj").find("cannot be read: "), std::string::npos);
+    EXPECT_NE(loading(std::string(300, 'a') + ".obj").find("cannot be read: "), std::string::npos);
+}
+
+TEST_F(SceneFolder, MaterialFilesAndPicturesToo) {
+    writeText(file("other/red.mtl"), "newmtl red\nKd 1 0 0\n");
+    writeText(file("own/t.obj"), std::string("mtllib ../other/red.mtl\n") + kTriangle);
+    EXPECT_NE(loading("t.obj").find("t.obj:1: "), std::string::npos);
+    writeText(file("own/t.obj"), std::string("mtllib red.mtl\nusemtl red\n") + kTriangle);
+    writeText(file("own/red.mtl"), "newmtl red\nKd 1 1 1\nmap_Kd /dev/zero\n");
+    // A map that cannot be read is a warning, as always.
+    writeText(file("own/a.json"), sceneOf("t.obj"));
+    const Scene scene = loadScene(file("own/a.json"));
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("lies outside"), std::string::npos) << scene.warnings[0];
+    writeText(file("own/a.json"),
+              R"({"materials": {"m": {"diffuse": {"texture": "../p.png"}}}, "objects": []})");
+    EXPECT_NE(errorOf([&] { loadScene(file("own/a.json")); }).find("lies outside"), std::string::npos);
+}
+
+TEST_F(SceneFolder, AMeshUnderManyNamesIsReadOnce) {
+    std::string names, objects;
+    for (int i = 0; i < 2000; ++i) {
+        const std::string n = std::to_string(i), comma = i > 0 ? "," : "";
+        names += comma + "\"m" + n + "\": {\"file\": \"" + (i % 2 ? "./t.obj" : "t.obj") + "\"}";
+        objects += comma + R"({"type": "mesh", "mesh": "m)" + n + "\"}";
+    }
+    writeText(file("own/a.json"), "{\"meshes\": {" + names + "}, \"objects\": [" + objects + "]}");
+    const Scene scene = loadScene(file("own/a.json"));
+    ASSERT_EQ(scene.objects.size(), 2000u);
+    const Mesh* first = std::get<MeshShape>(scene.objects[0].shape).mesh.get();
+    for (const Object& object : scene.objects) ASSERT_EQ(std::get<MeshShape>(object.shape).mesh.get(), first);
+}
+
+TEST_F(SceneFolder, AMaterialFileIsReadOnce) {
+    std::string obj, mtl;
+    for (int i = 0; i < 20000; ++i) obj += i % 2 ? "mtllib m.mtl\n" : "mtllib ./m.mtl\n";
+    for (int i = 0; i < 4000; ++i) mtl += "newmtl a" + std::to_string(i) + "\nKd 1 1 1\n";
+    writeText(file("own/t.obj"), obj + "usemtl a7\n" + kTriangle);
+    writeText(file("own/m.mtl"), mtl);
+    EXPECT_EQ(loadScene(file("own/t.obj")).materials.size(), 4000u);
+}
+
+TEST_F(SceneFolder, MemoryIsAskedFor) {
+    writeText(file("own/big.bin"), std::string(10000, ' '));
+    LoadOptions options;
+    options.memory = 5000;
+    SceneFiles little(file("own"), options);
+    const std::string message = errorOf([&] { little.read(file("own/big.bin")); });
+    EXPECT_NE(message.find("more than there is memory for"), std::string::npos) << message;
+    SceneFiles files(file("own"), {});
+    files.read(file("own/big.bin"));
+    files.take(uint64_t{256} << 20, "a");
+    EXPECT_EQ(
+        errorOf([&] { files.take(uint64_t{1} << 30, "a.gltf: /x"); }),
+        "a.gltf: /x: the scene would take more than 258.4 MiB of memory, which is out of all proportion "
+        "to its files of 0.0 MiB");
+    SceneFiles rich(file("own"), {false, 1000});
+    EXPECT_EQ(errorOf([&] { rich.take(1001, "a"); }),
+              "a: the scene takes more memory than there is, 0.0 MiB");
+    EXPECT_EQ(SceneFiles(file("own"), {false, 1600}).mostPixels(), 100u);
+}
+
+}  // namespace glint::test::scene_files_test
