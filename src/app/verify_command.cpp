@@ -79,7 +79,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     writeImage(picture, report.difference);
     out << "    wrote " << picture.string() << '\n';
     out.flush();
-    return report.passed(options);
+    return report.passed();
 }
 
 int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {

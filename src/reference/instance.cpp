@@ -40,4 +40,8 @@ double InstanceFrame::scaleInWorld(double size) const {
     return greatest;
 }
 
+double InstanceFrame::stretch() const {
+    return glm::length(toObject_[0]) + glm::length(toObject_[1]) + glm::length(toObject_[2]);
+}
+
 }  // namespace glint::reference

@@ -19,6 +19,8 @@ class InstanceFrame {
     // The greatest coordinate, and the greatest number that one in the world is a sum of, of points with
     // coordinates no greater than `size`.
     double scaleInWorld(double size) const;
+    // At most how long a unit of way in the world is in the instance.
+    double stretch() const;
 
   private:
     glm::dmat3 toObject_, toWorld_;

@@ -1,6 +1,7 @@
 #include "reference/material.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -97,6 +98,22 @@ shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
 dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface) {
     const shared::Optics& optics = scene.optics[medium - 1];
     return dvec3(optics.transmission) * dvec3(sampleNumber(scene, optics.transmissionTexture, surface));
+}
+
+uint32_t cellsAt(const PackedScene& scene, const Surface& surface) {
+    const shared::Material& material = scene.materials[surface.material];
+    const uint32_t transmission =
+        material.medium == 0 ? 0 : scene.optics[material.medium - 1].transmissionTexture;
+    uint32_t hash = 0;
+    for (const uint32_t number : {material.ambientTexture, material.diffuseTexture, material.specularTexture,
+                                  material.mirrorTexture, transmission}) {
+        if (number == 0) continue;
+        if (!(scene.textures[number - 1].flags & (shared::kTextureChecker | shared::kTextureNearest)))
+            continue;
+        const dvec4 color = sampleNumber(scene, number, surface);
+        for (int i = 0; i < 4; ++i) hash = hash * 31 + std::bit_cast<uint32_t>(static_cast<float>(color[i]));
+    }
+    return hash;
 }
 
 bool holeAt(const PackedScene& scene, const Surface& surface) {

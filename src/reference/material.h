@@ -20,6 +20,9 @@ shared::Material materialAt(const PackedScene& scene, const Surface& surface);
 // What of light passes a surface of this medium (shared::Material::medium, not 0).
 glm::dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface);
 
+// A hash of what textures show that change in steps: checkers, and images without filtering.
+uint32_t cellsAt(const PackedScene& scene, const Surface& surface);
+
 // True where the diffuse texture's alpha is below the material's alphaCutoff.
 bool holeAt(const PackedScene& scene, const Surface& surface);
 

@@ -131,6 +131,7 @@ void fillSurface(const shared::Quadric& quadric, const Place& place, Surface& su
     const QuadricSite site = quadricSite(quadric, place.part(), place.point, place.ray.direction);
     surface.position = site.position;
     surface.geometricNormal = surface.shadingNormal = site.normal;
+    surface.bend = site.bend;
 }
 
 double reachOf(const PackedScene&, const Methods&, const shared::Quadric& quadric) {

@@ -230,6 +230,9 @@ QuadricSite quadricSite(const shared::Quadric& quadric, uint32_t part, const dve
     // A step longer than the root of the error of `value` is the sign of a point without a normal.
     const double limit = 0x1p-20 * glm::length(slope) / std::sqrt(square);
     site.normal = gradient / std::sqrt(square);
+    const dmat3 turning = transposed * squares * local;
+    site.bend =
+        2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / std::sqrt(square);
     site.position = point - std::clamp(value / std::sqrt(square), -limit, limit) * site.normal;
     return site;
 }

@@ -41,8 +41,10 @@ bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, ui
 
 // The surface next to `point`, moved onto it; normal outward, of length 1. direction: of the ray, against
 // which the surface faces where it has no normal (the apex of a cone, a double plane).
+// bend: at most how far the normal turns for a unit of way.
 struct QuadricSite {
     glm::dvec3 position, normal;
+    double bend = 0;
 };
 QuadricSite quadricSite(const shared::Quadric& quadric, uint32_t part, const glm::dvec3& point,
                         const glm::dvec3& direction);

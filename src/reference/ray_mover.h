@@ -9,7 +9,11 @@ namespace glint::reference {
 // Number Generators", OOPSLA 2014.
 class RayMover {
   public:
-    explicit RayMover(const Jitter& jitter) : state_(jitter.seed), step_(jitter.ulps * 0x1p-24) {}
+    explicit RayMover(const Jitter& jitter)
+        : state_(jitter.seed),
+          nearbyState_(jitter.nearbySeed),
+          step_(jitter.ulps * 0x1p-24),
+          nearby_(jitter.nearby) {}
 
     void move(Ray& ray, double scale) {
         if (step_ == 0) return;
@@ -27,25 +31,30 @@ class RayMover {
     // verify/explain.cpp).
     double tieWidth() const { return 16 * step_; }
     double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
-    bool coin() { return next() < 0; }
+    bool coin() { return uniform(state_) < 0; }
     // Something that has gone through `roundings`.
     double sway(double value, double roundings) {
         return step_ == 0 ? value : value * (1 + roundings * step_ * next());
     }
 
   private:
-    // Uniform in [-1, 1).
+    // In [-1, 1), uniform but for what is nearby.
     double next() {
-        state_ += 0x9e3779b97f4a7c15u;
-        uint64_t z = state_;
+        const double moved = uniform(state_);
+        return nearby_ == 0 ? moved : moved + nearby_ * uniform(nearbyState_);
+    }
+
+    static double uniform(uint64_t& state) {
+        state += 0x9e3779b97f4a7c15u;
+        uint64_t z = state;
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
         z ^= z >> 31;
         return static_cast<double>(z >> 11) * 0x1p-52 - 1;
     }
 
-    uint64_t state_;
-    double step_;
+    uint64_t state_, nearbyState_;
+    double step_, nearby_;
 };
 
 }  // namespace glint::reference

@@ -12,6 +12,7 @@
 #include "reference/primitives.h"
 #include "reference/quadric.h"
 #include "reference/ray_mover.h"
+#include "reference/rounding.h"
 #include "reference/tracer.h"
 
 namespace glint::reference {
@@ -21,6 +22,14 @@ using glm::dvec3;
 
 constexpr double kPointLightEnd = 1 - 0x1p-16;  // a shadow ray stops short of the surface a light lies on
 constexpr double kLightTooClose = 1e-15;
+constexpr double kFloatUnit = 0x1p-24;  // of fp32; kUnitRoundoff is that of double
+uint32_t kindOf(uint32_t primitive) {
+    return primitive >> shared::kPrimitiveKindShift;
+}
+uint32_t indexOf(uint32_t primitive) {
+    return primitive & shared::kPrimitiveIndexMask;
+}
+
 constexpr uint32_t kHashStart = 2166136261u, kHashPrime = 16777619u;  // FNV-1a, 32 bits
 
 double greatestCoordinate(const dvec3& v) {
@@ -53,6 +62,7 @@ class PathTracer {
         double originScale;  // greatest coordinate of the ray's origin
         double scale;        // greatest number that a coordinate of the position is a sum of
         double offset;       // bound on the error of `position` along n
+        double normalError;  // see rounding.h
         bool entering;       // the ray comes from the outer side
     };
 
@@ -61,23 +71,44 @@ class PathTracer {
         Ray ray;
         Source source;
         dvec3 throughput{1};
+        dvec3 slack{0};  // of the throughput, see rounding.h
         RayClass kind = RayClass::Primary;
         uint32_t depth = 0;    // rays before it
         uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
         Media media;
     };
 
+    // Light, and what rounding may add to it, see rounding.h.
+    struct Light {
+        dvec3 radiance{0}, error{0};
+    };
+    // What is left of a light behind what it shines through; `fade`: the sum of the magnitudes that its
+    // optical depth is made of.
+    struct Passed {
+        dvec3 part{1};
+        double fade = 0;
+    };
+
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
+    bool isTied(const Hit& hit, const Hit& other) const;
+    void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * kHashPrime; }
+    void decide(const Hit& hit);
+    void decideCells(const Surface& textured);
+    void addLight(const dvec3& throughput, const dvec3& slack, const Light& light);
     void count(RayClass kind, uint64_t costBefore);
     Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
     Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
     double spotFactor(const shared::Light& light, dvec3 toLight);
-    dvec3 shadeLights(const Site& site, const shared::Material& material, const Media& media, bool first);
-    std::optional<dvec3> lightThrough(const Ray& ray, const Site& site, const Media& media, bool directional);
+    Light shadeLights(const Site& site, const shared::Material& material, const Media& media, bool first);
+    std::optional<Passed> lightThrough(const Ray& ray, const Site& site, const Media& media,
+                                       bool directional);
+    Light reflected(const Site& site, const shared::Material& material, const shared::Light& light,
+                    const dvec3& l, double distance, double part);
     dvec3 reflect(const Site& site) const;
     void follow(Branch branch);
     void followOn(const Branch& branch, const Site& site, const Surface& textured,
-                  const shared::Material& material, const Passing& passing, const dvec3& throughput);
+                  const shared::Material& material, const Passing& passing, const dvec3& throughput,
+                  const dvec3& slack);
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const;
     // The surface as textures see it, and the environment map's coordinates, moved by rounding.
@@ -89,12 +120,52 @@ class PathTracer {
     RayMover mover_;
     bool keepPath_;
     PixelRecord record_;
+    uint32_t contributions_ = 0;
 };
 
 void PathTracer::count(RayClass kind, uint64_t costBefore) {
     RayTally& tally = record_.tally[static_cast<size_t>(kind)];
     ++tally.rays;
     tally.tests += record_.cost - costBefore;
+}
+
+void PathTracer::decide(const Hit& hit) {
+    decide(hit.primitive);
+    decide(hit.instance);
+    record_.meetsInstance = record_.meetsInstance || hit.instance != shared::kNone;
+}
+
+// Of what changes in steps, not continuously.
+void PathTracer::decideCells(const Surface& textured) {
+    if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
+}
+
+// False where both have the same numbers in the same order: then fp32 gives the same t, and the rule for
+// equal t says which is first.
+bool PathTracer::isTied(const Hit& hit, const Hit& other) const {
+    if (kindOf(hit.primitive) != kindOf(other.primitive)) return true;
+    if (hit.instance != other.instance) return true;
+    const uint32_t a = indexOf(hit.primitive), b = indexOf(other.primitive);
+    switch (kindOf(hit.primitive)) {
+        case shared::kKindTriangle: {
+            const shared::Triangle &s = scene_.triangles[a], &t = scene_.triangles[b];
+            return !(s.v0 == t.v0 && s.v1 == t.v1 && s.v2 == t.v2);
+        }
+        case shared::kKindSphere: {
+            const shared::Sphere &s = scene_.spheres[a], &t = scene_.spheres[b];
+            return !(s.point == t.point && s.radius == t.radius && s.anchorNormal == t.anchorNormal);
+        }
+        case shared::kKindPlane: {
+            const shared::Plane &s = scene_.planes[a], &t = scene_.planes[b];
+            return !(s.point == t.point && s.normal == t.normal);
+        }
+        case shared::kKindDisc: {
+            const shared::Disc &s = scene_.discs[a], &t = scene_.discs[b];
+            return !(s.center == t.center && s.normal == t.normal && s.radius == t.radius);
+        }
+        default:
+            return true;
+    }
 }
 
 // Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
@@ -108,7 +179,7 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
     narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
     const std::optional<Hit> other = tracer_.closest(narrow, sourceOf(*hit));
-    return other ? other : hit;
+    return other && isTied(*hit, *other) ? other : hit;
 }
 
 PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const {
@@ -131,6 +202,7 @@ PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surfac
     // An instance's transform there and back makes more of each rounding.
     const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
     site.scale = scale;
+    site.normalError = normalError(surface.bend, site.originScale + scale, gain - 1);
     site.offset = 32 * kUnitRoundoff * scale * gain;
     return site;
 }
@@ -170,15 +242,19 @@ double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
 // What comes through of the light at the end of a shadow ray: nothing if an opaque surface is in the way,
 // else the product of the transmissions of all surfaces there, and Beer's law on the way between them, in
 // every medium that the ray is inside of by its count of crossings.
-std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, const Media& media,
-                                              bool directional) {
-    if (!tracer_.shadows()) return dvec3(1);
+std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const Site& site,
+                                                           const Media& media, bool directional) {
+    if (!tracer_.shadows()) return Passed();
     const uint64_t before = record_.cost;
     if (!scene_.features.coloredShadows) {
         const bool occluded = tracer_.occluded(ray, site.source, &record_.cost);
         count(RayClass::Shadow, before);
+        if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.tieWidth() > 0) {
+            const std::optional<Hit> hit = tracer_.closest(ray, site.source);
+            record_.meetsInstance = hit && hit->instance != shared::kNone;
+        }
         if (occluded) return std::nullopt;
-        return dvec3(1);
+        return Passed();
     }
     std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
     count(RayClass::Shadow, before);
@@ -190,6 +266,7 @@ std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, 
         if (scene_.materials[tracer_.surface(ray, hit).material].medium == 0) return std::nullopt;
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
     for (const Hit& hit : hits) {
+        decide(hit);
         const Surface surface = tracer_.surface(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
         left *= transmissionAt(scene_, medium, surface);
@@ -201,46 +278,94 @@ std::optional<dvec3> PathTracer::lightThrough(const Ray& ray, const Site& site, 
         sigma = dvec3(0);
         for (const dvec3& c : change) sigma -= c;
     }
-    double from = 0;
+    double from = 0, terms = 0;
+    const double length = glm::length(ray.direction);
     for (size_t i = 0; i < hits.size(); ++i) {
+        terms += 1 + greatestCoordinate(change[i]) * length * std::max(hits[i].t, std::abs(1 - hits[i].t));
         fade += (hits[i].t - from) * sigma;
         sigma += change[i];
         from = hits[i].t;
     }
     if (!directional) fade += (1 - from) * sigma;
-    return glm::min(left * glm::exp(-glm::length(ray.direction) * fade), dvec3(1));
+    terms += length * greatestCoordinate(fade);
+    return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms};
 }
 
-dvec3 PathTracer::shadeLights(const Site& site, const shared::Material& material, const Media& media,
-                              bool first) {
-    dvec3 sum(0);
+// Lambert's and Blinn's terms, without shadow. Where the light's cosine is too small for its sign to be
+// known, the error is all that the light could bring.
+PathTracer::Light PathTracer::reflected(const Site& site, const shared::Material& material,
+                                        const shared::Light& light, const dvec3& l, double distance,
+                                        double part) {
+    const bool directional = light.kind == shared::kLightDirectional;
+    const double turn =
+        lightTurn(site.scale, directional ? std::numeric_limits<double>::infinity() : distance);
+    const double cosine = glm::dot(site.s, l), slip = cosineError(turn, site.normalError);
+    const double least = std::min(cosine, glm::dot(site.n, l));
+    if (least <= -slip * kFloatUnit) return {};
+    const dvec3 incoming = part / falloffDivisor(light, distance) * dvec3(light.intensity);
+    const dvec3 middle = l + site.view;
+    const double length = glm::length(middle);
+    const double highlight = length > 0 ? glm::dot(site.s, middle) / length : 0;
+    Light result;
+    dvec3 specular(0);
+    if (highlight > 0) {
+        const double n = material.shininess, power = std::pow(highlight, n);
+        specular = power * dvec3(material.specular);
+        result.error =
+            powerError(highlight, n, power, length, turn, site.normalError) * dvec3(material.specular);
+    }
+    if (!(least > 0)) {
+        result.error = incoming * (slip * dvec3(material.diffuse) + 0x1p24 * specular);
+        return result;
+    }
+    decide(highlight > 0 ? 2 : 1);
+    const dvec3 factor = cosine * dvec3(material.diffuse) + specular;
+    if (least < slip * kFloatUnit) result.error += 0x1p24 * specular;
+    result.radiance = incoming * factor;
+    result.error = incoming * (result.error + slip * dvec3(material.diffuse)) +
+                   (kProductRoundings + 2 * turn) * result.radiance;
+    if (part < 1) {
+        // 1 - cos of an angle a errs by a times what the directions are off, the smoothstep by 3/2 of that
+        // over the width of the penumbra.
+        const double cone = 1 + glm::dot(glm::normalize(dvec3(light.axis)), l);
+        const double width = std::max(static_cast<double>(light.outer - light.inner), 1e-30);
+        const double blur = 1.5 * (std::sqrt(2 * cone) * (turn + 4) + 4 * cone) / width;
+        result.error += std::min(blur, 0x1p24) / part * result.radiance;
+    }
+    return result;
+}
+
+PathTracer::Light PathTracer::shadeLights(const Site& site, const shared::Material& material,
+                                          const Media& media, bool first) {
+    Light sum;
     for (size_t i = 0; i < tracer_.lights().size(); ++i) {
         const shared::Light& light = tracer_.lights()[i];
         const bool directional = light.kind == shared::kLightDirectional;
         const dvec3 toLight = directional ? dvec3(light.position) : dvec3(light.position) - site.position;
         const double distance = glm::length(toLight);
+        decide(0);
         if (!directional && distance < kLightTooClose) continue;
         const dvec3 l = toLight / distance;
-        const double cosine = glm::dot(site.s, l);
-        if (!(glm::dot(site.n, l) > 0 && cosine > 0)) continue;
         const double part = isSpot(light) ? spotFactor(light, l) : 1;
         if (part == 0) continue;
+        const Light one = reflected(site, material, light, l, distance, part);
+        if (!(glm::dot(site.n, l) > 0 && glm::dot(site.s, l) > 0)) {
+            sum.error += one.error;
+            continue;
+        }
         const double end = directional ? std::numeric_limits<double>::infinity() : kPointLightEnd;
-        const std::optional<dvec3> through =
+        const std::optional<Passed> through =
             lightThrough(rayFrom(site, toLight, end), site, media, directional);
         if (!through) {
+            decide(3);
             if (first && i < 32) record_.shadowBits |= 1u << i;
             if (keepPath_) record_.path.back().occluded[i] = 1;
             continue;
         }
-        dvec3 factor = cosine * dvec3(material.diffuse);
-        const dvec3 middle = l + site.view;
-        const double length = glm::length(middle);
-        const double highlight = length > 0 ? glm::dot(site.s, middle) / length : 0;
-        if (highlight > 0)
-            factor += std::pow(highlight, static_cast<double>(material.shininess)) * dvec3(material.specular);
-        sum += part / falloffDivisor(light, distance) * dvec3(light.intensity) * *through * factor;
+        sum.radiance += through->part * one.radiance;
+        sum.error += through->part * (one.error + exponentialRoundings(through->fade) * one.radiance);
     }
+    sum.error += static_cast<double>(tracer_.lights().size()) * sum.radiance;
     return sum;
 }
 
@@ -289,15 +414,18 @@ bool PathTracer::isFollowed(const Branch& next) {
 // The branches of a surface: reflected, and for a dielectric refracted, or straight on where the surface does
 // not count. The one on the outer side comes first.
 void PathTracer::followOn(const Branch& branch, const Site& site, const Surface& textured,
-                          const shared::Material& material, const Passing& passing, const dvec3& throughput) {
+                          const shared::Material& material, const Passing& passing, const dvec3& throughput,
+                          const dvec3& slack) {
     const bool dielectric = material.medium != 0;
     const double ratio = iorOf(scene_, passing.mediumBefore) / iorOf(scene_, passing.mediumAfter);
     const dvec3 d = -site.view;
     std::vector<Branch> next;
+    double fresnelError = 0;
     const auto add = [&](RayClass kind, const dvec3& weight, const dvec3& direction, const Media& media) {
         Branch b;
         b.kind = kind;
         b.throughput = throughput * weight;
+        b.slack = slack * weight + throughput * (kProductRoundings * weight + fresnelError);
         b.depth = branch.depth + 1;
         if (!isFollowed(b)) return;
         b.ray = rayFrom(site, direction, std::numeric_limits<double>::infinity());
@@ -309,6 +437,7 @@ void PathTracer::followOn(const Branch& branch, const Site& site, const Surface&
     interface.refracted = d;
     const bool splits = dielectric && passing.real && ratio != 1;
     if (splits) interface = meetInterface(d, site.n, site.s, ratio);
+    if (splits && !interface.total) fresnelError = kReflectanceError;
     if (passing.real && (splits || material.mirror != glm::vec3(0)))
         add(RayClass::Mirrored, glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
             splits ? interface.reflected : reflect(site), passing.before);
@@ -339,13 +468,15 @@ void PathTracer::follow(Branch branch) {
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
     const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
+    if (hit) decide(*hit);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
     if (keepPath_)
         record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size())});
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
-        record_.color += branch.throughput * beer(scene_, rulingMedium(scene_, branch.media), endless) *
-                         surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
+        const dvec3 left = beer(scene_, rulingMedium(scene_, branch.media), endless);
+        const dvec3 seen = surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
+        addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
         return;
     }
     const Surface surface = tracer_.surface(ray, *hit);
@@ -360,13 +491,29 @@ void PathTracer::follow(Branch branch) {
     const Site site = siteOf(ray, *hit, surface);
     const Passing passing = passingAt(scene_, branch.media, material.medium, site.entering);
     record_.lost.crowdedMedia += passing.crowded ? 1 : 0;
-    const dvec3 throughput =
-        branch.throughput * beer(scene_, passing.mediumBefore, hit->t * glm::length(ray.direction));
+    const double way = hit->t * glm::length(ray.direction);
+    const dvec3 left = beer(scene_, passing.mediumBefore, way);
+    const dvec3 throughput = branch.throughput * left;
+    dvec3 slack = branch.slack * left;
+    if (passing.mediumBefore != 0) {
+        const dvec3 depth = way * attenuationOf(scene_, passing.mediumBefore);
+        for (int i = 0; i < 3; ++i) slack[i] += throughput[i] * exponentialRoundings(depth[i]);
+    }
+    decideCells(textured);
     if (passing.real) {
         const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
-        record_.color += throughput * (ambient + shadeLights(site, material, passing.before, first));
+        Light light = shadeLights(site, material, passing.before, first);
+        light.radiance += ambient;
+        light.error += kProductRoundings * ambient;
+        addLight(throughput, slack, light);
     }
-    followOn(branch, site, textured, material, passing, throughput);
+    followOn(branch, site, textured, material, passing, throughput, slack);
+}
+
+void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Light& light) {
+    record_.color += throughput * light.radiance;
+    record_.rounding += throughput * light.error + slack * light.radiance;
+    ++contributions_;
 }
 
 PixelRecord PathTracer::run(const Ray& cameraRay) {
@@ -376,6 +523,9 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
     mover_.move(branch.ray, std::max(greatestCoordinate(cameraRay.origin), cameraRay.originScale));
     record_.pathHash = kHashStart;
     follow(std::move(branch));
+    // Each contribution is added with a rounding of the sum so far.
+    record_.rounding += static_cast<double>(contributions_) * record_.color;
+    record_.rounding *= kFloatUnit;
     return std::move(record_);
 }
 

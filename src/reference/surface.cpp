@@ -32,6 +32,7 @@ void moveToWorld(const PackedScene& scene, const Hit& hit, Surface& surface) {
     surface.geometricNormal = frame.normalInWorld(surface.geometricNormal);
     surface.shadingNormal = surface.geometricNormal;
     surface.object = instance.object;
+    surface.bend *= frame.stretch();
     if (instance.material != shared::kNone) surface.material = instance.material;
 }
 

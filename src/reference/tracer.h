@@ -59,6 +59,7 @@ struct Surface {
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
     glm::dvec2 uv{0};               // texture coordinates (docs/reference/shading.md)
     glm::dvec3 color{1};            // of the vertices, interpolated
+    double bend = 0;                // of quadrics: at most how far the normal turns for a unit of way
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
@@ -70,9 +71,12 @@ struct Surface {
 // move by up to `ulps` * 2^-24 * max(1, |u|, |v|), points looked up in a solid checker as origins do. seed 0
 // and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps`
 // * 2^-24 * t, either may be taken.
+// `nearby`: each movement is changed by up to this part of the greatest, at random by `nearbySeed`.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
+    uint64_t nearbySeed = 0;
+    double nearby = 0;
 };
 
 // One ray of a path's tree, in the order they are followed, for `verify` and for picking.
@@ -111,13 +115,21 @@ struct RayTally {
 
 struct PixelRecord {
     glm::dvec3 color{0};
-    std::optional<Hit> hit;                   // of the camera ray
-    std::optional<Surface> surface;           // at that hit
-    double alpha = 0;                         // 1 if the camera ray hits anything
-    uint32_t bounces = 0;                     // rays after the camera ray, of all branches
-    uint64_t cost = 0;                        // boxes and primitives tested by all rays of the path
-    uint32_t pathHash = 0;                    // FNV-1a over the hit ids, see docs/reference/shading.md
-    uint32_t shadowBits = 0;                  // bit i: light i (i < 32) is occluded at the first hit
+    std::optional<Hit> hit;          // of the camera ray
+    std::optional<Surface> surface;  // at that hit
+    double alpha = 0;                // 1 if the camera ray hits anything
+    uint32_t bounces = 0;            // rays after the camera ray, of all branches
+    uint64_t cost = 0;               // boxes and primitives tested by all rays of the path
+    uint32_t pathHash = 0;           // FNV-1a over the hit ids, see docs/reference/shading.md
+    uint32_t shadowBits = 0;         // bit i: light i (i < 32) is occluded at the first hit
+    // Absolute, by channel: what fp32 may add to `color` where all rays and hits are given, by the arithmetic
+    // of shading alone (rounding.h).
+    glm::dvec3 rounding{0};
+    // A hash over all that was decided on the way: primitives hit, lights faced and hidden, cells of
+    // checkers. Between paths of equal decisions the colour changes continuously with the rays.
+    uint32_t decisions = 0;
+    // Whether a ray of the path, or under jitter a blocked shadow ray, met an instance.
+    bool meetsInstance = false;
     std::array<RayTally, kRayClasses> tally;  // by RayClass; the tests sum up to `cost`
     Losses lost;
     std::vector<Bounce> path;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace glint::verify {
@@ -9,6 +10,9 @@ namespace glint::verify {
 namespace {
 
 constexpr double kUnit = 0x1p-24;
+constexpr size_t kEnoughMembers = 8;
+constexpr size_t kLookedAround = 3;
+constexpr double kHullStretch = 1;
 constexpr int kJittersPerLevel = 64;
 // A textbook's sphere test takes rays for hits that pass far outside: few jitters meet the limb as it saw it.
 constexpr int kJittersOfTextbooks = 1024;
@@ -16,25 +20,6 @@ constexpr int kJittersOfTextbooks = 1024;
 double maxComponent(const glm::dvec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
-
-double colorDifference(const glm::dvec3& a, const glm::vec3& b) {
-    const glm::dvec3 d = glm::abs(a - glm::dvec3(b));
-    return std::max({d.x, d.y, d.z});
-}
-
-// Smallest box of colours seen.
-struct ColorHull {
-    glm::dvec3 lo, hi;
-    void include(const glm::dvec3& c) {
-        lo = glm::min(lo, c);
-        hi = glm::max(hi, c);
-    }
-    bool contains(const glm::vec3& c, double tolerance) const {
-        const glm::dvec3 p(c);
-        return glm::all(glm::greaterThanEqual(p, lo - tolerance)) &&
-               glm::all(glm::lessThanEqual(p, hi + tolerance));
-    }
-};
 
 // Two first hits on different primitives at one t. The bound on |t - t'|: each t is good to about gamma_16
 // (Woop's t with its weights' errors, sec. 6.8.7 of PBRT), relative to the largest t involved.
@@ -77,11 +62,10 @@ std::vector<double> levelsTo(double bound) {
 // - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
 //   w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most
 //   twice the greater of the extent and r.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, const PixelData& device,
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances,
                      const Methods& methods) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
-    double shortest =
-        device.object != PixelData::kNoIndex ? device.depth : std::numeric_limits<double>::infinity();
+    double shortest = std::numeric_limits<double>::infinity();
     for (const reference::Bounce& bounce : record.path) {
         extent = std::max({extent, maxComponent(bounce.ray.origin), bounce.ray.originScale});
         if (bounce.surface) extent = std::max(extent, maxComponent(bounce.surface->position));
@@ -89,8 +73,7 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
     }
     if (!std::isfinite(shortest) || shortest <= 0) return 8;
     double bound = 8 + (10 * 2 + 14) * extent / shortest;
-    if (scene.features.instances)
-        bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
+    if (instances) bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
     if (methods.spheres == SphereMethod::Robust) return bound;
     for (const shared::Sphere& sphere : scene.spheres) {
         const double radius = sphere.radius, far = 2 * std::max(extent, radius);
@@ -99,33 +82,138 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
     return bound;
 }
 
-void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
-             double tolerance, DifferingPixel& pixel) {
-    const double bound = roundingBound(scene, pixel.reference, pixel.device, tracer.methods());
-    ColorHull hull = {pixel.reference.color, pixel.reference.color};
-    const int jitters =
-        tracer.methods().spheres == SphereMethod::Robust ? kJittersPerLevel : kJittersOfTextbooks;
-    bool changed = false;
-    uint64_t seed = 1;
-    for (const double ulps : levelsTo(bound)) {
-        for (int i = 0; i < jitters; ++i) {
-            const reference::PixelRecord moved = tracer.trace(cameraRay, {seed++, ulps}, false);
-            hull.include(moved.color);
-            changed = changed || moved.pathHash != pixel.reference.pathHash ||
-                      colorDifference(moved.color, glm::vec3(pixel.reference.color)) > tolerance;
-            const bool same = moved.pathHash == pixel.device.pathHash &&
-                              colorDifference(moved.color, pixel.deviceColor) <= tolerance;
-            // The reference hangs on rounding here, and the device's colour is among those it can take.
-            const bool between = changed && hull.contains(pixel.deviceColor, tolerance);
-            if (same || (i == jitters - 1 && between)) {
-                pixel.reason = isTie(pixel) ? Reason::Tie : Reason::Edge;
-                pixel.ulps = ulps;
-                return;
-            }
+namespace {
+
+// Whether the answer lies within the predicted error of the path that `moved` took under `jitter`.
+bool isNear(const reference::Tracer& tracer, const reference::Ray& cameraRay, const reference::Jitter& jitter,
+            const reference::PixelRecord& moved, const PackedScene& scene, const Quantities& device) {
+    const Quantities floors = floorsOf(scene, moved, cameraRay);
+    const Quantities middle = quantitiesOf(moved, scene.origin);
+    const double gain = kResponseGain * (moved.meetsInstance ? 1 + scene.instanceGain : 1);
+    // Of a chaotic path few moves of one unit decide nothing otherwise: then smaller ones tell the slope.
+    for (const double units : {1.0, 1.0 / 16, 1.0 / 256}) {
+        size_t members = 0;
+        Hull hull(middle);
+        for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
+            const reference::Jitter near =
+                jitter.ulps == 0 ? reference::Jitter{seed, units}
+                                 : reference::Jitter{jitter.seed, jitter.ulps, seed, units / jitter.ulps};
+            const reference::PixelRecord next = tracer.trace(cameraRay, near);
+            if (next.decisions != moved.decisions) continue;
+            ++members;
+            hull.include(quantitiesOf(next, scene.origin));
+            if (hull.contains(device, floors, gain / units)) return true;
         }
+        if (members >= kEnoughMembers) break;
     }
+    return false;
+}
+
+}  // namespace
+
+bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
+                 const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
+    const Quantities floors = floorsOf(scene, still, cameraRay);
+    return Hull(quantitiesOf(still, scene.origin)).contains(device, floors, 0) ||
+           isNear(tracer, cameraRay, {}, still, scene, device);
+}
+
+namespace {
+
+// What one search knows.
+class Search {
+  public:
+    Search(const reference::Tracer& tracer, const reference::Ray& ray, const PackedScene& scene,
+           const Quantities& device, DifferingPixel& pixel)
+        : tracer_(tracer), ray_(ray), scene_(scene), device_(device), pixel_(pixel) {}
+
+    // Tries jitters from more than `from` units up to the bound of `record`. True once one explains the
+    // pixel.
+    bool upTo(const reference::PixelRecord& record, double from);
+    // The bound of the device's path as a jitter has shown it, the reference's own where none has.
+    const std::optional<reference::PixelRecord>& likeDevice() const { return likeDevice_; }
+
+  private:
+    // Answers that all decisions have led to alike: the colour is continuous between them.
+    struct Class {
+        uint32_t decisions;
+        size_t members;
+        Hull hull;
+    };
+    bool tryOne(double ulps, bool beyondPlain);
+    Class& classOf(const reference::PixelRecord& moved, const Quantities& q);
+
+    const reference::Tracer& tracer_;
+    const reference::Ray& ray_;
+    const PackedScene& scene_;
+    const Quantities& device_;
+    DifferingPixel& pixel_;
+    std::vector<Class> classes_;
+    std::optional<reference::PixelRecord> likeDevice_;
+    uint64_t seed_ = 1;
+};
+
+Search::Class& Search::classOf(const reference::PixelRecord& moved, const Quantities& q) {
+    for (Class& c : classes_)
+        if (c.decisions == moved.decisions) return c;
+    classes_.push_back({moved.decisions, 0, Hull(q)});
+    return classes_.back();
+}
+
+// beyondPlain: more than the bound of paths that meet no instance.
+bool Search::tryOne(double ulps, bool beyondPlain) {
+    const reference::Jitter jitter = {seed_++, ulps};
+    const reference::PixelRecord moved = tracer_.trace(ray_, jitter, false);
+    if (moved.pathHash != pixel_.device.pathHash) return false;
+    if (beyondPlain && !moved.meetsInstance && !pixel_.reference.meetsInstance) return false;
+    const Quantities q = quantitiesOf(moved, scene_.origin);
+    Class& c = classOf(moved, q);
+    ++c.members;
+    c.hull.include(q);
+    if (!likeDevice_) likeDevice_ = tracer_.trace(ray_, jitter, true);
+    // The extremes of a box are seldom among few random moves.
+    const bool within = c.hull.contains(device_, floorsOf(scene_, moved, ray_),
+                                        c.members >= kEnoughMembers ? kHullStretch : 0);
+    // Where hardly any jitter takes the device's path, what lies around the one that does decides.
+    const bool alone = c.members <= kLookedAround;
+    if (!within && !(alone && isNear(tracer_, ray_, jitter, moved, scene_, device_))) return false;
+    const bool same = moved.decisions == pixel_.reference.decisions;
+    pixel_.reason = isTie(pixel_) ? Reason::Tie : same ? Reason::Rounding : Reason::Edge;
+    pixel_.ulps = ulps;
+    return true;
+}
+
+bool Search::upTo(const reference::PixelRecord& record, double from) {
+    const double plain = roundingBound(scene_, record, false, tracer_.methods());
+    const double bound =
+        scene_.instances.empty() ? plain : roundingBound(scene_, record, true, tracer_.methods());
+    pixel_.ulps = std::max(pixel_.ulps, record.meetsInstance ? bound : plain);
+    const int jitters =
+        tracer_.methods().spheres == SphereMethod::Robust ? kJittersPerLevel : kJittersOfTextbooks;
+    std::vector<double> levels = levelsTo(plain);
+    if (bound > plain)
+        for (const double ulps : levelsTo(bound))
+            if (ulps > plain) levels.push_back(ulps);
+    for (const double ulps : levels) {
+        if (ulps <= from) continue;
+        for (int i = 0; i < jitters; ++i)
+            if (tryOne(ulps, ulps > plain)) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
+             const Quantities& device, DifferingPixel& pixel) {
+    Search search(tracer, cameraRay, scene, device, pixel);
+    pixel.ulps = 0;
+    if (search.upTo(pixel.reference, 0)) return;
+    // Where a jitter within the bound takes the device's path, that path has a bound of its own: it may be
+    // longer or shorter than the reference's.
+    const double from = pixel.ulps;
+    if (search.likeDevice() && search.upTo(*search.likeDevice(), from)) return;
     pixel.reason = Reason::Unexplained;
-    pixel.ulps = bound;
 }
 
 }  // namespace glint::verify

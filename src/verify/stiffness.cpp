@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
+#include "verify/ceiling.h"
 
 namespace glint::verify {
 
@@ -25,49 +26,102 @@ bool isTie(const reference::PixelRecord& a, const reference::PixelRecord& b) {
 
 }  // namespace
 
-double percentile99(std::vector<float> values) {
+double percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
+    const double last = static_cast<double>(values.size() - 1);
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(share, 1.0) * last + 1e-9);
     std::nth_element(values.begin(), at, values.end());
     return *at;
 }
 
+double percentile99(std::vector<float> values) {
+    return percentile(std::move(values), 0.99);
+}
+
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds) {
-    return sensitivityOf(tracer, camera, width, height, 0, seeds).kappa;
+    return sensitivityOf(tracer, camera, width, height, seeds).kappa;
+}
+
+namespace {
+
+// Counts of a row of pixels.
+struct RowCounts {
+    uint64_t changed = 0, changedWidely = 0, ties = 0;
+};
+
+bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
+    if (still.pathHash != moved.pathHash) return true;
+    if (still.decisions == moved.decisions) return false;
+    const glm::dvec3 d = glm::abs(still.color - moved.color);
+    return glm::any(glm::greaterThan(d, still.rounding));
+}
+
+// The greatest change of one unit.
+double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint64_t seed, int seeds,
+               RowCounts& counts) {
+    const reference::PixelRecord still = tracer.trace(ray);
+    double change = 0;
+    for (int i = 1; i <= seeds; ++i) {
+        const reference::PixelRecord moved = tracer.trace(ray, {seed + static_cast<uint64_t>(i), 1});
+        change = std::max(change, greatestChange(still.color, moved.color));
+        if (i > 1) continue;
+        const bool tie = isTie(still, moved);
+        counts.ties += tie;
+        counts.changed += !tie && isOtherwise(still, moved);
+    }
+    const reference::PixelRecord moved = tracer.trace(ray, {seed, kWideUnits});
+    counts.changedWidely += !isTie(still, moved) && isOtherwise(still, moved);
+    return change;
+}
+
+}  // namespace
+
+double Sensitivity::changedShare() const {
+    if (tried == 0) return 0;
+    const double all = static_cast<double>(tried);
+    const double byWidth = greatestMean(changedWidely) / kWideUnits;
+    const double atOne = greatestMean(changed);
+    const bool chaotic = static_cast<double>(changed) > byWidth;
+    return std::min((chaotic ? atOne : byWidth) / all, 1.0);
+}
+
+double Sensitivity::tieShare() const {
+    // Under jitter a coin decides, so half of the pixels that tie are counted.
+    return ties == 0 ? 0 : std::min(2 * greatestMean(ties) / static_cast<double>(tried), 1.0);
 }
 
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, double tolerance, int seeds) {
+                          int height, int seeds) {
     const double pixels = static_cast<double>(width) * height;
     const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxKappaPixels))));
     const size_t columns = static_cast<size_t>((width + step - 1) / step);
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
-    std::vector<int> otherwise(rows);
+    std::vector<RowCounts> counts(rows);
     parallelFor(rows, [&](size_t row) {
         for (size_t column = 0; column < columns; ++column) {
             const int x = std::min(static_cast<int>(column) * step + step / 2, width - 1);
             const int y = std::min(static_cast<int>(row) * step + step / 2, height - 1);
-            const reference::Ray ray = tracer.cameraRay(camera, x + 0.5, y + 0.5);
-            const reference::PixelRecord still = tracer.trace(ray);
-            double change = 0;
-            for (int seed = 1; seed <= seeds; ++seed) {
-                const reference::Jitter jitter = {
-                    static_cast<uint64_t>(seed) + 977u * (row * columns + column), 1};
-                const reference::PixelRecord moved = tracer.trace(ray, jitter);
-                const double here = greatestChange(still.color, moved.color);
-                const bool other = here > tolerance || still.pathHash != moved.pathHash;
-                otherwise[row] += other && !isTie(still, moved);
-                change = std::max(change, here);
-            }
-            changes[row * columns + column] =
-                static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
+            const size_t index = row * columns + column;
+            const double change =
+                moveOne(tracer, tracer.cameraRay(camera, x + 0.5, y + 0.5), 977u * index, seeds, counts[row]);
+            changes[index] = static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
         }
     });
-    const double tried = static_cast<double>(changes.size()) * seeds;
-    const int sum = std::accumulate(otherwise.begin(), otherwise.end(), 0);
-    return {percentile99(std::move(changes)) / kFloatUnit, tried > 0 ? sum / tried : 0};
+    Sensitivity result;
+    result.tried = changes.size();
+    for (const RowCounts& row : counts) {
+        result.changed += row.changed;
+        result.changedWidely += row.changedWidely;
+        result.ties += row.ties;
+    }
+    // The count of pixels beyond the percentile scatters by sqrt(n 0.99 0.01): 3.1 times that up.
+    const double n = static_cast<double>(changes.size());
+    const double limit = 0.99 + 3.1 * std::sqrt(0.99 * 0.01 / std::max(n, 1.0));
+    result.kappaLimit = percentile(changes, limit) / kFloatUnit;
+    result.kappa = percentile(std::move(changes), 0.99) / kFloatUnit;
+    return result;
 }
 
 StiffnessClass classOf(double kappa) {

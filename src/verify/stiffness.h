@@ -20,13 +20,24 @@ inline constexpr double kFloatUnit = 0x1p-24;  // the relative error of one roun
 inline constexpr size_t kMaxKappaPixels = 4096;
 struct Sensitivity {
     double kappa = 0;
-    // The share of pixels that the reference itself sees otherwise for rays moved so: other primitives, or a
-    // colour off by more than the tolerance. The mean over the moves. Coincident surfaces do not count, or a
-    // device that breaks ties the wrong way would be excused.
-    double changed = 0;
+    // An upper limit of it: the order statistic that the true percentile exceeds with a chance of 1e-3.
+    double kappaLimit = 0;
+    uint64_t tried = 0;  // pixels, one move each
+    // Of those tried, which the reference itself sees otherwise for rays moved by up to one unit, and by up
+    // to kWideUnits: other primitives, or other decisions and a colour off by more than arithmetic. Where
+    // first hits tie, `ties` at one unit and nothing else. Identical surfaces do not tie (Jitter): the device
+    // has to follow the rule for equal t.
+    uint64_t changed = 0, changedWidely = 0, ties = 0;
+
+    // The share of pixels that a move of one unit changes: an upper limit with kConfidence. Edges are as wide
+    // as the move, so that a wide one counts for as many; where more than that change at one unit, paths are
+    // chaotic, and they are counted at one unit alone.
+    double changedShare() const;
+    double tieShare() const;
 };
+inline constexpr double kWideUnits = 32;
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, double tolerance, int seeds = 4);
+                          int height, int seeds = 3);
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
 
@@ -39,7 +50,8 @@ constexpr auto entriesOf(StiffnessClass) {
 }
 StiffnessClass classOf(double kappa);
 
-// The 99th percentile, 0 of nothing; no NaN.
+// The value that `share` of them do not exceed, 0 of nothing; no NaN. And the 99th percentile.
+double percentile(std::vector<float> values, double share);
 double percentile99(std::vector<float> values);
 
 }  // namespace glint::verify

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "reference/sampling.h"
+#include "verify/ceiling.h"
 #include "verify/explain.h"
 
 namespace glint::verify {
@@ -18,6 +19,7 @@ struct RowSums {
     uint64_t samePath = 0, idsDiffer = 0;
     std::vector<DifferingPixel> differing;
     std::vector<float> differences;  // by pixel, infinite where the device's colour is not finite
+    std::vector<float> floors;       // by pixel, greatest channel of PixelRecord::rounding
 };
 
 constexpr float kDifferenceGain = 64;
@@ -64,7 +66,12 @@ class Comparison {
                 ++sums.samePath;
             }
         }
-        if (difference <= options_.tolerance && samePath) return;
+        const glm::dvec3 rounding = expected.rounding;
+        sums.floors.push_back(static_cast<float>(std::max({rounding.x, rounding.y, rounding.z})));
+        const Quantities seen = quantitiesOf(color, data);
+        if (finite && samePath && isSameHit(data, expected) &&
+            isPredicted(tracer_, ray, expected, scene_, seen))
+            return;
         DifferingPixel pixel;
         pixel.x = x;
         pixel.y = y;
@@ -74,8 +81,17 @@ class Comparison {
         pixel.device = data;
         pixel.reference = tracer_.trace(ray, {}, true);
         sums.idsDiffer += samePath ? 0 : 1;
-        if (finite) explain(tracer_, ray, scene_, options_.tolerance, pixel);
+        if (finite && (!samePath || isSameHit(data, expected))) explain(tracer_, ray, scene_, seen, pixel);
         sums.differing.push_back(std::move(pixel));
+    }
+
+    // What the path says of the first hit, and what the device says beside it.
+    static bool isSameHit(const PixelData& data, const reference::PixelRecord& expected) {
+        if (data.bounces != expected.bounces) return false;
+        if (!expected.hit) return data.object == PixelData::kNoIndex;
+        const reference::Surface& surface = *expected.surface;
+        return data.object == surface.object && data.primitive == surface.primitive &&
+               data.material == surface.material;
     }
 
     reference::Tracer tracer_;
@@ -88,7 +104,7 @@ class Comparison {
 };
 
 void paint(Image& image, const DifferingPixel& pixel) {
-    static const float colors[3][3] = {{0.1f, 0.3f, 1}, {1, 0.8f, 0}, {1, 0, 0}};
+    static const float colors[4][3] = {{0.1f, 0.3f, 1}, {1, 0.8f, 0}, {0.1f, 0.8f, 0.2f}, {1, 0, 0}};
     for (int c = 0; c < 3; ++c) image.at(pixel.x, pixel.y, c) = colors[static_cast<int>(pixel.reason)][c];
 }
 
@@ -112,6 +128,9 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
             case Reason::Edge:
                 ++report.edges;
                 break;
+            case Reason::Rounding:
+                ++report.roundings;
+                break;
             case Reason::Unexplained:
                 ++report.unexplained;
                 break;
@@ -134,11 +153,24 @@ void keepWorst(Report& report, size_t count) {
 
 }  // namespace
 
+uint64_t Report::allowedTies() const {
+    const double share = sensitivity.tieShare() + kShareOfPrediction * sensitivity.changedShare();
+    return greatestCount(share * static_cast<double>(pixels));
+}
+
+uint64_t Report::allowedOthers() const {
+    return greatestCount(kShareOfPrediction * sensitivity.changedShare() * static_cast<double>(pixels));
+}
+
+double Report::allowedP99() const {
+    return kResponseGain * sensitivity.kappaLimit * kFloatUnit + floorP99;
+}
+
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options) {
     Report report;
     report.difference = Image(options.width, options.height, 3);
-    std::vector<float> differences;
+    std::vector<float> differences, floors;
     uint64_t samePath = 0;
     const PackedSamples& samples = options.samples;
     const uint32_t count = samples.round;
@@ -170,16 +202,16 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         for (int y = 0; y < options.height; ++y) {
             addRow(rows[y], y, report, sample);
             differences.insert(differences.end(), rows[y].differences.begin(), rows[y].differences.end());
+            floors.insert(floors.end(), rows[y].floors.begin(), rows[y].floors.end());
             samePath += rows[y].samePath;
         }
         report.pixels += static_cast<uint64_t>(options.width) * options.height;
         keepWorst(report, options.worstCount);
     }
-    report.p99 = percentile99(differences);
-    const Sensitivity sensitivity = sensitivityOf(reference::Tracer(scene, options), camera, options.width,
-                                                  options.height, options.tolerance);
-    report.kappa = sensitivity.kappa;
-    report.predictedShare = sensitivity.changed;
+    report.p99 = percentile99(std::move(differences));
+    report.floorP99 = percentile99(std::move(floors));
+    report.sensitivity =
+        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height);
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
     report.rmseSamePath =
         samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;

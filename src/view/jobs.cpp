@@ -75,7 +75,7 @@ VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobContr
     options.cancelled = [&] { return control.cancelled.load(); };
     verify::Report report = verify::verify(renderer, request.scene->packed, request.camera, options);
     VerifyResult result;
-    result.passed = report.passed(options);
+    result.passed = report.passed();
     char text[256];
     std::snprintf(text, sizeof(text),
                   "%s: %llu pixels, %llu explained (%llu ties, %llu edges), %llu unexplained, RMSE %.3g",

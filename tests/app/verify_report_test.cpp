@@ -21,42 +21,54 @@ verify::Report cleanReport() {
     report.rmseSamePath = 1e-7;
     report.maxSamePath = 2.5e-6;
     report.p99 = 3e-6;
-    report.kappa = 32;
-    report.predictedShare = 0.0005;
+    report.floorP99 = 1e-6;
+    report.sensitivity.kappa = 32;
+    report.sensitivity.kappaLimit = 40;
+    report.sensitivity.tried = 1000;
+    report.sensitivity.changedWidely = 16;
     return report;
 }
 
+// 16 pixels of 1000 at 32 units: no more than 31.4 on average, one unit 32 times fewer, the device twice as
+// many: a mean of 1.96, which 8 exceed with a chance of 3e-4.
+const char* const kCleanLines =
+    "    of 1000 pixels the reference sees 0 otherwise for rays moved by 2^-24, 16 by 32 times that\n"
+    "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
+    "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06, at most 3.9e-05 (99th percentile of "
+    "the pixels)\n";
+
 TEST(VerifyReport, Ok) {
-    EXPECT_EQ(
-        reportText(cleanReport()),
-        "a.json: ok\n"
-        "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 0 unexplained\n"
-        "    the reference sees 0.0500 % of the pixels otherwise for rays moved by 2^-24\n"
-        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
-        "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n");
+    EXPECT_EQ(reportText(cleanReport()),
+              std::string("a.json: ok\n    1000 pixels; beyond their predicted error: 0 edge, 0 rounding (at "
+                          "most 8), 0 tie (at most 8), 0 unexplained\n") +
+                  kCleanLines);
 }
 
-TEST(VerifyReport, ExplainedPixelsUpToTheShare) {
+TEST(VerifyReport, ExplainedPixelsUpToWhatIsPredicted) {
     verify::Report report = cleanReport();
-    report.edges = 3;
-    report.ties = 2;
+    report.edges = 5;
+    report.roundings = 3;
+    EXPECT_TRUE(
+        reportText(report).starts_with("a.json: ok\n    1000 pixels; beyond their predicted error: 5 "
+                                       "edge, 3 rounding (at most 8), 0 tie"));
+    ++report.roundings;
     EXPECT_TRUE(reportText(report).starts_with(
-        "a.json: ok\n    1000 pixels; differing: 3 edge, 2 tie (0.5000 % explained"));
-    ++report.ties;
-    EXPECT_TRUE(reportText(report).starts_with(
-        "a.json: FAILED: too many pixels differ, though rounding explains each\n"));
+        "a.json: FAILED: too many pixels differ, though rounding explains each: the method loses digits"));
 }
 
-// Twice what the reference sees otherwise by itself, if that is more.
-TEST(VerifyReport, TheLimitGrowsWithThePrediction) {
+TEST(VerifyReport, TiesUpToWhatTheSceneDemands) {
     verify::Report report = cleanReport();
-    report.predictedShare = 0.03;
-    report.edges = 60;
-    EXPECT_TRUE(reportText(report).starts_with(
-        "a.json: ok\n    1000 pixels; differing: 60 edge, 0 tie (6.0000 % explained, at most 6.00 %), 0 "
-        "unexplained\n    the reference sees 3.0000 % of the pixels otherwise for rays moved by 2^-24\n"));
-    ++report.edges;
-    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: too many pixels differ"));
+    report.ties = 9;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: more pixels tie than the reference"));
+    report.sensitivity.ties = 50;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: ok; surfaces tie, as the scene demands\n"));
+}
+
+TEST(VerifyReport, ThePercentileIsJudged) {
+    verify::Report report = cleanReport();
+    report.p99 = 1.001 * report.allowedP99();
+    EXPECT_TRUE(
+        reportText(report).starts_with("a.json: FAILED: the picture errs by more than its condition"));
 }
 
 TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
@@ -79,14 +91,13 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
     EXPECT_EQ(
         reportText(report),
         "a.json: FAILED: pixels differ for no reason that rounding explains\n"
-        "    1000 pixels; differing: 0 edge, 0 tie (0.0000 % explained, at most 0.50 %), 1 unexplained\n"
-        "    the reference sees 0.0500 % of the pixels otherwise for rays moved by 2^-24\n"
-        "    RMSE 1e-07; where the paths agree: RMSE 1e-07, max 2.5e-06\n"
-        "    kappa 32 (non-stiff): fp32 may err by 1.9e-06, errs by 3e-06 (99th percentile of the pixels)\n"
-        "    pixel 12,34: difference 0.5, unexplained\n"
-        "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
-        "00000abc\n"
-        "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
+        "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding (at most 8), 0 tie (at most 8), 1 "
+        "unexplained\n" +
+            std::string(kCleanLines) +
+            "    pixel 12,34: difference 0.5, unexplained\n"
+            "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
+            "00000abc\n"
+            "      reference  color (0.25 0 0.75)  miss  bounces 0 path 00000def\n");
 }
 
 // The reference's positions are local; the report adds the origin. With several samples the sample is named.
@@ -114,7 +125,7 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
 }
 
 TEST(VerifyReport, WithoutPixels) {
-    EXPECT_NE(reportText({}).find("0 pixels; differing"), std::string::npos);
+    EXPECT_NE(reportText({}).find("0 pixels; beyond their predicted error"), std::string::npos);
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ mutant(disc_rim primitives/disc.glsl "square <= limit" "square <= 0.98 * limit" 
 mutant(polygon_side primitives/polygon.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(quadric_disc primitives/quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
 mutant(diffuse_gain scatter.glsl "at.material.diffuse * max(" "1.01 * at.material.diffuse * max(" light)
+# Of defects that are small, or rare, or in the dark.
+mutant(diffuse_little scatter.glsl "at.material.diffuse * max(" "1.001 * at.material.diffuse * max(" light)
+mutant(shininess_little scatter.glsl "clamp(cosine, 0.0, 1.0), shininess)" "clamp(cosine, 0.0, 1.0), 1.005 * shininess)" light)
+mutant(no_light light.comp "evaluate(at, light.direction) * light.intensity;" "evaluate(at, light.direction) * light.intensity * 0.0;" light)
+mutant(rare_near_hit intersect.comp "uvec4(floatBitsToUint(hit.t),"
+       "uvec4(floatBitsToUint((path & 255u) == 0u && hit.primitive != kNone ? 1e-5 * hit.t : hit.t)," intersect)
 mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
        "x * camera.originStepX - y * camera.originStepY" generate)
 mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)

@@ -163,7 +163,7 @@ TEST_F(SpotTest, SharpRimsAreExplained) {
     options.height = c.height;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
     EXPECT_EQ(report.unexplained, 0u);
-    EXPECT_TRUE(report.passed(options)) << report.explained() << " explained pixels";
+    EXPECT_TRUE(report.passed()) << report.explained() << " explained pixels";
 }
 
 }  // namespace

@@ -241,7 +241,7 @@ TEST_F(TripTest, ShadowBehindManyBoxesIsFound) {
     options.width = c.width;
     options.height = c.height;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
-    EXPECT_TRUE(report.passed(options)) << report.unexplained << " unexplained";
+    EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained";
 
     const Picture cut = draw(device(), c, naive(naiveKernels_));
     EXPECT_GT(lit(cut), 24 * 24 / 4) << lifted();
@@ -265,8 +265,8 @@ TEST_F(TripTest, TwoHundredReflectionsAgreeWithTheReference) {
     options.width = c.width;
     options.height = c.height;
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
-    EXPECT_TRUE(report.passed(options))
-        << report.unexplained << " unexplained, " << report.explained() << " explained";
+    EXPECT_TRUE(report.passed()) << report.unexplained << " unexplained, " << report.explained()
+                                 << " explained";
     uint32_t deepest = 0;
     for (const PixelData& data : draw(renderer, c).data) deepest = std::max(deepest, data.bounces);
     EXPECT_EQ(deepest, 200u);

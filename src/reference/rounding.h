@@ -1,0 +1,54 @@
+// What fp32 makes of shading where all rays and hits are given: bounds derived from the formulas, not from
+// the shaders. In units of 2^-24, absolute, beside the value that they are of. What the errors of rays,
+// points and normals do to a colour is left to Jitter.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+namespace glint::reference {
+
+// A texel's bilinear mixture takes 7 roundings, its product with a colour one, with the vertices' colour
+// four, with the throughput one, and a sum three: 16 of a product of colours.
+inline constexpr double kProductRoundings = 16;
+// Fresnel's reflectance, of cosines that are given: (a - b) / (a + b) errs by 2.5 ulp of division and three
+// roundings of a and b, at most 11 units; twice that for its square, and for the sum of two, halved, as much.
+inline constexpr double kReflectanceError = 32;
+
+// Of a light's direction: subtraction, length (8 units by Vulkan's square root) and division, 16 together,
+// and what the hit point itself may be off by, 9 units of the numbers that it is a sum of (Site::offset),
+// seen from the light. scale: of the point; infinity: a light infinitely far away, whose direction is given.
+inline double lightTurn(double scale, double distance) {
+    return std::isinf(distance) ? 1 : 16 + 9 * scale / distance;
+}
+
+// Of a unit normal: 4 for its own arithmetic, and what the point's error turns it by on a surface of this
+// `bend` (Surface): o + t d errs by 8 units of the numbers it is a sum of, where jitter moves it along
+// rulings, or not at all. gain: of an instance's transform, which normals go back by.
+inline double normalError(double bend, double scale, double gain) {
+    return (4 + 8 * bend * scale) * (1 + gain);
+}
+
+// Of the cosine between unit vectors: a sum of three products errs by 3 units of the sum of their magnitudes,
+// at most sqrt(3); the normal by `normal`, the other vector by `turn`.
+inline double cosineError(double turn, double normal) {
+    return 6 + normal + turn;
+}
+
+// Of cosine^n, cosine the normal's with the vector half way between two directions that add up to `length`,
+// one of them off by `turn`, the other by 4 units; n times the relative error of the cosine, and Vulkan's
+// pow: exp2(y) of y = n log2(cosine) errs by 3 + 2 |y| ulp, log2 by 2^-21 where it is near 0.
+inline double powerError(double cosine, double n, double power, double length, double turn, double normal) {
+    const double sway = cosineError(2 * (turn + 6) / length, normal) / cosine;
+    const double y = 1.45 * n * std::max(1 - cosine, 0.0) / cosine;  // at least n |log2(cosine)|
+    const double relative = n * sway + 6 * n + 2 * (3 + 2 * y) + 2;
+    return std::min(power * relative, 0x1p24);
+}
+
+// Of e^-x for an x that is a sum of magnitudes `sum`, by 8 roundings each; exp by 3 + 2 x / log 2 ulp.
+inline double exponentialRoundings(double sum) {
+    return 8 + 16 * sum;
+}
+
+}  // namespace glint::reference

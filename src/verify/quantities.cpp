@@ -1,0 +1,94 @@
+#include "verify/quantities.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/rounding.h"
+#include "verify/stiffness.h"
+
+namespace glint::verify {
+
+namespace {
+
+enum { kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14 };
+
+void put(Quantities& q, size_t at, const glm::dvec3& v) {
+    for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
+}
+
+double greatest(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+bool isTriangle(const reference::Hit& hit) {
+    return hit.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
+}
+
+}  // namespace
+
+Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin) {
+    Quantities q{};
+    put(q, 0, record.color);
+    if (!record.hit) return q;
+    const reference::Surface& surface = *record.surface;
+    q[kDepth] = record.hit->t;
+    put(q, kPosition, origin + surface.position);
+    put(q, kNormal, surface.shadingNormal);
+    put(q, kGeometric, surface.geometricNormal);
+    q[kU] = isTriangle(*record.hit) ? record.hit->u : surface.uv.x;
+    q[kV] = isTriangle(*record.hit) ? record.hit->v : surface.uv.y;
+    return q;
+}
+
+Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
+    Quantities q{};
+    put(q, 0, glm::dvec3(color));
+    if (data.object == PixelData::kNoIndex) return q;
+    q[kDepth] = data.depth;
+    put(q, kPosition, data.position);
+    put(q, kNormal, glm::dvec3(data.normal));
+    put(q, kGeometric, glm::dvec3(data.geometricNormal));
+    q[kU] = data.u;
+    q[kV] = data.v;
+    return q;
+}
+
+// t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
+// coordinates, 16 units with the last rounding; normals and texture coordinates take as many of numbers up to
+// 1 (8 to 12, texcoord.glsl), of coordinates beyond it up to themselves. A camera that is moved with the
+// scene's origin rounds the sum once more.
+Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
+                    const reference::Ray& ray) {
+    Quantities f{};
+    for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + 0x1p-120;
+    if (!record.hit) return f;
+    const reference::Surface& surface = *record.surface;
+    const double way = record.hit->t + greatest(ray.origin) + ray.originScale + greatest(surface.position);
+    const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
+    const double turn = 12 + reference::normalError(surface.bend, way, gain);
+    f[kDepth] = 16 * kFloatUnit * way;
+    for (size_t i = 0; i < 3; ++i) {
+        f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatest(scene.origin);
+        f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
+    }
+    f[kU] = 16 * kFloatUnit * std::max(1.0, std::abs(surface.uv.x));
+    f[kV] = 16 * kFloatUnit * std::max(1.0, std::abs(surface.uv.y));
+    return f;
+}
+
+void Hull::include(const Quantities& q) {
+    for (size_t i = 0; i < kQuantities; ++i) {
+        lo[i] = std::min(lo[i], q[i]);
+        hi[i] = std::max(hi[i], q[i]);
+    }
+}
+
+bool Hull::contains(const Quantities& q, const Quantities& floors, double stretch) const {
+    for (size_t i = 0; i < kQuantities; ++i) {
+        const double room = floors[i] + stretch * (hi[i] - lo[i]);
+        if (!(q[i] >= lo[i] - room && q[i] <= hi[i] + room)) return false;
+    }
+    return true;
+}
+
+}  // namespace glint::verify

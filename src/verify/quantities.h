@@ -1,0 +1,32 @@
+// What a pixel's two answers are compared by: the colour, and what is known of the first hit.
+#pragma once
+
+#include <array>
+
+#include "reference/tracer.h"
+#include "trace/picture.h"
+
+namespace glint::verify {
+
+// Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v.
+inline constexpr size_t kColorQuantities = 3, kQuantities = 15;
+using Quantities = std::array<double, kQuantities>;
+
+Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);
+Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
+
+// What arithmetic may add to each where the ray and the hit are given: of the colour
+// PixelRecord::rounding. `ray`: the camera's.
+Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
+                    const reference::Ray& ray);
+
+// The smallest box of quantities seen.
+struct Hull {
+    Quantities lo, hi;
+    explicit Hull(const Quantities& q) : lo(q), hi(q) {}
+    void include(const Quantities& q);
+    // Each quantity within floors + `stretch` times the box's size of the box; NaN never is.
+    bool contains(const Quantities& q, const Quantities& floors, double stretch) const;
+};
+
+}  // namespace glint::verify
