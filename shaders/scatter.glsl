@@ -1,5 +1,5 @@
 // What a surface does to light: what light.comp, shade.comp and tree.glsl know of materials. The reference's
-// is in src/reference/shade.cpp; the formulas are those of docs/reference/shading.md.
+// is src/reference/scatter.cpp; the formulas are those of docs/reference/shading.md.
 #ifndef GLINT_SCATTER_GLSL
 #define GLINT_SCATTER_GLSL
 

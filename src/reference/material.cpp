@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "reference/primitives.h"
+#include "shared/shading.h"
 
 namespace glint::reference {
 namespace {
@@ -43,12 +44,12 @@ void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
     }
 }
 
-dvec4 sampleNumber(const PackedScene& scene, uint32_t number, const Surface& surface) {
-    if (number == 0) return dvec4(1);
-    return sampleTexture(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
-}
-
 }  // namespace
+
+dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface) {
+    if (number == 0) return dvec4(1);
+    return textureAt(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
+}
 
 void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
@@ -80,13 +81,13 @@ void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
 void keepHeight(const PackedScene& scene, Surface& surface) {
     if (surface.object >= scene.objectFrames.size()) return;
     if (scene.objectFrames[surface.object].uvKind != shared::kUvAxial) return;
-    surface.uv.y = std::clamp(surface.uv.y, 0.0, 1 - 0x1p-24);
+    surface.uv.y = std::clamp(surface.uv.y, 0.0, static_cast<double>(shared::kBelowOne));
 }
 
 shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
     shared::Material material = scene.materials[surface.material];
     const auto tint = [&](glm::vec3& color, uint32_t number, const dvec3& more) {
-        color = glm::vec3(dvec3(color) * dvec3(sampleNumber(scene, number, surface)) * more);
+        color = glm::vec3(dvec3(color) * dvec3(textureAt(scene, number, surface)) * more);
     };
     tint(material.ambient, material.ambientTexture, surface.color);
     tint(material.diffuse, material.diffuseTexture, surface.color);
@@ -97,7 +98,7 @@ shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
 
 dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface) {
     const shared::Optics& optics = scene.optics[medium - 1];
-    return dvec3(optics.transmission) * dvec3(sampleNumber(scene, optics.transmissionTexture, surface));
+    return dvec3(optics.transmission) * dvec3(textureAt(scene, optics.transmissionTexture, surface));
 }
 
 uint32_t cellsAt(const PackedScene& scene, const Surface& surface) {
@@ -110,7 +111,7 @@ uint32_t cellsAt(const PackedScene& scene, const Surface& surface) {
         if (number == 0) continue;
         if (!(scene.textures[number - 1].flags & (shared::kTextureChecker | shared::kTextureNearest)))
             continue;
-        const dvec4 color = sampleNumber(scene, number, surface);
+        const dvec4 color = textureAt(scene, number, surface);
         for (int i = 0; i < 4; ++i) hash = hash * 31 + std::bit_cast<uint32_t>(static_cast<float>(color[i]));
     }
     return hash;
@@ -119,7 +120,7 @@ uint32_t cellsAt(const PackedScene& scene, const Surface& surface) {
 bool holeAt(const PackedScene& scene, const Surface& surface) {
     const shared::Material& material = scene.materials[surface.material];
     return material.alphaCutoff > 0 &&
-           sampleNumber(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
+           textureAt(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
 }
 
 dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment, const dvec3& direction,
@@ -128,7 +129,7 @@ dvec3 surroundings(const PackedScene& scene, const shared::Environment& environm
     if (environment.map == 0) return background;
     // The middle column, which latitudeLongitude has at +z, is seen along -z with +x to its right.
     const dvec2 uv = latitudeLongitude({direction.x, direction.y, -direction.z}) + shift;
-    return background * dvec3(sampleTexture(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
+    return background * dvec3(textureAt(scene, scene.textures[environment.map - 1], uv, dvec3(0), 0));
 }
 
 }  // namespace glint::reference

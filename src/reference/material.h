@@ -31,9 +31,12 @@ bool holeAt(const PackedScene& scene, const Surface& surface);
 glm::dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment,
                         const glm::dvec3& direction, const glm::dvec2& shift);
 
+// Colour and alpha of a material's texture on a surface; white for number 0, no texture.
+glm::dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface);
+
 // Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
 // at a local position on an object.
-glm::dvec4 sampleTexture(const PackedScene& scene, const shared::Texture& texture, const glm::dvec2& uv,
-                         const glm::dvec3& position, uint32_t object);
+glm::dvec4 textureAt(const PackedScene& scene, const shared::Texture& texture, const glm::dvec2& uv,
+                     const glm::dvec3& position, uint32_t object);
 
 }  // namespace glint::reference

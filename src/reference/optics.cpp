@@ -21,11 +21,11 @@ double fresnel(double incidence, double refraction, double ratio) {
     return (across * across + along * along) / 2;
 }
 
-Interface about(const dvec3& d, const dvec3& m, double ratio) {
+Split splitAbout(const dvec3& d, const dvec3& m, double ratio) {
     const double depth = -glm::dot(d, m);
     const dvec3 across = d + depth * m;  // the part of d in the surface
     const double sine = glm::length(across);
-    Interface result;
+    Split result;
     result.reflected = glm::normalize(across + depth * m);
     const double sineAfter = ratio * sine;
     result.total = sineAfter >= 1;
@@ -64,7 +64,7 @@ dvec3 attenuationOf(const PackedScene& scene, uint32_t medium) {
     return medium == 0 ? dvec3(0) : dvec3(scene.optics[medium - 1].attenuation);
 }
 
-dvec3 beer(const PackedScene& scene, uint32_t medium, double length) {
+dvec3 transmittance(const PackedScene& scene, uint32_t medium, double length) {
     const dvec3 sigma = attenuationOf(scene, medium);
     dvec3 left(1);
     for (int i = 0; i < 3; ++i)
@@ -72,35 +72,35 @@ dvec3 beer(const PackedScene& scene, uint32_t medium, double length) {
     return left;
 }
 
-Passing passingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering) {
-    Passing passing;
-    passing.before = media;
-    passing.after = media;
+Crossing crossingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering) {
+    Crossing crossing;
+    crossing.before = media;
+    crossing.after = media;
     const auto put = [&](Media& list) {
         if (list.size() < shared::kMaxMedia)
             list.push_back(medium);
         else
-            passing.crowded = true;
+            crossing.crowded = true;
     };
     if (medium != 0 && entering) {
-        put(passing.after);
+        put(crossing.after);
     } else if (medium != 0) {
-        if (std::find(media.begin(), media.end(), medium) == media.end()) put(passing.before);
-        passing.after = passing.before;
-        const auto last = std::find(passing.after.rbegin(), passing.after.rend(), medium);
-        if (last != passing.after.rend()) passing.after.erase(std::next(last).base());
+        if (std::find(media.begin(), media.end(), medium) == media.end()) put(crossing.before);
+        crossing.after = crossing.before;
+        const auto last = std::find(crossing.after.rbegin(), crossing.after.rend(), medium);
+        if (last != crossing.after.rend()) crossing.after.erase(std::next(last).base());
     }
-    passing.mediumBefore = rulingMedium(scene, passing.before);
-    passing.mediumAfter = rulingMedium(scene, passing.after);
-    passing.real = medium == 0 || passing.mediumBefore != passing.mediumAfter;
-    return passing;
+    crossing.mediumBefore = rulingMedium(scene, crossing.before);
+    crossing.mediumAfter = rulingMedium(scene, crossing.after);
+    crossing.counts = medium == 0 || crossing.mediumBefore != crossing.mediumAfter;
+    return crossing;
 }
 
-Interface meetInterface(const dvec3& d, const dvec3& n, const dvec3& s, double ratio) {
-    Interface result = about(d, s, ratio);
+Split splitAt(const dvec3& d, const dvec3& n, const dvec3& s, double ratio) {
+    Split result = splitAbout(d, s, ratio);
     const bool sound = glm::dot(d, s) < 0 && glm::dot(result.reflected, n) > 0 &&
                        (result.total || glm::dot(result.refracted, n) < 0);
-    return sound ? result : about(d, n, ratio);
+    return sound ? result : splitAbout(d, n, ratio);
 }
 
 }  // namespace glint::reference

@@ -21,20 +21,21 @@ uint32_t rulingMedium(const PackedScene& scene, const Media& media);
 double iorOf(const PackedScene& scene, uint32_t medium);
 glm::dvec3 attenuationOf(const PackedScene& scene, uint32_t medium);
 
-// What a way of `length` through a medium leaves of light.
-glm::dvec3 beer(const PackedScene& scene, uint32_t medium, double length);
+// What a way of `length` through a medium leaves of light, by Beer's law.
+glm::dvec3 transmittance(const PackedScene& scene, uint32_t medium, double length);
 
-struct Passing {
+struct Crossing {
     Media before, after;
     uint32_t mediumBefore = 0, mediumAfter = 0;
-    bool real = true;      // the surface counts
+    bool counts = true;    // false: the surface lies inside a medium of greater priority
     bool crowded = false;  // a medium found no room in the list
 };
 
 // A ray inside `media` meets a surface of `medium` (0: no dielectric).
-Passing passingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering);
+Crossing crossingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering);
 
-struct Interface {
+// The two rays that a surface between different media makes of one.
+struct Split {
     bool total = false;                     // all light is reflected
     double reflectance = 0;                 // of unpolarised light
     glm::dvec3 reflected{0}, refracted{0};  // unit
@@ -42,6 +43,6 @@ struct Interface {
 
 // d: unit; n: geometric, s: shading normal, unit, against d; ratio: the refractive index on d's side over
 // that behind the surface.
-Interface meetInterface(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio);
+Split splitAt(const glm::dvec3& d, const glm::dvec3& n, const glm::dvec3& s, double ratio);
 
 }  // namespace glint::reference

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "reference/quadric.h"
 
@@ -23,7 +24,26 @@ void fillFlat(const Flat& flat, const glm::vec3& anchor, const Place& place, Sur
     surface.position = place.point - distance * surface.geometricNormal;
 }
 
+// Without what says whose it is.
+template <class Kind>
+Kind shapeOf(Kind primitive) {
+    primitive.id = 0;
+    if constexpr (requires { primitive.object; })
+        primitive.object = primitive.primitive = primitive.material = 0;
+    return primitive;
+}
+
 }  // namespace
+
+bool isSameSurface(const PackedScene& scene, const Hit& a, const Hit& b) {
+    const uint32_t ofKindAndPart = ~shared::kLeafFirstMask;
+    if (a.instance != b.instance || ((a.primitive ^ b.primitive) & ofKindAndPart) != 0) return false;
+    return visitHit(scene, a.primitive, [&]<class Kind>(const Kind& one) {
+        const Kind* first = &one - (a.primitive & shared::kLeafFirstMask);
+        const Kind shape = shapeOf(one), other = shapeOf(first[b.primitive & shared::kLeafFirstMask]);
+        return std::memcmp(&shape, &other, sizeof(Kind)) == 0;
+    });
+}
 
 // ---- Triangles
 

@@ -70,6 +70,11 @@ constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
 #undef GLINT_OWN_UV
 }
 
+// Whether both are hits of the same part of two primitives of one kind that are stored with the same numbers,
+// in one instance: the same arithmetic then gives both the same t. Of outlines, which are arrays of their
+// own, never.
+bool isSameSurface(const PackedScene& scene, const Hit& a, const Hit& b);
+
 // Calls visit with primitive `index` of a kind that can be hit.
 template <class Visit>
 auto visitHit(const PackedScene& scene, uint32_t primitive, const Visit& visit) {

@@ -9,6 +9,8 @@
 
 namespace glint::reference {
 
+inline constexpr double kFloatUnit = 0x1p-24;  // of fp32; kUnitRoundoff is that of double
+
 // A texel's bilinear mixture takes 7 roundings, its product with a colour one, with the vertices' colour
 // four, with the throughput one, and a sum three: 16 of a product of colours.
 inline constexpr double kProductRoundings = 16;

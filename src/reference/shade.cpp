@@ -1,40 +1,26 @@
-// Whitted's shading (docs/reference/shading.md; T. Whitted, "An Improved Illumination Model for Shaded
-// Display", CACM 23(6), 1980; J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures",
-// SIGGRAPH 1977).
+// The tree of rays below a camera ray (docs/reference/shading.md). What a surface does to light is in
+// scatter.h, what lights send to it in light.h.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "reference/instance.h"
 #include "reference/intersect.h"
+#include "reference/light.h"
 #include "reference/material.h"
 #include "reference/optics.h"
 #include "reference/primitives.h"
 #include "reference/quadric.h"
 #include "reference/ray_mover.h"
 #include "reference/rounding.h"
+#include "reference/scatter.h"
 #include "reference/tracer.h"
+#include "shared/shading.h"
 
 namespace glint::reference {
 namespace {
 
 using glm::dvec3;
-
-constexpr double kPointLightEnd = 1 - 0x1p-16;  // a shadow ray stops short of the surface a light lies on
-constexpr double kLightTooClose = 1e-15;
-constexpr double kFloatUnit = 0x1p-24;  // of fp32; kUnitRoundoff is that of double
-uint32_t kindOf(uint32_t primitive) {
-    return primitive >> shared::kPrimitiveKindShift;
-}
-uint32_t indexOf(uint32_t primitive) {
-    return primitive & shared::kPrimitiveIndexMask;
-}
-
-constexpr uint32_t kHashStart = 2166136261u, kHashPrime = 16777619u;  // FNV-1a, 32 bits
-
-double greatestCoordinate(const dvec3& v) {
-    return std::max(std::max(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
-}
 
 // The greatest magnitude among the coordinates that the hit point is computed from.
 double geometryScale(const PackedScene& scene, const Methods& methods, const Hit& hit) {
@@ -53,19 +39,6 @@ class PathTracer {
     PixelRecord run(const Ray& cameraRay);
 
   private:
-    // A hit as shading sees it: normals turned against the ray.
-    struct Site {
-        Source source;
-        dvec3 position;
-        dvec3 n, s;          // geometric and shading normal, unit
-        dvec3 view;          // towards where the ray came from, unit
-        double originScale;  // greatest coordinate of the ray's origin
-        double scale;        // greatest number that a coordinate of the position is a sum of
-        double offset;       // bound on the error of `position` along n
-        double normalError;  // see rounding.h
-        bool entering;       // the ray comes from the outer side
-    };
-
     // A ray of the tree and what is known of its way.
     struct Branch {
         Ray ray;
@@ -90,25 +63,20 @@ class PathTracer {
     };
 
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
-    bool isTied(const Hit& hit, const Hit& other) const;
-    void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * kHashPrime; }
+    void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * shared::kHashPrime; }
     void decide(const Hit& hit);
     void decideCells(const Surface& textured);
     void addLight(const dvec3& throughput, const dvec3& slack, const Light& light);
     void count(RayClass kind, uint64_t costBefore);
-    Site siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const;
-    Ray rayFrom(const Site& site, const dvec3& direction, double tMax);
-    double spotFactor(const shared::Light& light, dvec3 toLight);
-    Light shadeLights(const Site& site, const shared::Material& material, const Media& media, bool first);
-    std::optional<Passed> lightThrough(const Ray& ray, const Site& site, const Media& media,
-                                       bool directional);
-    Light reflected(const Site& site, const shared::Material& material, const shared::Light& light,
-                    const dvec3& l, double distance, double part);
-    dvec3 reflect(const Site& site) const;
+    Interaction interactionAt(const Ray& ray, const Hit& hit, const Surface& surface, const Media& media);
+    Ray rayFrom(const Interaction& at, const dvec3& direction, double tMax);
+    Light shadeLights(const Interaction& at, bool first);
+    std::optional<Light> shadeLight(const Interaction& at, size_t index, bool first);
+    std::optional<Passed> lightThrough(const Ray& ray, const Interaction& at, bool directional);
     void follow(Branch branch);
-    void followOn(const Branch& branch, const Site& site, const Surface& textured,
-                  const shared::Material& material, const Passing& passing, const dvec3& throughput,
-                  const dvec3& slack);
+    void followBranches(const Branch& branch, const Interaction& at, const dvec3& throughput,
+                        const dvec3& slack);
+    void dropOne(std::vector<Branch>& next);
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const;
     // The surface as textures see it, and the environment map's coordinates, moved by rounding.
@@ -140,36 +108,9 @@ void PathTracer::decideCells(const Surface& textured) {
     if (!scene_.textures.empty()) decide(cellsAt(scene_, textured));
 }
 
-// False where both have the same numbers in the same order: then fp32 gives the same t, and the rule for
-// equal t says which is first.
-bool PathTracer::isTied(const Hit& hit, const Hit& other) const {
-    if (kindOf(hit.primitive) != kindOf(other.primitive)) return true;
-    if (hit.instance != other.instance) return true;
-    const uint32_t a = indexOf(hit.primitive), b = indexOf(other.primitive);
-    switch (kindOf(hit.primitive)) {
-        case shared::kKindTriangle: {
-            const shared::Triangle &s = scene_.triangles[a], &t = scene_.triangles[b];
-            return !(s.v0 == t.v0 && s.v1 == t.v1 && s.v2 == t.v2);
-        }
-        case shared::kKindSphere: {
-            const shared::Sphere &s = scene_.spheres[a], &t = scene_.spheres[b];
-            return !(s.point == t.point && s.radius == t.radius && s.anchorNormal == t.anchorNormal);
-        }
-        case shared::kKindPlane: {
-            const shared::Plane &s = scene_.planes[a], &t = scene_.planes[b];
-            return !(s.point == t.point && s.normal == t.normal);
-        }
-        case shared::kKindDisc: {
-            const shared::Disc &s = scene_.discs[a], &t = scene_.discs[b];
-            return !(s.center == t.center && s.normal == t.normal && s.radius == t.radius);
-        }
-        default:
-            return true;
-    }
-}
-
 // Under jitter, which of two primitives at one t comes first is open too: coincident surfaces tie for every
-// moved ray, and double always breaks the tie in the same way.
+// moved ray, and double always breaks the tie in the same way. But not where both have the same numbers: fp32
+// then gives the same t as well, and the rule for equal t says which is first.
 std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
     const uint64_t before = record_.cost;
     const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
@@ -179,87 +120,69 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
     narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
     const std::optional<Hit> other = tracer_.closest(narrow, sourceOf(*hit));
-    return other && isTied(*hit, *other) ? other : hit;
+    return other && !isSameSurface(scene_, *hit, *other) ? other : hit;
 }
 
-PathTracer::Site PathTracer::siteOf(const Ray& ray, const Hit& hit, const Surface& surface) const {
-    Site site;
+Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surface& surface,
+                                      const Media& media) {
+    const Surface textured = texturedAt(hit, surface);
+    decideCells(textured);
+    Interaction at;
     const dvec3 d = glm::normalize(ray.direction);
     const double side = glm::dot(surface.geometricNormal, d) > 0 ? -1 : 1;
-    site.source = sourceOf(hit);
-    site.position = surface.position;
-    site.entering = side > 0;
-    site.n = side * surface.geometricNormal;
-    site.s = side * surface.shadingNormal;
-    site.view = -d;
-    site.originScale = std::max(greatestCoordinate(ray.origin), ray.originScale);
+    at.source = sourceOf(hit);
+    at.position = surface.position;
+    at.entering = side > 0;
+    at.n = side * surface.geometricNormal;
+    at.s = side * surface.shadingNormal;
+    at.view = -d;
+    at.originScale = std::max(greatestCoordinate(ray.origin), ray.originScale);
     // Each coordinate of the position is a sum of products of numbers no greater than `scale`, or a point
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
     // rounded again.
-    const double scale =
-        std::max(greatestCoordinate(site.position), geometryScale(scene_, tracer_.methods(), hit));
+    at.scale = std::max(greatestCoordinate(at.position), geometryScale(scene_, tracer_.methods(), hit));
     // An instance's transform there and back makes more of each rounding.
     const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
-    site.scale = scale;
-    site.normalError = normalError(surface.bend, site.originScale + scale, gain - 1);
-    site.offset = 32 * kUnitRoundoff * scale * gain;
-    return site;
+    at.normalError = normalError(surface.bend, at.originScale + at.scale, gain - 1);
+    at.offset = 32 * kUnitRoundoff * at.scale * gain;
+    at.material = materialAt(scene_, textured);
+    const uint32_t medium = at.material.medium;
+    if (medium != 0) at.transmission = transmissionAt(scene_, medium, textured);
+    at.crossing = crossingAt(scene_, media, medium, at.entering);
+    return at;
 }
 
-Ray PathTracer::rayFrom(const Site& site, const dvec3& direction, double tMax) {
+Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tMax) {
     Ray ray;
-    // Off the surface, to the side it leaves to: through it where it points against n.
-    ray.origin = site.position + (glm::dot(direction, site.n) < 0 ? -site.offset : site.offset) * site.n;
+    ray.origin = offsetOrigin(at, direction);
     ray.direction = direction;
     ray.tMax = tMax;
-    mover_.move(ray, std::max(site.originScale, site.scale));
+    mover_.move(ray, std::max(at.originScale, at.scale));
     return ray;
-}
-
-bool isSpot(const shared::Light& light) {
-    return light.kind == shared::kLightSpot || light.kind == shared::kLightSpotInverseSquare;
-}
-
-double falloffDivisor(const shared::Light& light, double distance) {
-    const bool fades =
-        light.kind == shared::kLightPointInverseSquare || light.kind == shared::kLightSpotInverseSquare;
-    return fades ? distance * distance : 1;
-}
-
-// smoothstep(cos(angle + penumbra), cos(angle), c), c the cosine at the light between its axis and the way to
-// the surface; without a penumbra a step.
-double PathTracer::spotFactor(const shared::Light& light, dvec3 toLight) {
-    mover_.turn(toLight, 1);
-    const double c = -glm::dot(glm::normalize(dvec3(light.axis)), glm::normalize(toLight));
-    const double full = 1 - static_cast<double>(light.inner), none = 1 - static_cast<double>(light.outer);
-    if (c >= full || full <= -1) return 1;  // a cone of 180 degrees is everything
-    if (c <= none) return 0;
-    const double x = (c - none) / (full - none);
-    return (3 - 2 * x) * x * x;
 }
 
 // What comes through of the light at the end of a shadow ray: nothing if an opaque surface is in the way,
 // else the product of the transmissions of all surfaces there, and Beer's law on the way between them, in
 // every medium that the ray is inside of by its count of crossings.
-std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const Site& site,
-                                                           const Media& media, bool directional) {
+std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const Interaction& at,
+                                                           bool directional) {
     if (!tracer_.shadows()) return Passed();
     const uint64_t before = record_.cost;
     if (!scene_.features.coloredShadows) {
-        const bool occluded = tracer_.occluded(ray, site.source, &record_.cost);
+        const bool occluded = tracer_.occluded(ray, at.source, &record_.cost);
         count(RayClass::Shadow, before);
         if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.tieWidth() > 0) {
-            const std::optional<Hit> hit = tracer_.closest(ray, site.source);
+            const std::optional<Hit> hit = tracer_.closest(ray, at.source);
             record_.meetsInstance = hit && hit->instance != shared::kNone;
         }
         if (occluded) return std::nullopt;
         return Passed();
     }
-    std::vector<Hit> hits = tracer_.allHits(ray, site.source, &record_.cost);
+    std::vector<Hit> hits = tracer_.allHits(ray, at.source, &record_.cost);
     count(RayClass::Shadow, before);
     dvec3 left(1), sigma(0), fade(0);
-    for (uint32_t medium : media) sigma += attenuationOf(scene_, medium);
+    for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
     // What is opaque blocks with its edges too.
     for (const Hit& hit : hits)
@@ -291,89 +214,51 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms};
 }
 
-// Lambert's and Blinn's terms, without shadow. Where the light's cosine is too small for its sign to be
-// known, the error is all that the light could bring.
-PathTracer::Light PathTracer::reflected(const Site& site, const shared::Material& material,
-                                        const shared::Light& light, const dvec3& l, double distance,
-                                        double part) {
+// Nothing of a light that is occluded, nor of one that lies on the surface or shines elsewhere.
+std::optional<PathTracer::Light> PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
+    const shared::Light& light = tracer_.lights()[index];
+    const LightSample sample = sampleLight(light, at.position);
+    decide(0);
+    if (!sample.valid) return std::nullopt;
+    dvec3 seen = sample.direction;
+    if (isSpot(light)) mover_.turn(seen, 1);
+    const double part = spotFactor(light, seen);
+    if (part == 0) return std::nullopt;
+    const double turn = lightTurn(at.scale, sample.distance);
+    const Reflection reflection = evaluate(at, sample.direction, turn);
+    const dvec3 incoming = intensityAt(light, sample.distance, part);
+    Light one;
+    one.radiance = incoming * reflection.part;
+    one.error = incoming * reflection.error;
+    if (!reflection.faces) return one;
+    decide(reflection.highlight ? 2 : 1);
+    one.error += (kProductRoundings + 2 * turn) * one.radiance;
+    one.error += spotError(light, sample.direction, part, turn) * one.radiance;
     const bool directional = light.kind == shared::kLightDirectional;
-    const double turn =
-        lightTurn(site.scale, directional ? std::numeric_limits<double>::infinity() : distance);
-    const double cosine = glm::dot(site.s, l), slip = cosineError(turn, site.normalError);
-    const double least = std::min(cosine, glm::dot(site.n, l));
-    if (least <= -slip * kFloatUnit) return {};
-    const dvec3 incoming = part / falloffDivisor(light, distance) * dvec3(light.intensity);
-    const dvec3 middle = l + site.view;
-    const double length = glm::length(middle);
-    const double highlight = length > 0 ? glm::dot(site.s, middle) / length : 0;
-    Light result;
-    dvec3 specular(0);
-    if (highlight > 0) {
-        const double n = material.shininess, power = std::pow(highlight, n);
-        specular = power * dvec3(material.specular);
-        result.error =
-            powerError(highlight, n, power, length, turn, site.normalError) * dvec3(material.specular);
+    const double end =
+        directional ? std::numeric_limits<double>::infinity() : static_cast<double>(shared::kShadowEnd);
+    const std::optional<Passed> through = lightThrough(rayFrom(at, sample.toLight, end), at, directional);
+    if (!through) {
+        decide(3);
+        if (first && index < shared::kShadowBits) record_.shadowBits |= 1u << index;
+        if (keepPath_) record_.path.back().occluded[index] = 1;
+        return std::nullopt;
     }
-    if (!(least > 0)) {
-        result.error = incoming * (slip * dvec3(material.diffuse) + 0x1p24 * specular);
-        return result;
-    }
-    decide(highlight > 0 ? 2 : 1);
-    const dvec3 factor = cosine * dvec3(material.diffuse) + specular;
-    if (least < slip * kFloatUnit) result.error += 0x1p24 * specular;
-    result.radiance = incoming * factor;
-    result.error = incoming * (result.error + slip * dvec3(material.diffuse)) +
-                   (kProductRoundings + 2 * turn) * result.radiance;
-    if (part < 1) {
-        // 1 - cos of an angle a errs by a times what the directions are off, the smoothstep by 3/2 of that
-        // over the width of the penumbra.
-        const double cone = 1 + glm::dot(glm::normalize(dvec3(light.axis)), l);
-        const double width = std::max(static_cast<double>(light.outer - light.inner), 1e-30);
-        const double blur = 1.5 * (std::sqrt(2 * cone) * (turn + 4) + 4 * cone) / width;
-        result.error += std::min(blur, 0x1p24) / part * result.radiance;
-    }
-    return result;
+    one.error = through->part * (one.error + exponentialRoundings(through->fade) * one.radiance);
+    one.radiance = through->part * one.radiance;
+    return one;
 }
 
-PathTracer::Light PathTracer::shadeLights(const Site& site, const shared::Material& material,
-                                          const Media& media, bool first) {
+PathTracer::Light PathTracer::shadeLights(const Interaction& at, bool first) {
     Light sum;
     for (size_t i = 0; i < tracer_.lights().size(); ++i) {
-        const shared::Light& light = tracer_.lights()[i];
-        const bool directional = light.kind == shared::kLightDirectional;
-        const dvec3 toLight = directional ? dvec3(light.position) : dvec3(light.position) - site.position;
-        const double distance = glm::length(toLight);
-        decide(0);
-        if (!directional && distance < kLightTooClose) continue;
-        const dvec3 l = toLight / distance;
-        const double part = isSpot(light) ? spotFactor(light, l) : 1;
-        if (part == 0) continue;
-        const Light one = reflected(site, material, light, l, distance, part);
-        if (!(glm::dot(site.n, l) > 0 && glm::dot(site.s, l) > 0)) {
-            sum.error += one.error;
-            continue;
-        }
-        const double end = directional ? std::numeric_limits<double>::infinity() : kPointLightEnd;
-        const std::optional<Passed> through =
-            lightThrough(rayFrom(site, toLight, end), site, media, directional);
-        if (!through) {
-            decide(3);
-            if (first && i < 32) record_.shadowBits |= 1u << i;
-            if (keepPath_) record_.path.back().occluded[i] = 1;
-            continue;
-        }
-        sum.radiance += through->part * one.radiance;
-        sum.error += through->part * (one.error + exponentialRoundings(through->fade) * one.radiance);
+        const std::optional<Light> one = shadeLight(at, i, first);
+        if (!one) continue;
+        sum.radiance += one->radiance;
+        sum.error += one->error;
     }
     sum.error += static_cast<double>(tracer_.lights().size()) * sum.radiance;
     return sum;
-}
-
-dvec3 PathTracer::reflect(const Site& site) const {
-    const dvec3 d = -site.view;
-    dvec3 r = d - 2 * glm::dot(d, site.s) * site.s;
-    if (glm::dot(r, site.n) <= 0) r = d - 2 * glm::dot(d, site.n) * site.n;
-    return glm::normalize(r);
 }
 
 Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
@@ -411,51 +296,40 @@ bool PathTracer::isFollowed(const Branch& next) {
     return false;
 }
 
-// The branches of a surface: reflected, and for a dielectric refracted, or straight on where the surface does
-// not count. The one on the outer side comes first.
-void PathTracer::followOn(const Branch& branch, const Site& site, const Surface& textured,
-                          const shared::Material& material, const Passing& passing, const dvec3& throughput,
-                          const dvec3& slack) {
-    const bool dielectric = material.medium != 0;
-    const double ratio = iorOf(scene_, passing.mediumBefore) / iorOf(scene_, passing.mediumAfter);
-    const dvec3 d = -site.view;
+// Of two branches where there is no room for one to wait, the weaker.
+void PathTracer::dropOne(std::vector<Branch>& next) {
+    const bool keepSecond = contribution(next[1]) > contribution(next[0]);
+    ++record_.lost.room.count;
+    record_.lost.room.bound += contribution(next[keepSecond ? 0 : 1]);
+    next.erase(next.begin() + (keepSecond ? 0 : 1));
+}
+
+// The one on the outer side comes first.
+void PathTracer::followBranches(const Branch& branch, const Interaction& at, const dvec3& throughput,
+                                const dvec3& slack) {
+    const Scattering s = scatteringAt(scene_, at);
     std::vector<Branch> next;
-    double fresnelError = 0;
     const auto add = [&](RayClass kind, const dvec3& weight, const dvec3& direction, const Media& media) {
         Branch b;
         b.kind = kind;
         b.throughput = throughput * weight;
-        b.slack = slack * weight + throughput * (kProductRoundings * weight + fresnelError);
+        b.slack = slack * weight + throughput * (kProductRoundings * weight + s.weightError);
         b.depth = branch.depth + 1;
+        b.waiting = branch.waiting;
         if (!isFollowed(b)) return;
-        b.ray = rayFrom(site, direction, std::numeric_limits<double>::infinity());
-        b.source = site.source;
+        b.ray = rayFrom(at, direction, std::numeric_limits<double>::infinity());
+        b.source = at.source;
         b.media = media;
         next.push_back(b);
     };
-    Interface interface;
-    interface.refracted = d;
-    const bool splits = dielectric && passing.real && ratio != 1;
-    if (splits) interface = meetInterface(d, site.n, site.s, ratio);
-    if (splits && !interface.total) fresnelError = kReflectanceError;
-    if (passing.real && (splits || material.mirror != glm::vec3(0)))
-        add(RayClass::Mirrored, glm::min(dvec3(material.mirror) + interface.reflectance, dvec3(1)),
-            splits ? interface.reflected : reflect(site), passing.before);
-    if (dielectric && !interface.total) {
-        const dvec3 part = passing.real ? transmissionAt(scene_, material.medium, textured) : dvec3(1);
-        add(RayClass::Refracted, (1 - interface.reflectance) * part, interface.refracted, passing.after);
-    }
-    for (Branch& b : next) b.waiting = branch.waiting;
+    if (s.reflects) add(RayClass::Mirrored, s.reflectedWeight, s.reflected, at.crossing.before);
+    if (s.refracts) add(RayClass::Refracted, s.refractedWeight, s.refracted, at.crossing.after);
     if (next.size() == 2) {
-        if (!site.entering) std::swap(next[0], next[1]);
-        if (branch.waiting >= shared::kMaxWaiting) {
-            const bool keepSecond = contribution(next[1]) > contribution(next[0]);
-            ++record_.lost.room.count;
-            record_.lost.room.bound += contribution(next[keepSecond ? 0 : 1]);
-            next.erase(next.begin() + (keepSecond ? 0 : 1));
-        } else {
+        if (!at.entering) std::swap(next[0], next[1]);
+        if (branch.waiting >= shared::kMaxWaiting)
+            dropOne(next);
+        else
             ++next[0].waiting;
-        }
     }
     for (Branch& b : next) {
         ++record_.bounces;
@@ -469,12 +343,12 @@ void PathTracer::follow(Branch branch) {
     const bool first = record_.bounces == 0;
     const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
     if (hit) decide(*hit);
-    record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * kHashPrime;
+    record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * shared::kHashPrime;
     if (keepPath_)
         record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size())});
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
-        const dvec3 left = beer(scene_, rulingMedium(scene_, branch.media), endless);
+        const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);
         const dvec3 seen = surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
         addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
         return;
@@ -486,28 +360,24 @@ void PathTracer::follow(Branch branch) {
         record_.hit = hit;
         record_.surface = surface;
     }
-    const Surface textured = texturedAt(*hit, surface);
-    const shared::Material material = materialAt(scene_, textured);
-    const Site site = siteOf(ray, *hit, surface);
-    const Passing passing = passingAt(scene_, branch.media, material.medium, site.entering);
-    record_.lost.crowdedMedia += passing.crowded ? 1 : 0;
+    const Interaction at = interactionAt(ray, *hit, surface, branch.media);
+    record_.lost.crowdedMedia += at.crossing.crowded ? 1 : 0;
     const double way = hit->t * glm::length(ray.direction);
-    const dvec3 left = beer(scene_, passing.mediumBefore, way);
+    const dvec3 left = transmittance(scene_, at.crossing.mediumBefore, way);
     const dvec3 throughput = branch.throughput * left;
     dvec3 slack = branch.slack * left;
-    if (passing.mediumBefore != 0) {
-        const dvec3 depth = way * attenuationOf(scene_, passing.mediumBefore);
+    if (at.crossing.mediumBefore != 0) {
+        const dvec3 depth = way * attenuationOf(scene_, at.crossing.mediumBefore);
         for (int i = 0; i < 3; ++i) slack[i] += throughput[i] * exponentialRoundings(depth[i]);
     }
-    decideCells(textured);
-    if (passing.real) {
-        const dvec3 ambient = dvec3(material.ambient) * dvec3(environment.ambient);
-        Light light = shadeLights(site, material, passing.before, first);
+    if (at.crossing.counts) {
+        const dvec3 ambient = dvec3(at.material.ambient) * dvec3(environment.ambient);
+        Light light = shadeLights(at, first);
         light.radiance += ambient;
         light.error += kProductRoundings * ambient;
         addLight(throughput, slack, light);
     }
-    followOn(branch, site, textured, material, passing, throughput, slack);
+    followBranches(branch, at, throughput, slack);
 }
 
 void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Light& light) {
@@ -521,7 +391,7 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
     branch.ray = cameraRay;
     branch.media = mediaAtEye(tracer_.environment());
     mover_.move(branch.ray, std::max(greatestCoordinate(cameraRay.origin), cameraRay.originScale));
-    record_.pathHash = kHashStart;
+    record_.pathHash = shared::kHashStart;
     follow(std::move(branch));
     // Each contribution is added with a rounding of the sum so far.
     record_.rounding += static_cast<double>(contributions_) * record_.color;
@@ -530,38 +400,6 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
 }
 
 }  // namespace
-
-Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y, const glm::dvec2& lens) const {
-    // From the middle of the film.
-    const double right = x - camera.halfWidth, down = y - camera.halfHeight;
-    const auto reach = [&](const glm::vec3& middle, const glm::vec3& stepX, const glm::vec3& stepY) {
-        return greatestCoordinate(glm::abs(dvec3(middle)) + glm::abs(right * dvec3(stepX)) +
-                                  glm::abs(down * dvec3(stepY)));
-    };
-    const dvec3 direction = dvec3(camera.center) + right * dvec3(camera.stepX) + down * dvec3(camera.stepY);
-    Ray ray;
-    ray.origin = dvec3(camera.eye) + right * dvec3(camera.originStepX) + down * dvec3(camera.originStepY);
-    ray.direction = glm::normalize(direction);
-    ray.originScale = reach(camera.eye, camera.originStepX, camera.originStepY);
-    ray.directionScale =
-        std::max(1.0, reach(camera.center, camera.stepX, camera.stepY) / glm::length(direction));
-    if (camera.inverseFocus != 0) {
-        const dvec3 aside = lens.x * dvec3(camera.lensX) + lens.y * dvec3(camera.lensY);
-        const double focus = 1 / static_cast<double>(camera.inverseFocus);
-        const dvec3 pinhole = ray.origin;
-        ray.origin += aside;
-        ray.direction = glm::normalize(pinhole + focus * direction - ray.origin);
-        // Twice a pinhole's roundings (explain.cpp): those of the lens point and its way to the focus.
-        const double radius = glm::length(dvec3(camera.lensX));
-        ray.originScale = 2 * (ray.originScale + radius);
-        const double reached = glm::length(direction - aside / focus);
-        ray.directionScale =
-            2 * std::max(1.0, (reach(camera.center, camera.stepX, camera.stepY) + radius / focus) / reached);
-    }
-    ray.tMin = camera.nearT;
-    if (camera.farT < shared::kInfinity) ray.tMax = camera.farT;
-    return ray;
-}
 
 PixelRecord Tracer::trace(const Ray& cameraRay, const Jitter& jitter, bool keepPath) const {
     return PathTracer(*this, scene_, jitter, keepPath).run(cameraRay);

@@ -71,8 +71,8 @@ bool isOdd(double cell) {
 
 }  // namespace
 
-dvec4 sampleTexture(const PackedScene& scene, const shared::Texture& texture, const dvec2& uv,
-                    const dvec3& position, uint32_t object) {
+dvec4 textureAt(const PackedScene& scene, const shared::Texture& texture, const dvec2& uv,
+                const dvec3& position, uint32_t object) {
     const dvec2 st = uv * dvec2(texture.scaleU, texture.scaleV) + dvec2(texture.place);
     if (!(texture.flags & shared::kTextureChecker)) return ImageSampler(scene, texture)(st);
     bool odd = isOdd(st.x) != isOdd(st.y);

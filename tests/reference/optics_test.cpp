@@ -18,9 +18,9 @@ using namespace glint::test;
 using glm::dvec3;
 
 // Meets the plane z = 0 from above at the angle of this cosine.
-Interface meet(double cosine, double ratio) {
+Split meet(double cosine, double ratio) {
     const dvec3 up(0, 0, 1);
-    return meetInterface({std::sqrt((1 - cosine) * (1 + cosine)), 0, -cosine}, up, up, ratio);
+    return splitAt({std::sqrt((1 - cosine) * (1 + cosine)), 0, -cosine}, up, up, ratio);
 }
 
 // docs/numerics.md T91, from the equations in cosines: r = (n1 c1 - n2 c2) / (n1 c1 + n2 c2) and its twin.
@@ -34,7 +34,7 @@ TEST(OpticsTest, ReflectanceOfGlass) {
 
 TEST(OpticsTest, ReflectanceIsTheSameBothWays) {
     for (double cosine = 0.02; cosine < 1; cosine += 0.07) {
-        const Interface in = meet(cosine, 1 / 1.5);
+        const Split in = meet(cosine, 1 / 1.5);
         const double behind = -in.refracted.z;
         EXPECT_NEAR(meet(behind, 1.5).reflectance, in.reflectance, 1e-12) << cosine;
         // Snell: n sin.
@@ -61,7 +61,7 @@ TEST(OpticsTest, TotalReflectionBeginsAtTheCriticalAngle) {
 // The shading normal leans so far that the refracted ray would come out in front.
 TEST(OpticsTest, GeometricNormalWhereTheShadingNormalFails) {
     const dvec3 n(0, 0, 1), d = glm::normalize(dvec3(1, 0, -0.05)), s = glm::normalize(dvec3(1, 0, 0.04));
-    const Interface leaning = meetInterface(d, n, s, 1 / 1.5), flat = meetInterface(d, n, n, 1 / 1.5);
+    const Split leaning = splitAt(d, n, s, 1 / 1.5), flat = splitAt(d, n, n, 1 / 1.5);
     EXPECT_EQ(leaning.refracted, flat.refracted);
     EXPECT_EQ(leaning.reflectance, flat.reflectance);
 }
@@ -111,22 +111,22 @@ TEST(OpticsTest, GreatestPriorityRules) {
     EXPECT_EQ(rulingMedium(scene, {water, oil}), oil);
     EXPECT_EQ(rulingMedium(scene, {oil, water}), water);
     // Water inside of glass is not noticed until the glass is left.
-    EXPECT_FALSE(passingAt(scene, {glass}, water, true).real);
-    const Passing out = passingAt(scene, {glass, water}, glass, false);
-    EXPECT_TRUE(out.real);
+    EXPECT_FALSE(crossingAt(scene, {glass}, water, true).counts);
+    const Crossing out = crossingAt(scene, {glass, water}, glass, false);
+    EXPECT_TRUE(out.counts);
     EXPECT_EQ(out.mediumBefore, glass);
     EXPECT_EQ(out.mediumAfter, water);
     // What is left without having been entered was there from the start.
-    const Passing unknown = passingAt(scene, {}, glass, false);
+    const Crossing unknown = crossingAt(scene, {}, glass, false);
     EXPECT_EQ(unknown.mediumBefore, glass);
     EXPECT_EQ(unknown.mediumAfter, 0u);
     // Two of a kind are one.
-    EXPECT_FALSE(passingAt(scene, {glass}, glass, true).real);
-    EXPECT_FALSE(passingAt(scene, {glass, glass}, glass, false).real);
-    EXPECT_EQ(passingAt(scene, {glass, water, oil, glass}, glass, false).after, (Media{glass, water, oil}));
-    const Passing crowded = passingAt(scene, {water, water, oil, oil}, glass, true);
+    EXPECT_FALSE(crossingAt(scene, {glass}, glass, true).counts);
+    EXPECT_FALSE(crossingAt(scene, {glass, glass}, glass, false).counts);
+    EXPECT_EQ(crossingAt(scene, {glass, water, oil, glass}, glass, false).after, (Media{glass, water, oil}));
+    const Crossing crowded = crossingAt(scene, {water, water, oil, oil}, glass, true);
     EXPECT_TRUE(crowded.crowded);
-    EXPECT_FALSE(crowded.real);
+    EXPECT_FALSE(crowded.counts);
 }
 
 // A ball of radius 1 in front of a white background, looked at through its middle: each way through it is 2

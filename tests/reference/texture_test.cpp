@@ -35,7 +35,7 @@ PackedScene quadScene(uint32_t flags = 0) {
 }
 
 double redAt(const PackedScene& scene, double u, double v) {
-    return sampleTexture(scene, scene.textures[0], {u, v}, dvec3(0), 0).x;
+    return textureAt(scene, scene.textures[0], {u, v}, dvec3(0), 0).x;
 }
 
 uint32_t wraps(uint32_t wrap) {
@@ -52,7 +52,7 @@ TEST(Texture, BilinearOfTwoByTwo) {
     EXPECT_EQ(redAt(scene, 0.5, 0.5), 2.5);
     EXPECT_EQ(redAt(scene, 0.375, 0.75), 1.25);
     EXPECT_EQ(redAt(scene, 0.25, 0.375), 2.5);  // 3/4 of the way from 1 down to 3
-    EXPECT_EQ(sampleTexture(scene, scene.textures[0], {0.5, 0.5}, dvec3(0), 0).w, 2.5 / 16);
+    EXPECT_EQ(textureAt(scene, scene.textures[0], {0.5, 0.5}, dvec3(0), 0).w, 2.5 / 16);
 }
 
 TEST(Texture, WrapModes) {
@@ -119,7 +119,7 @@ TEST(Texture, SolidCheckerLivesInObjectSpace) {
     frame.toObjectZ = {0, 0, 1};
     frame.offsetX = -10;
     scene.objectFrames.push_back(frame);
-    const auto at = [&](const dvec3& p) { return sampleTexture(scene, scene.textures[0], {7, 7}, p, 0).x; };
+    const auto at = [&](const dvec3& p) { return textureAt(scene, scene.textures[0], {7, 7}, p, 0).x; };
     EXPECT_EQ(at({10.5, 0.5, 0.5}), 1);
     EXPECT_EQ(at({11.5, 0.5, 0.5}), 5);
     EXPECT_EQ(at({11.5, 0.5, -0.5}), 1);
