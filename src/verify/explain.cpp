@@ -16,6 +16,8 @@ constexpr double kHullStretch = 1;
 constexpr int kJittersPerLevel = 64;
 // A textbook's sphere test takes rays for hits that pass far outside: few jitters meet the limb as it saw it.
 constexpr int kJittersOfTextbooks = 1024;
+// Behind half a dozen bounces between curved mirrors and facets one jitter in hundreds takes the same path.
+constexpr int kJittersOfThePersistent = 4096;
 
 double maxComponent(const glm::dvec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -124,8 +126,8 @@ namespace {
 class Search {
   public:
     Search(const reference::Tracer& tracer, const reference::Ray& ray, const PackedScene& scene,
-           const Quantities& device, DifferingPixel& pixel)
-        : tracer_(tracer), ray_(ray), scene_(scene), device_(device), pixel_(pixel) {}
+           const Quantities& device, DifferingPixel& pixel, int jitters)
+        : tracer_(tracer), ray_(ray), scene_(scene), device_(device), pixel_(pixel), jitters_(jitters) {}
 
     // Tries jitters from more than `from` units up to the bound of `record`. True once one explains the
     // pixel.
@@ -148,6 +150,7 @@ class Search {
     const PackedScene& scene_;
     const Quantities& device_;
     DifferingPixel& pixel_;
+    int jitters_;  // for each level
     std::vector<Class> classes_;
     std::optional<reference::PixelRecord> likeDevice_;
     uint64_t seed_ = 1;
@@ -188,15 +191,13 @@ bool Search::upTo(const reference::PixelRecord& record, double from) {
     const double bound =
         scene_.instances.empty() ? plain : roundingBound(scene_, record, true, tracer_.methods());
     pixel_.ulps = std::max(pixel_.ulps, record.meetsInstance ? bound : plain);
-    const int jitters =
-        tracer_.methods().spheres == SphereMethod::Robust ? kJittersPerLevel : kJittersOfTextbooks;
     std::vector<double> levels = levelsTo(plain);
     if (bound > plain)
         for (const double ulps : levelsTo(bound))
             if (ulps > plain) levels.push_back(ulps);
     for (const double ulps : levels) {
         if (ulps <= from) continue;
-        for (int i = 0; i < jitters; ++i)
+        for (int i = 0; i < jitters_; ++i)
             if (tryOne(ulps, ulps > plain)) return true;
     }
     return false;
@@ -205,8 +206,11 @@ bool Search::upTo(const reference::PixelRecord& record, double from) {
 }  // namespace
 
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
-             const Quantities& device, DifferingPixel& pixel) {
-    Search search(tracer, cameraRay, scene, device, pixel);
+             const Quantities& device, DifferingPixel& pixel, bool persistently) {
+    const bool textbook = tracer.methods().spheres != SphereMethod::Robust;
+    const int jitters = textbook ? kJittersOfTextbooks : kJittersPerLevel;
+    Search search(tracer, cameraRay, scene, device, pixel,
+                  persistently ? std::max(jitters, kJittersOfThePersistent) : jitters);
     pixel.ulps = 0;
     if (search.upTo(pixel.reference, 0)) return;
     // Where a jitter within the bound takes the device's path, that path has a bound of its own: it may be

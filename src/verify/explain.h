@@ -16,8 +16,8 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
 bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
                  const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device);
 
-// Sets pixel.reason and pixel.ulps. pixel.reference has the path.
+// Sets pixel.reason and pixel.ulps. pixel.reference has the path. persistently: by 64 times as many moves.
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
-             const Quantities& device, DifferingPixel& pixel);
+             const Quantities& device, DifferingPixel& pixel, bool persistently = false);
 
 }  // namespace glint::verify

@@ -36,6 +36,11 @@ class Comparison {
           samples_(samples),
           sample_(sample) {}
 
+    // Searches on for what explains a pixel of this sample.
+    void explainPersistently(DifferingPixel& pixel) const {
+        explainIfPossible(rayThrough(pixel.x, pixel.y, filmSampleAt(pixel.x, pixel.y)), pixel, true);
+    }
+
     RowSums row(int y) const {
         RowSums sums;
         for (int x = 0; x < options_.width; ++x) comparePixel(x, y, sums);
@@ -43,10 +48,17 @@ class Comparison {
     }
 
   private:
+    reference::FilmSample filmSampleAt(int x, int y) const {
+        return reference::filmSample(samples_, sample_, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+    }
+
+    reference::Ray rayThrough(int x, int y, const reference::FilmSample& s) const {
+        return tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens);
+    }
+
     void comparePixel(int x, int y, RowSums& sums) const {
-        const reference::FilmSample s =
-            reference::filmSample(samples_, sample_, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
-        const reference::Ray ray = tracer_.cameraRay(camera_, x + s.offset.x, y + s.offset.y, s.lens);
+        const reference::FilmSample s = filmSampleAt(x, y);
+        const reference::Ray ray = rayThrough(x, y, s);
         const reference::PixelRecord expected = tracer_.trace(ray);
         const PixelData& data = device_.at(x, y);
         const glm::vec3 weighted(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
@@ -81,8 +93,15 @@ class Comparison {
         pixel.device = data;
         pixel.reference = tracer_.trace(ray, {}, true);
         sums.idsDiffer += samePath ? 0 : 1;
-        if (finite && (!samePath || isSameHit(data, expected))) explain(tracer_, ray, scene_, seen, pixel);
+        explainIfPossible(ray, pixel, false);
         sums.differing.push_back(std::move(pixel));
+    }
+
+    void explainIfPossible(const reference::Ray& ray, DifferingPixel& pixel, bool persistently) const {
+        const PixelData& data = pixel.device;
+        if (!std::isfinite(pixel.difference)) return;
+        if (data.pathHash == pixel.reference.pathHash && !isSameHit(data, pixel.reference)) return;
+        explain(tracer_, ray, scene_, quantitiesOf(pixel.deviceColor, data), pixel, persistently);
     }
 
     // What the path says of the first hit, and what the device says beside it.
@@ -115,26 +134,27 @@ bool worseThan(const DifferingPixel& a, const DifferingPixel& b) {
     return std::pair(a.y, a.x) < std::pair(b.y, b.x);
 }
 
+uint64_t& countOf(Report& report, Reason reason) {
+    switch (reason) {
+        case Reason::Tie:
+            return report.ties;
+        case Reason::Edge:
+            return report.edges;
+        case Reason::Rounding:
+            return report.roundings;
+        case Reason::Unexplained:
+            break;
+    }
+    return report.unexplained;
+}
+
 void addRow(RowSums& row, int y, Report& report, size_t sample) {
     for (int x = 0; sample == 0 && x < static_cast<int>(row.differences.size()); ++x) {
         const float grey = std::min(row.differences[x] * kDifferenceGain, 1.0f);
         for (int c = 0; c < 3; ++c) report.difference.at(x, y, c) = grey;
     }
     for (DifferingPixel& pixel : row.differing) {
-        switch (pixel.reason) {
-            case Reason::Tie:
-                ++report.ties;
-                break;
-            case Reason::Edge:
-                ++report.edges;
-                break;
-            case Reason::Rounding:
-                ++report.roundings;
-                break;
-            case Reason::Unexplained:
-                ++report.unexplained;
-                break;
-        }
+        ++countOf(report, pixel.reason);
         if (sample == 0) paint(report.difference, pixel);
         report.worst.push_back(std::move(pixel));
     }
@@ -142,6 +162,20 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
     report.rmse += row.squares;
     report.rmseSamePath += row.squaresSamePath;
     report.maxSamePath = std::max(report.maxSamePath, row.maxSamePath);
+}
+
+// Where no more pixels are unexplained than rounding may have changed, a longer search decides; the first
+// pixel that withstands it convicts the device, and ends it.
+void searchOn(const Comparison& comparison, Report& report, size_t sample) {
+    if (report.unexplained > report.allowedOthers()) return;
+    for (DifferingPixel& pixel : report.worst) {
+        if (pixel.sample != sample || pixel.reason != Reason::Unexplained) continue;
+        comparison.explainPersistently(pixel);
+        if (pixel.reason == Reason::Unexplained) return;
+        --report.unexplained;
+        ++countOf(report, pixel.reason);
+        if (sample == 0) paint(report.difference, pixel);
+    }
 }
 
 void keepWorst(Report& report, size_t count) {
@@ -166,15 +200,55 @@ double Report::allowedP99() const {
     return kResponseGain * sensitivity.kappaLimit * kFloatUnit + floorP99;
 }
 
+namespace {
+
+// What is gathered over the samples.
+struct Gathered {
+    std::vector<float> differences, floors;
+    uint64_t samePath = 0;
+};
+
+// False if it was interrupted.
+bool addSample(const Comparison& comparison, const Picture& device, const Options& options, uint32_t sample,
+               Report& report, Gathered& all) {
+    const auto isInterrupted = [&] { return !device.complete || (options.cancelled && options.cancelled()); };
+    std::vector<RowSums> rows(options.height);
+    std::mutex mutex;
+    size_t finished = size_t{sample} * options.height;
+    parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
+        if (isInterrupted()) return;
+        rows[y] = comparison.row(static_cast<int>(y));
+        const std::lock_guard lock(mutex);
+        ++finished;
+        if (options.progress)
+            options.progress(static_cast<double>(finished) /
+                             (static_cast<double>(options.height) * options.samples.round));
+    });
+    if (isInterrupted()) return false;
+    const bool convicted = report.unexplained > 0;
+    for (int y = 0; y < options.height; ++y) {
+        addRow(rows[y], y, report, sample);
+        all.differences.insert(all.differences.end(), rows[y].differences.begin(), rows[y].differences.end());
+        all.floors.insert(all.floors.end(), rows[y].floors.begin(), rows[y].floors.end());
+        all.samePath += rows[y].samePath;
+    }
+    if (!convicted) searchOn(comparison, report, sample);
+    keepWorst(report, options.worstCount);
+    return true;
+}
+
+}  // namespace
+
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options) {
     Report report;
     report.difference = Image(options.width, options.height, 3);
-    std::vector<float> differences, floors;
-    uint64_t samePath = 0;
     const PackedSamples& samples = options.samples;
-    const uint32_t count = samples.round;
-    for (uint32_t sample = 0; sample < count; ++sample) {
+    report.pixels = static_cast<uint64_t>(options.width) * options.height * samples.round;
+    report.sensitivity =
+        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height);
+    Gathered all;
+    for (uint32_t sample = 0; sample < samples.round; ++sample) {
         Request request = options;
         request.region = {};
         request.samples = samples.only(sample);
@@ -182,39 +256,16 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         request.progress = {};
         const Picture device = renderer.render(camera, request);
         const Comparison comparison(scene, camera, options, device, samples, sample);
-        std::vector<RowSums> rows(options.height);
-        std::mutex mutex;
-        size_t finished = size_t{sample} * options.height;
-        parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
-            if (!device.complete || (options.cancelled && options.cancelled())) return;
-            rows[y] = comparison.row(static_cast<int>(y));
-            const std::lock_guard lock(mutex);
-            ++finished;
-            if (options.progress) {
-                options.progress(static_cast<double>(finished) /
-                                 (static_cast<double>(options.height) * count));
-            }
-        });
-        if (!device.complete || (options.cancelled && options.cancelled())) {
+        if (!addSample(comparison, device, options, sample, report, all)) {
             report.interrupted = true;
             return report;
         }
-        for (int y = 0; y < options.height; ++y) {
-            addRow(rows[y], y, report, sample);
-            differences.insert(differences.end(), rows[y].differences.begin(), rows[y].differences.end());
-            floors.insert(floors.end(), rows[y].floors.begin(), rows[y].floors.end());
-            samePath += rows[y].samePath;
-        }
-        report.pixels += static_cast<uint64_t>(options.width) * options.height;
-        keepWorst(report, options.worstCount);
     }
-    report.p99 = percentile99(std::move(differences));
-    report.floorP99 = percentile99(std::move(floors));
-    report.sensitivity =
-        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height);
+    report.p99 = percentile99(std::move(all.differences));
+    report.floorP99 = percentile99(std::move(all.floors));
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));
     report.rmseSamePath =
-        samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(samePath))) : 0.0;
+        all.samePath ? std::sqrt(report.rmseSamePath / (3.0 * static_cast<double>(all.samePath))) : 0.0;
     return report;
 }
 
