@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "reference/sampling.h"
 #include "verify/ceiling.h"
 
 namespace glint::verify {
@@ -40,7 +41,7 @@ double percentile99(std::vector<float> values) {
 
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds) {
-    return sensitivityOf(tracer, camera, width, height, seeds).kappa;
+    return sensitivityOf(tracer, camera, width, height, PackedSamples::fixed({{0.5, 0.5}}), seeds).kappa;
 }
 
 namespace {
@@ -92,7 +93,7 @@ double Sensitivity::tieShare() const {
 }
 
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, int seeds) {
+                          int height, const PackedSamples& samples, int seeds) {
     const double pixels = static_cast<double>(width) * height;
     const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxKappaPixels))));
     const size_t columns = static_cast<size_t>((width + step - 1) / step);
@@ -104,8 +105,11 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
             const int x = std::min(static_cast<int>(column) * step + step / 2, width - 1);
             const int y = std::min(static_cast<int>(row) * step + step / 2, height - 1);
             const size_t index = row * columns + column;
-            const double change =
-                moveOne(tracer, tracer.cameraRay(camera, x + 0.5, y + 0.5), 977u * index, seeds, counts[row]);
+            const reference::FilmSample s =
+                reference::filmSample(samples, static_cast<uint32_t>(index % samples.round),
+                                      static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+            const reference::Ray ray = tracer.cameraRay(camera, x + s.offset.x, y + s.offset.y, s.lens);
+            const double change = moveOne(tracer, ray, 977u * index, seeds, counts[row]);
             changes[index] = static_cast<float>(std::min<double>(change, std::numeric_limits<float>::max()));
         }
     });

@@ -6,6 +6,7 @@
 
 #include "core/enum_names.h"
 #include "reference/tracer.h"
+#include "trace/packed_samples.h"
 
 namespace glint::verify {
 
@@ -36,8 +37,10 @@ struct Sensitivity {
     double tieShare() const;
 };
 inline constexpr double kWideUnits = 32;
+// Of the pixels' samples in turns.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, int seeds = 3);
+                          int height, const PackedSamples& samples, int seeds = 3);
+// Through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
 

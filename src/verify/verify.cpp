@@ -246,7 +246,7 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     const PackedSamples& samples = options.samples;
     report.pixels = static_cast<uint64_t>(options.width) * options.height * samples.round;
     report.sensitivity =
-        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height);
+        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height, samples);
     Gathered all;
     for (uint32_t sample = 0; sample < samples.round; ++sample) {
         Request request = options;

@@ -50,8 +50,8 @@ DifferingPixel pixelOf(const reference::PixelRecord& device, const reference::Pi
     return pixel;
 }
 
-DifferingPixel explained(const reference::Tracer& tracer, const reference::Ray& ray, const Case& c,
-                         DifferingPixel pixel) {
+DifferingPixel explainedBy(const reference::Tracer& tracer, const reference::Ray& ray, const Case& c,
+                           DifferingPixel pixel) {
     explain(tracer, ray, c.packed, quantitiesOf(pixel.deviceColor, pixel.device), pixel);
     return pixel;
 }
@@ -63,7 +63,7 @@ class ExplainTest : public testing::Test {
         const reference::Tracer tracer(case_.packed);
         const reference::Ray ray = rayAt(case_, seen);
         DifferingPixel pixel = pixelOf(tracer.trace(rayAt(case_, claimed)), tracer.trace(ray, {}, true));
-        return verify::explained(tracer, ray, case_, pixel);
+        return explainedBy(tracer, ray, case_, pixel);
     }
     const Case case_ = squareCase();
 };
@@ -100,11 +100,11 @@ TEST_F(ExplainTest, RightPathWithAWrongColourIsNotExplained) {
     const reference::Ray ray = rayAt(case_, {0.5, 0.3, 0});
     DifferingPixel pixel = pixelOf(tracer.trace(ray), tracer.trace(ray, {}, true));
     pixel.deviceColor *= 1.01f;
-    pixel = verify::explained(tracer, ray, case_, pixel);
+    pixel = explainedBy(tracer, ray, case_, pixel);
     EXPECT_EQ(pixel.reason, Reason::Unexplained);
     // Nor is a colour between the two sides of an edge that is not near.
     pixel.deviceColor = glm::vec3(0.4f);
-    pixel = verify::explained(tracer, ray, case_, pixel);
+    pixel = explainedBy(tracer, ray, case_, pixel);
     EXPECT_EQ(pixel.reason, Reason::Unexplained);
 }
 
@@ -125,7 +125,7 @@ TEST_F(ExplainTest, CoincidentSurfacesAreATie) {
     second.color = dvec3(0.1);
     second.pathHash = (2166136261u ^ 2u) * 16777619u;  // docs/reference/shading.md: k = id + 1
     DifferingPixel pixel = pixelOf(second, first);
-    pixel = explained(tracer, ray, both, pixel);
+    pixel = explainedBy(tracer, ray, both, pixel);
     EXPECT_EQ(pixel.reason, Reason::Tie);
 }
 
