@@ -40,7 +40,7 @@ Counts count(const Scene& scene, const PackedScene& packed) {
             const reference::Ray ray = tracer.cameraRay(camera, x + 0.5, y + 0.5);
             const auto hit = closest(ray, {}, counts.camera);
             if (!hit) continue;
-            const reference::Surface surface = tracer.surface(ray, *hit);
+            const reference::Surface surface = tracer.surfaceAt(ray, *hit);
             if (!packed.lights.empty()) {
                 const shared::Light& light = packed.lights[0];
                 const bool directional = light.kind == shared::kLightDirectional;

@@ -254,7 +254,7 @@ Rays raysOf(const Scene& scene, const PackedScene& packed) {
             rays.camera.push_back({ray.origin, ray.direction, ray.tMax});
             const auto hit = tracer.closest(ray, {});
             if (!hit) continue;
-            const reference::Surface surface = tracer.surface(ray, *hit);
+            const reference::Surface surface = tracer.surfaceAt(ray, *hit);
             const dvec3 normal = glm::dot(surface.geometricNormal, ray.direction) > 0
                                      ? -surface.geometricNormal
                                      : surface.geometricNormal;

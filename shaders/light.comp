@@ -76,14 +76,14 @@ uint begin(uint path, bool present, out LightWork work, out Traversal traversal,
     LightSample light = sampleLight(loadLight(dispatch.lightIndex), at.surface.position);
     work.path = path;
     work.live = present && isAlive(ray) && at.isHit && counts(at) && (!MODE_RESUME || walkRow.x != kNone);
-    work.facing = work.live && light.valid && dot(at.surface.normal, light.direction) > 0.0 &&
+    work.facing = work.live && light.valid && dot(at.surface.geometricNormal, light.direction) > 0.0 &&
                   dot(at.surface.shadingNormal, light.direction) > 0.0;
     work.radiance = evaluate(at, light.direction) * light.intensity;
     if (FEATURE_TRANSMISSION) work.radiance *= transmittanceOfWay(at);
 
     traversal.ray =
-        Ray(offsetOrigin(at.surface.position, at.surface.error, at.surface.normal), light.toLight, 0.0,
-            work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, at.hit.primitive, at.hit.instance);
+        Ray(offsetOrigin(at.surface.position, at.surface.error, at.surface.geometricNormal), light.toLight,
+            0.0, work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, at.hit.primitive, at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     traversal.trips = 0u;
     traversal.cost = 0u;

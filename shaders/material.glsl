@@ -38,6 +38,13 @@ vec3 surroundings(Environment environment, vec3 direction) {
     return radiance;
 }
 
+// True where the diffuse texture's alpha is below the material's alphaCutoff.
+bool holeAt(Surface surface) {
+    Material material = loadMaterial(surface.material);
+    uint number = material.alphaCutoff > 0.0 ? material.diffuseTexture : 0u;
+    return textureAt(number, surface).w < material.alphaCutoff;
+}
+
 // `ray` is in the coordinates of the primitive. True if the hit is one, and not where the surface has a hole.
 // A loop of one trip, see objectUv.
 bool isThere(Ray ray, bool isHit, float t, float u, float v, uint primitive, uint instanceIndex) {
@@ -48,16 +55,14 @@ bool isThere(Ray ray, bool isHit, float t, float u, float v, uint primitive, uin
         bool inInstance = FEATURE_INSTANCES && instanceIndex != kNone;
         if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? instanceIndex : 0u);
         uint kind = primitive >> kPrimitiveKindShift;
-        // What the traversal has is not exchanged yet, see triangleSurface: so as of no instance.
+        // What the traversal has is not exchanged yet, see surfaceOfTriangle: so as of no instance.
         Surface surface = surfaceOfKind(kind, ray, Hit(t, u, v, primitive, kNone, 0u), instance);
         if (inInstance && instance.material != kNone) surface.material = instance.material;
         if (inInstance) surface.object = instance.object;
         if (inInstance) leaveInstance(instance, surface.position, surface.error);
-        if (inInstance) surface.normal = normalInWorld(instance, surface.normal);
+        if (inInstance) surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
         fillObjectUv(kind, surface);
-        Material material = loadMaterial(surface.material);
-        uint number = material.alphaCutoff > 0.0 ? material.diffuseTexture : 0u;
-        hole = textureAt(number, surface).w < material.alphaCutoff;
+        hole = holeAt(surface);
         asking = false;
     }
     return isHit && !hole;

@@ -118,9 +118,9 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
 Split splitAt(Surface surface, vec3 d, float eta) {
     Split s = splitAbout(surface.shadingNormal, d, eta);
     if (FEATURE_VERTEX_NORMALS) {
-        bool sound = dot(d, surface.shadingNormal) < 0.0 && dot(s.reflected, surface.normal) > 0.0 &&
-                     (s.total || dot(s.refracted, surface.normal) < 0.0);
-        Split flatSplit = splitAbout(surface.normal, d, eta);
+        bool sound = dot(d, surface.shadingNormal) < 0.0 && dot(s.reflected, surface.geometricNormal) > 0.0 &&
+                     (s.total || dot(s.refracted, surface.geometricNormal) < 0.0);
+        Split flatSplit = splitAbout(surface.geometricNormal, d, eta);
         if (!sound) s = flatSplit;
     }
     if (eta == 1.0) s = Split(s.reflected, d, 0.0, false);
@@ -131,8 +131,9 @@ Split splitAt(Surface surface, vec3 d, float eta) {
 // surface.
 vec3 mirrored(Surface surface, vec3 direction) {
     precise vec3 r = direction - 2.0 * dot(direction, surface.shadingNormal) * surface.shadingNormal;
-    precise vec3 aboutNormal = direction - 2.0 * dot(direction, surface.normal) * surface.normal;
-    precise vec3 chosen = dot(r, surface.normal) > 0.0 ? r : aboutNormal;
+    precise vec3 aboutNormal =
+        direction - 2.0 * dot(direction, surface.geometricNormal) * surface.geometricNormal;
+    precise vec3 chosen = dot(r, surface.geometricNormal) > 0.0 ? r : aboutNormal;
     precise vec3 unit = chosen / length(chosen);
     return unit;
 }

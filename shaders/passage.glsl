@@ -45,7 +45,7 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     }
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - hit.t) * passage.scale;
-        depth += optics.attenuation * (dot(surface.normal, ray.direction) > 0.0 ? -way : way);
+        depth += optics.attenuation * (dot(surface.geometricNormal, ray.direction) > 0.0 ? -way : way);
     }
     if (medium != 0u && (kind != kKindTriangle || passage.counts)) passage.depth += depth;
     return medium != 0u;

@@ -26,7 +26,7 @@ Interaction interactionAt(Ray ray, Hit hit, uvec4 media) {
     at.hit = hit;
     at.isHit = hit.primitive != kNone;
     at.surface = surfaceAt(ray, hit);
-    at.entering = !(dot(at.surface.normal, ray.direction) > 0.0);
+    at.entering = !(dot(at.surface.geometricNormal, ray.direction) > 0.0);
     faceForward(at.surface, ray.direction);
     at.material = materialAt(at.surface);
     if (FEATURE_TRANSMISSION)

@@ -22,7 +22,7 @@ void storeAovs(uint path, Interaction at) {
     storeRow(kRowAovIndices, path,
              uvec4(floatBitsToUint(at.isHit ? uv.x : 0.0), floatBitsToUint(at.isHit ? uv.y : 0.0),
                    at.isHit ? at.surface.object : kNone, at.isHit ? at.surface.primitive : kNone));
-    storeRow(kRowAovGeometry, path, packRow(at.isHit ? side * at.surface.normal : vec3(0.0), 0u));
+    storeRow(kRowAovGeometry, path, packRow(at.isHit ? side * at.surface.geometricNormal : vec3(0.0), 0u));
 }
 
 // Samples that hit anything. The throughput of a camera ray is its sample's weight.

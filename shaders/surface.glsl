@@ -7,9 +7,9 @@
 
 void surfaceInWorld(Instance instance, inout Surface surface) {
     leaveInstance(instance, surface.position, surface.error);
-    surface.normal = normalInWorld(instance, surface.normal);
+    surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
     vec3 shading = normalInWorld(instance, surface.shadingNormal);
-    surface.shadingNormal = dot(shading, surface.normal) < 0.0 ? -shading : shading;
+    surface.shadingNormal = dot(shading, surface.geometricNormal) < 0.0 ? -shading : shading;
     surface.object = instance.object;
     if (instance.material != kNone) surface.material = instance.material;
 }
@@ -18,7 +18,7 @@ void surfaceInWorld(Instance instance, inout Surface surface) {
                               crossings, loops, uv)                                                \
     GLINT_SURFACE_##ROLE(Kind, FEATURE)
 #define GLINT_SURFACE_TRIANGLES(Kind, FEATURE) \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) triangleSurface(hit, instance, surface);
+    if (FEATURE_##FEATURE && kind == kKind##Kind) surfaceOfTriangle(hit, instance, surface);
 #define GLINT_SURFACE_ALONE(Kind, FEATURE)                           \
     if (FEATURE_##FEATURE && kind == kKind##Kind) {                  \
         Kind primitive = load##Kind(hit.primitive & kLeafFirstMask); \
@@ -38,8 +38,8 @@ Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance) {
     Surface surface;
     surface.position = vec3(0.0);
     surface.error = vec3(0.0);
-    surface.normal = vec3(0.0, 1.0, 0.0);
-    surface.shadingNormal = surface.normal;
+    surface.geometricNormal = vec3(0.0, 1.0, 0.0);
+    surface.shadingNormal = surface.geometricNormal;
     surface.object = 0u;
     surface.primitive = 0u;
     surface.material = 0u;
@@ -57,7 +57,7 @@ bool hasOwnUv(uint kind) { return false GLINT_PRIMITIVES(GLINT_OWN_UV, 0); }
 // Where the surface is in the world.
 void fillObjectUv(uint kind, inout Surface surface) {
     if ((FEATURE_TEXTURES || FEATURE_CHECKERS) && !hasOwnUv(kind))
-        surface.uv = objectUv(surface.object, surface.position, surface.normal);
+        surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
 }
 
 // hit.primitive must not be kNone.
@@ -74,8 +74,8 @@ Surface surfaceAt(Ray ray, Hit hit) {
 
 // Turns both normals against the ray. Two-sided surfaces: the geometric normal decides.
 void faceForward(inout Surface surface, vec3 direction) {
-    if (dot(surface.normal, direction) > 0.0) {
-        surface.normal = -surface.normal;
+    if (dot(surface.geometricNormal, direction) > 0.0) {
+        surface.geometricNormal = -surface.geometricNormal;
         surface.shadingNormal = -surface.shadingNormal;
     }
 }

@@ -95,7 +95,7 @@ Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput
 bool nextReflection(uint path, bool alive, Interaction at, vec3 throughput, Environment environment,
                     out Branch next) {
     Scattering s = scatteringAt(at);
-    next = branchFrom(at, at.surface.normal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
+    next = branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
                       dispatch.bounce + 1u, kRayMirrored);
     return isFollowed(path, alive && s.reflects, dispatch.bounce, next.throughput, environment);
 }
@@ -107,10 +107,12 @@ bool nextBranch(uint path, bool alive, Interaction at, vec3 throughput, Environm
     uvec4 state = loadRow(treeRow(kTreeRowBranch), path);
     Scattering s = scatteringAt(at);
     if (MODE_LEDGER) book(path, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
-    Branch mirrorBranch = branchFrom(at, at.surface.normal, s.reflected, throughput * s.reflectedWeight,
-                                     at.crossing.before, state.x + 1u, kRayMirrored);
-    Branch innerBranch = branchFrom(at, -at.surface.normal, s.refracted, throughput * s.refractedWeight,
-                                    at.crossing.after, state.x + 1u, kRayRefracted);
+    Branch mirrorBranch =
+        branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight,
+                   at.crossing.before, state.x + 1u, kRayMirrored);
+    Branch innerBranch =
+        branchFrom(at, -at.surface.geometricNormal, s.refracted, throughput * s.refractedWeight,
+                   at.crossing.after, state.x + 1u, kRayRefracted);
     bool reflects = isFollowed(path, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
     bool refracts = isFollowed(path, alive && s.refracts, state.x, innerBranch.throughput, environment);
 

@@ -65,8 +65,8 @@ void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
     precise vec3 position = cuboid.point + projected;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(projected) + abs(cuboid.point));
-    surface.normal = upper ? row : -row;
-    surface.shadingNormal = surface.normal;
+    surface.geometricNormal = upper ? row : -row;
+    surface.shadingNormal = surface.geometricNormal;
     precise vec3 share = (cuboidLocal(cuboid, projected) - cuboid.lo) / (cuboid.hi - cuboid.lo);
     precise vec3 rest = 1.0 - share;
     surface.uv = axis == 0u ? vec2(upper ? rest.z : share.z, share.y)

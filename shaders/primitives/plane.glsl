@@ -27,7 +27,7 @@ void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {
     precise vec3 projected = position - dot(plane.normal, position - plane.point) * plane.normal;
     surface.position = projected;
     surface.error = gammaBound(7.0) * (abs(projected) + abs(plane.point));
-    surface.normal = plane.normal;
+    surface.geometricNormal = plane.normal;
     surface.shadingNormal = plane.normal;
 }
 

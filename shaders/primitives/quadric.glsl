@@ -243,7 +243,7 @@ void surfaceOfQuadric(Ray ray, Hit hit, Quadric quadric, inout Surface surface) 
     QuadricPoint found = quadricPoint(ray, hit, quadric);
     surface.position = found.position;
     surface.error = found.error;
-    surface.normal = found.normal;
+    surface.geometricNormal = found.normal;
     surface.shadingNormal = found.normal;
 }
 

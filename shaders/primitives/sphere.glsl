@@ -103,7 +103,7 @@ void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(scaled) + abs(sphere.point));
     outward = towardsRayAtLimb(ray, hit, sphere, outward);
-    surface.normal = outward;
+    surface.geometricNormal = outward;
     surface.shadingNormal = outward;
 }
 

@@ -8,9 +8,9 @@
 
 struct Surface {
     vec3 position;
-    vec3 error;          // the true point is within position +- error on each axis
-    vec3 normal;         // geometric, outward, unit
-    vec3 shadingNormal;  // outward, in the hemisphere of `normal`, unit
+    vec3 error;            // the true point is within position +- error on each axis
+    vec3 geometricNormal;  // outward, unit
+    vec3 shadingNormal;    // outward, in the hemisphere of geometricNormal, unit
     uint object;
     uint primitive;
     uint material;
@@ -29,7 +29,7 @@ void flatSurface(Ray ray, Hit hit, vec3 anchor, vec3 normal, inout Surface surfa
     precise vec3 position = anchor + projected;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(projected) + abs(anchor));
-    surface.normal = normal;
+    surface.geometricNormal = normal;
     surface.shadingNormal = normal;
 }
 

@@ -120,7 +120,7 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
 
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
 // sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
-void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
+void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
     uint index = hit.primitive & kPrimitiveIndexMask;
     Triangle triangle = loadTriangle(index);
     TriangleSurface details = loadTriangleSurface(index);
@@ -136,7 +136,7 @@ void triangleSurface(Hit hit, Instance instance, inout Surface surface) {
     precise vec3 position = p0 + p1 + p2;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));
-    surface.normal = details.normal;
+    surface.geometricNormal = details.normal;
     surface.shadingNormal = details.normal;
     if (FEATURE_VERTEX_NORMALS) {
         bool smoothed = details.vertexNormals != kNone;

@@ -16,7 +16,7 @@ InstanceFrame::InstanceFrame(const shared::Instance& instance) : place_(instance
     for (int j = 0; j < 3; ++j) toWorld_[j] = glm::cross(rows[(j + 1) % 3], rows[(j + 2) % 3]) / volume;
 }
 
-Ray InstanceFrame::entered(const Ray& ray) const {
+Ray InstanceFrame::enterInstance(const Ray& ray) const {
     Ray inside = ray;
     inside.origin = toObject_ * (ray.origin - place_);
     inside.direction = toObject_ * ray.direction;

@@ -12,7 +12,7 @@ class InstanceFrame {
     explicit InstanceFrame(const shared::Instance& instance);
 
     // The same points at the same t, in the instance's coordinates.
-    Ray entered(const Ray& ray) const;
+    Ray enterInstance(const Ray& ray) const;
     glm::dvec3 pointInWorld(const glm::dvec3& point) const;
     // Unit; by the inverse transpose.
     glm::dvec3 normalInWorld(const glm::dvec3& normal) const;

@@ -24,7 +24,14 @@ dvec2 latitudeLongitude(const dvec3& direction) {
     return {0.5 + longitude / (2 * std::numbers::pi), 0.5 + latitude / std::numbers::pi};
 }
 
-void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
+}  // namespace
+
+dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface) {
+    if (number == 0) return dvec4(1);
+    return textureAt(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
+}
+
+void triangleAttributes(const PackedScene& scene, const Hit& hit, Surface& surface) {
     surface.uv = {hit.u, hit.v};
     const uint32_t attributes =
         scene.triangleSurfaces[hit.primitive & shared::kPrimitiveIndexMask].attributes;
@@ -44,16 +51,8 @@ void fillTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
     }
 }
 
-}  // namespace
-
-dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface) {
-    if (number == 0) return dvec4(1);
-    return textureAt(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
-}
-
-void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface) {
+void fillObjectUv(const PackedScene& scene, const Hit& hit, Surface& surface) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
-    if (kind == shared::PrimitiveKind::Triangle) return fillTriangle(scene, hit, surface);
     if (hasOwnUv(kind) || scene.objectFrames.empty()) return;
     const shared::ObjectFrame& f = scene.objectFrames[surface.object];
     const auto along = [&](const glm::vec3& row, float offset) {

@@ -7,8 +7,10 @@
 
 namespace glint::reference {
 
-// Texture coordinates and vertex colour of the hit that the rest of `surface` describes.
-void fillTexturing(const PackedScene& scene, const Hit& hit, Surface& surface);
+// Texture coordinates and vertex colour of the hit that the rest of `surface` describes: of a triangle, and
+// of all else by the object's frame, unless the primitive has brought its own.
+void triangleAttributes(const PackedScene& scene, const Hit& hit, Surface& surface);
+void fillObjectUv(const PackedScene& scene, const Hit& hit, Surface& surface);
 
 // Keeps the height on a body of revolution within 0 and the last float before 1: its ends lie there, and
 // rounding must not turn a repeated image over on a cap. Leaves other coordinates as they are.

@@ -17,7 +17,7 @@ double greatest(const dvec3& v) {
 
 // A plane, or a part of one: `anchor` is a point of it.
 template <class Flat>
-void fillFlat(const Flat& flat, const glm::vec3& anchor, const Place& place, Surface& surface) {
+void flatSurface(const Flat& flat, const glm::vec3& anchor, const Place& place, Surface& surface) {
     surface.geometricNormal = glm::normalize(dvec3(flat.normal));
     surface.shadingNormal = surface.geometricNormal;
     const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
@@ -47,7 +47,7 @@ bool isSameSurface(const PackedScene& scene, const Hit& a, const Hit& b) {
 
 // ---- Triangles
 
-void fillSurface(const shared::Triangle& triangle, const Place& place, Surface& surface) {
+void surfaceOf(const shared::Triangle& triangle, const Place& place, Surface& surface) {
     const Hit& hit = place.hit;
     const shared::TriangleSurface& data = place.scene.triangleSurfaces[place.index()];
     const dvec3 v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
@@ -73,7 +73,7 @@ bool meets(const shared::Sphere& sphere, const Meeting& m, Root& root, uint32_t&
 }
 
 // The point is near the sphere: one step brings it onto the sphere, as far as double goes.
-void fillSurface(const shared::Sphere& sphere, const Place& place, Surface& surface) {
+void surfaceOf(const shared::Sphere& sphere, const Place& place, Surface& surface) {
     const dvec3 anchor(sphere.point);
     const double radius = sphere.radius;
     if (isAnchored(sphere)) {
@@ -102,8 +102,8 @@ bool meets(const shared::Plane& plane, const Meeting& m, Root& root, uint32_t&) 
     return !m.fromItself() && intersectPlane(plane, m.ray, m.tMax, root);
 }
 
-void fillSurface(const shared::Plane& plane, const Place& place, Surface& surface) {
-    fillFlat(plane, plane.point, place, surface);
+void surfaceOf(const shared::Plane& plane, const Place& place, Surface& surface) {
+    flatSurface(plane, plane.point, place, surface);
 }
 
 double reachOf(const PackedScene&, const Methods&, const shared::Plane& plane) {
@@ -116,8 +116,8 @@ bool meets(const shared::Disc& disc, const Meeting& m, Root& root, uint32_t&) {
     return !m.fromItself() && intersectDisc(disc, m.ray, m.tMax, root);
 }
 
-void fillSurface(const shared::Disc& disc, const Place& place, Surface& surface) {
-    fillFlat(disc, disc.center, place, surface);
+void surfaceOf(const shared::Disc& disc, const Place& place, Surface& surface) {
+    flatSurface(disc, disc.center, place, surface);
 }
 
 double reachOf(const PackedScene&, const Methods&, const shared::Disc& disc) {
@@ -130,8 +130,8 @@ bool meets(const shared::Polygon& polygon, const Meeting& m, Root& root, uint32_
     return !m.fromItself() && intersectPolygon(polygon, outlineOf(m.scene, polygon), m.ray, m.tMax, root);
 }
 
-void fillSurface(const shared::Polygon& polygon, const Place& place, Surface& surface) {
-    fillFlat(polygon, polygon.point, place, surface);
+void surfaceOf(const shared::Polygon& polygon, const Place& place, Surface& surface) {
+    flatSurface(polygon, polygon.point, place, surface);
 }
 
 double reachOf(const PackedScene& scene, const Methods&, const shared::Polygon& polygon) {
@@ -147,8 +147,8 @@ bool meets(const shared::Quadric& quadric, const Meeting& m, Root& root, uint32_
     return intersectQuadric(quadric, m.ray, m.primitive, m.source, m.tMax, root, part);
 }
 
-void fillSurface(const shared::Quadric& quadric, const Place& place, Surface& surface) {
-    const QuadricSite site = quadricSite(quadric, place.part(), place.point, place.ray.direction);
+void surfaceOf(const shared::Quadric& quadric, const Place& place, Surface& surface) {
+    const QuadricPoint site = quadricPoint(quadric, place.part(), place.point, place.ray.direction);
     surface.position = site.position;
     surface.geometricNormal = surface.shadingNormal = site.normal;
     surface.bend = site.bend;

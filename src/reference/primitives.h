@@ -40,7 +40,7 @@ struct Place {
 #define GLINT_MEETS_ALL(Kind)                                                                      \
     bool meets(const shared::Kind& primitive, const Meeting& meeting, Root& root, uint32_t& part); \
     /* Position, moved onto the surface, normals, and uv where they are the primitive's own. */    \
-    void fillSurface(const shared::Kind& primitive, const Place& place, Surface& surface);         \
+    void surfaceOf(const shared::Kind& primitive, const Place& place, Surface& surface);           \
     /* The greatest magnitude among the coordinates that a hit point on it is computed from. */    \
     double reachOf(const PackedScene& scene, const Methods& methods, const shared::Kind& primitive);
 #define GLINT_MEETS_TRIANGLES(Kind) GLINT_MEETS_ALL(Kind)
@@ -50,12 +50,16 @@ struct Place {
 #define GLINT_MEETS_INSTANCES(Kind)
 GLINT_PRIMITIVES(GLINT_MEETS, 0)
 
+// Whether the ray starts on the triangle with this id: one that was split for the tree stands in it more than
+// once.
+inline bool isOwnTriangle(const Meeting& m, uint32_t id) {
+    return m.source != shared::kNone && kindOfPrimitive(m.source) == shared::PrimitiveKind::Triangle &&
+           m.scene.triangles[m.source & shared::kPrimitiveIndexMask].id == id;
+}
+
 // Here, to be inlined: most of the time goes by in it.
 inline bool meets(const shared::Triangle& triangle, const Meeting& m, Root& root, uint32_t&) {
-    // By id: a triangle that was split for the tree stands in it more than once.
-    if (m.source != shared::kNone && kindOfPrimitive(m.source) == shared::PrimitiveKind::Triangle &&
-        m.scene.triangles[m.source & shared::kPrimitiveIndexMask].id == triangle.id)
-        return false;
+    if (isOwnTriangle(m, triangle.id)) return false;
     if (m.methods.triangles != TriangleMethod::Watertight)
         return textbookTriangle(m.methods.triangles, triangle, m.ray, m.tMax, root);
     return intersectTriangle(triangle, m.ray, m.tMax, root);

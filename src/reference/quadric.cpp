@@ -203,11 +203,11 @@ bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, ui
     return Search(quadric, ray, tMax).run(isSource, ownPart, root, part);
 }
 
-QuadricSite quadricSite(const shared::Quadric& quadric, uint32_t part, const dvec3& point,
-                        const dvec3& direction) {
+QuadricPoint quadricPoint(const shared::Quadric& quadric, uint32_t part, const dvec3& point,
+                          const dvec3& direction) {
     const dmat3 local = toLocal(quadric), transposed = glm::transpose(local);
     const dvec3 origin(quadric.point);
-    QuadricSite site{point, -glm::normalize(direction)};
+    QuadricPoint site{point, -glm::normalize(direction)};
     if (part != shared::kPartSide) {
         const bool upper = part == shared::kPartUpperCap;
         const dvec3 row = transposed[2];

@@ -42,12 +42,12 @@ bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, ui
 // The surface next to `point`, moved onto it; normal outward, of length 1. direction: of the ray, against
 // which the surface faces where it has no normal (the apex of a cone, a double plane).
 // bend: at most how far the normal turns for a unit of way.
-struct QuadricSite {
+struct QuadricPoint {
     glm::dvec3 position, normal;
     double bend = 0;
 };
-QuadricSite quadricSite(const shared::Quadric& quadric, uint32_t part, const glm::dvec3& point,
-                        const glm::dvec3& direction);
+QuadricPoint quadricPoint(const shared::Quadric& quadric, uint32_t part, const glm::dvec3& point,
+                          const glm::dvec3& direction);
 
 // How far its clipping box reaches from its point, in any coordinate.
 double quadricReach(const shared::Quadric& quadric);

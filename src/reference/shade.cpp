@@ -186,11 +186,11 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     std::vector<dvec3> change;
     // What is opaque blocks with its edges too.
     for (const Hit& hit : hits)
-        if (scene_.materials[tracer_.surface(ray, hit).material].medium == 0) return std::nullopt;
+        if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
     for (const Hit& hit : hits) {
         decide(hit);
-        const Surface surface = tracer_.surface(ray, hit);
+        const Surface surface = tracer_.surfaceAt(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
         left *= transmissionAt(scene_, medium, surface);
         const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
@@ -353,7 +353,7 @@ void PathTracer::follow(Branch branch) {
         addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
         return;
     }
-    const Surface surface = tracer_.surface(ray, *hit);
+    const Surface surface = tracer_.surfaceAt(ray, *hit);
     if (keepPath_) record_.path.back().surface = surface;
     if (first) {
         record_.alpha = 1;

@@ -25,7 +25,7 @@ dvec3 vertexNormal(const PackedScene& scene, const Hit& hit, const glm::vec3& no
     return InstanceFrame(scene.instances[hit.instance]).normalInWorld(dvec3(normal));
 }
 
-void moveToWorld(const PackedScene& scene, const Hit& hit, Surface& surface) {
+void surfaceInWorld(const PackedScene& scene, const Hit& hit, Surface& surface) {
     const shared::Instance& instance = scene.instances[hit.instance];
     const InstanceFrame frame(instance);
     surface.position = frame.pointInWorld(surface.position);
@@ -53,13 +53,14 @@ void smoothTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) 
 
 }  // namespace
 
-Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
+Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     Surface surface;
     Hit hit = worldHit;
     if (kindOf(hit.primitive) == shared::kKindTriangle && isMirrored(scene_, hit.instance))
         std::swap(hit.u, hit.v);
     const bool inInstance = hit.instance != shared::kNone;
-    const Ray ray = inInstance ? InstanceFrame(scene_.instances[hit.instance]).entered(worldRay) : worldRay;
+    const Ray ray =
+        inInstance ? InstanceFrame(scene_.instances[hit.instance]).enterInstance(worldRay) : worldRay;
     const dvec3 point = ray.origin + hit.t * ray.direction;
     visitHit(scene_, hit.primitive, [&](const auto& primitive) {
         if constexpr (requires { primitive.material; }) {
@@ -67,11 +68,14 @@ Surface Tracer::surface(const Ray& worldRay, const Hit& worldHit) const {
             surface.primitive = primitive.primitive;
             surface.material = primitive.material;
         }
-        fillSurface(primitive, {scene_, ray, hit, point}, surface);
+        surfaceOf(primitive, {scene_, ray, hit, point}, surface);
     });
-    if (inInstance) moveToWorld(scene_, hit, surface);
+    if (inInstance) surfaceInWorld(scene_, hit, surface);
     smoothTriangle(scene_, hit, surface);
-    fillTexturing(scene_, hit, surface);
+    if (kindOf(hit.primitive) == shared::kKindTriangle)
+        triangleAttributes(scene_, hit, surface);
+    else
+        fillObjectUv(scene_, hit, surface);
     return surface;
 }
 

@@ -24,7 +24,7 @@ WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray, H
     found.t = hit->t;
     found.packed = hit->primitive;
     if (detail == HitDetail::Nearest) return found;
-    const Surface surface = tracer.surface(ray, *hit);
+    const Surface surface = tracer.surfaceAt(ray, *hit);
     found.u = hit->u;
     found.v = hit->v;
     found.point = scene.origin + surface.position;

@@ -67,7 +67,7 @@ inline double cullLimit(double t) {
 }
 
 bool isHole(const PackedScene& scene, const Search& search, const Hit& hit) {
-    return scene.features.alphaMask && holeAt(scene, search.tracer->surface(*search.world, hit));
+    return scene.features.alphaMask && holeAt(scene, search.tracer->surfaceAt(*search.world, hit));
 }
 
 // The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
@@ -142,7 +142,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
 template <bool kAny>
 bool searchInstance(const World& world, uint32_t index, Search& search) {
     const shared::Instance& instance = world.scene.instances[index];
-    const PreparedRay inside(InstanceFrame(instance).entered(world.ray));
+    const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
     if (!inside.valid) return false;
     search.instance = index;
     search.idBase = instance.idBase;
@@ -241,7 +241,7 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
             const shared::Instance& instance = world.scene.instances[i];
             search.instance = i;
             search.idBase = instance.idBase;
-            const PreparedRay inside(InstanceFrame(instance).entered(world.ray));
+            const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
             if (inside.valid) testLeaves(world, inside, instance.root, search);
             search.instance = kNone;
             search.idBase = 0;
@@ -299,7 +299,7 @@ bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
         tracing_.methods.triangles != TriangleMethod::Watertight)
         return true;
     const PreparedRay seen(
-        hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).entered(ray));
+        hit.instance == kNone ? ray : InstanceFrame(scene_.instances[hit.instance]).enterInstance(ray));
     return crossesTriangle(scene_.triangles[hit.primitive & shared::kPrimitiveIndexMask], seen);
 }
 

@@ -111,7 +111,7 @@ TEST(ReferenceCuboid, CoordinatesOfFaces) {
     const Tracer tracer(scene);
     const auto uvAt = [&](const dvec3& point, const dvec3& out) {
         const Ray ray{point + out, -out};
-        return tracer.surface(ray, tracer.closest(ray).value()).uv;
+        return tracer.surfaceAt(ray, tracer.closest(ray).value()).uv;
     };
     EXPECT_EQ(uvAt({1, 0.5, 1}, {0, 0, 1}), glm::dvec2(0.25, 0.25));
     EXPECT_EQ(uvAt({1, 0.5, 0}, {0, 0, -1}), glm::dvec2(0.75, 0.25));

@@ -84,7 +84,7 @@ TEST(ReferenceDisc, SurfaceAndSource) {
     const auto hit = tracer.closest(ray);
     ASSERT_TRUE(hit);
     EXPECT_EQ(hit->id, 0u);
-    const Surface surface = tracer.surface(ray, *hit);
+    const Surface surface = tracer.surfaceAt(ray, *hit);
     EXPECT_EQ(surface.position, dvec3(1, 0.5, 0));
     EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1));
     EXPECT_EQ(surface.shadingNormal, dvec3(0, 0, 1));

@@ -99,7 +99,7 @@ TEST(ReferencePacked, ObjectsAreNamedByTheirOrder) {
         if (hit->primitive >> shared::kPrimitiveKindShift != shared::kKindSphere ||
             hit->t < .99 * sphere->radius)
             continue;
-        EXPECT_EQ(tracer.surface(ray, *hit).object, i);
+        EXPECT_EQ(tracer.surfaceAt(ray, *hit).object, i);
         ++spheres;
     }
     EXPECT_GT(spheres, 10);

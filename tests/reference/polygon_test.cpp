@@ -163,7 +163,7 @@ TEST(ReferencePolygon, PlaneAndSource) {
     const Ray ray = makeRay({0.5, 0.25, 3}, {0, 0, -1});
     const auto hit = tracer.closest(ray);
     ASSERT_TRUE(hit);
-    const Surface surface = tracer.surface(ray, *hit);
+    const Surface surface = tracer.surfaceAt(ray, *hit);
     EXPECT_EQ(surface.position, dvec3(0.5, 0.25, 0));
     EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1));
     EXPECT_FALSE(tracer.closest(ray, hit->primitive));

@@ -124,7 +124,7 @@ TEST(ReferenceQuadric, NormalsPointOutward) {
     const Tracer tracer(scene);
     const auto normalAt = [&](const dvec3& o, const dvec3& d) {
         const Ray ray = makeRay(o, d);
-        return tracer.surface(ray, tracer.closest(ray).value()).geometricNormal;
+        return tracer.surfaceAt(ray, tracer.closest(ray).value()).geometricNormal;
     };
     EXPECT_EQ(normalAt({0.25, 0, 9}, {0, 0, -1}), dvec3(0, 0, 1));
     EXPECT_EQ(normalAt({0.25, 0, -9}, {0, 0, 1}), dvec3(0, 0, -1));
@@ -138,7 +138,7 @@ TEST(ReferenceQuadric, NoNormalAtAnApexAndOnADoublePlane) {
     const PackedScene scene = packed(general({1, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 8));
     const Tracer tracer(scene);
     const Ray ray = makeRay({-5, 0, 0}, {2, 0, 0});
-    EXPECT_EQ(tracer.surface(ray, tracer.closest(ray).value()).geometricNormal, dvec3(-1, 0, 0));
+    EXPECT_EQ(tracer.surfaceAt(ray, tracer.closest(ray).value()).geometricNormal, dvec3(-1, 0, 0));
 }
 
 // As pbrt's Reintersect tests (src/pbrt/shapes_test.cpp): a ray that leaves outward never meets a convex body
@@ -156,7 +156,7 @@ TEST(ReferenceQuadric, RaysThatLeaveDoNotComeBack) {
         const Ray ray = rayTowards(base + 20 * size * random.direction(), base + 0.3 * size * axis);
         const auto hit = tracer.closest(ray);
         if (!hit) continue;
-        const Surface s = tracer.surface(ray, *hit);
+        const Surface s = tracer.surfaceAt(ray, *hit);
         for (int k = 0; k < 30; ++k) {
             const dvec3 out = glm::normalize(s.geometricNormal + 0.999 * random.direction());
             EXPECT_FALSE(tracer.closest(makeRay(s.position, out), hit->primitive)) << i << ' ' << k;
@@ -181,8 +181,8 @@ TEST(ReferenceQuadric, TransformedSphereIsAnEllipsoid) {
         const auto hitA = Tracer(a).closest(ray), hitB = Tracer(b).closest(ray);
         ASSERT_TRUE(hitA && hitB);
         EXPECT_NEAR(hitA->t, hitB->t, 1e-12);
-        EXPECT_LT(glm::distance(Tracer(a).surface(ray, *hitA).geometricNormal,
-                                Tracer(b).surface(ray, *hitB).geometricNormal),
+        EXPECT_LT(glm::distance(Tracer(a).surfaceAt(ray, *hitA).geometricNormal,
+                                Tracer(b).surfaceAt(ray, *hitB).geometricNormal),
                   1e-12);
     }
 }

@@ -157,7 +157,7 @@ TEST(ReferenceShading, VertexNormals) {
         const PackedScene scene = maker.finish();
         const Tracer tracer(scene);
         const Ray ray = makeRay({0, 0, -5}, {0, 0, 1});
-        const Surface surface = tracer.surface(ray, *tracer.closest(ray));
+        const Surface surface = tracer.surfaceAt(ray, *tracer.closest(ray));
         EXPECT_EQ(surface.geometricNormal, dvec3(0, 0, 1)) << "outward also when seen from behind";
         expectColor(surface.shadingNormal, {.6, 0, .8}, 1e-7);
     }
@@ -176,7 +176,7 @@ TEST(ReferenceShading, VertexNormalsInterpolate) {
     const Tracer tracer(scene);
     const auto normalAt = [&](double x, double y) {
         const Ray ray = makeRay({x, y, 5}, {0, 0, -1});
-        return tracer.surface(ray, *tracer.closest(ray)).shadingNormal;
+        return tracer.surfaceAt(ray, *tracer.closest(ray)).shadingNormal;
     };
     expectColor(normalAt(2, 0), {0, 0, 1}, 1e-15);
     expectColor(normalAt(0, 4), {0, .6, .8}, 1e-7);

@@ -233,7 +233,7 @@ TEST(ReferenceSphere, SurfaceLiesOnTheSphere) {
             rayTowards(1e3 * (random.box(100) + dvec3(0, 130, 0)), dvec3(3, 4, 5) + random.box(5));
         const auto hit = tracer.closest(ray);
         ASSERT_TRUE(hit);
-        const Surface surface = tracer.surface(ray, *hit);
+        const Surface surface = tracer.surfaceAt(ray, *hit);
         ++seen[surface.object];
         EXPECT_NEAR(glm::length(surface.geometricNormal), 1, 1e-15);
         EXPECT_EQ(surface.geometricNormal, surface.shadingNormal);

@@ -175,7 +175,7 @@ TEST(Texture, SphereCoordinatesInSixDirections) {
         const Ray ray = makeRay(dvec3(1, 2, 3) + 2.0 * d, -d);
         const auto hit = tracer.closest(ray);
         EXPECT_TRUE(hit.has_value());
-        return tracer.surface(ray, *hit).uv;
+        return tracer.surfaceAt(ray, *hit).uv;
     };
     const auto near = [](const dvec2& a, const dvec2& b) { return glm::length(a - b) < 1e-9; };
     EXPECT_TRUE(near(uvFrom({0, 0, 1}), {0.5, 0.5}));
@@ -202,14 +202,14 @@ TEST(Texture, TriangleInterpolatesCoordinatesAndColors) {
     const Ray ray = makeRay({1, 2, 5}, {0, 0, -1});  // u = 1/4, v = 1/2
     const auto hit = tracer.closest(ray);
     ASSERT_TRUE(hit.has_value());
-    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(0.25, 0.5));
-    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(1));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(1));
     scene.triangleSurfaces[0].attributes = shared::kAttributeUvs | shared::kAttributeColors;
-    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(2.5, 7));
-    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(2.5, 7));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
     scene.triangleSurfaces[0].attributes = shared::kAttributeColors | 2;
-    EXPECT_EQ(tracer.surface(ray, *hit).uv, dvec2(0.25, 0.5));
-    EXPECT_EQ(tracer.surface(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
 }
 
 TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {

@@ -56,7 +56,7 @@ TEST(ReferencePlane, SurfaceLiesOnThePlane) {
         const Ray ray = rayTowards(at + 1e6 * random.direction(), at);
         const auto hit = tracer.closest(ray);
         ASSERT_TRUE(hit);
-        const Surface surface = tracer.surface(ray, *hit);
+        const Surface surface = tracer.surfaceAt(ray, *hit);
         const dvec3 n = glm::normalize(dvec3(normal));
         EXPECT_EQ(surface.geometricNormal, n);
         const double coordinates = glm::length(surface.position) + glm::length(dvec3(point));
@@ -311,7 +311,7 @@ TEST(ReferenceTraversal, EqualsBruteForce) {
                     hits += hit.has_value();
                     if (!hit) continue;
                     // Onwards from the hit, with it as the source.
-                    const Ray next = makeRay(tracer.surface(ray, *hit).position, random.direction());
+                    const Ray next = makeRay(tracer.surfaceAt(ray, *hit).position, random.direction());
                     const auto second = tracer.closest(next, hit->primitive);
                     ASSERT_EQ(second, tracer.closestBruteForce(next, hit->primitive));
                     ASSERT_EQ(tracer.occluded(next, hit->primitive), second.has_value());

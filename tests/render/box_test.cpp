@@ -155,7 +155,7 @@ TEST_F(BoxTest, RandomBoxesAgreeWithTheReference) {
             ASSERT_EQ(hits[k].kindAndIndex, expected->primitive) << text(rays[k]);
             EXPECT_EQ(expected->primitive >> shared::kPartShift & shared::kPartMask,
                       static_cast<uint32_t>(faces[k]));
-            const reference::Surface surface = tracer.surface(ray, *expected);
+            const reference::Surface surface = tracer.surfaceAt(ray, *expected);
             const double cosine = std::abs(glm::dot(glm::normalize(ray.direction), surface.geometricNormal));
             const double reach = glm::length(ray.direction) + glm::length(transform.offset) + 10;
             EXPECT_NEAR(hits[k].t * glm::length(ray.direction), expected->t * glm::length(ray.direction),

@@ -80,7 +80,7 @@ TEST_F(DiscTest, RandomDiscsAgreeWithTheReference) {
             const double reach = glm::length(ray.direction);
             const double bound = 64 * kUnit * (reach + glm::length(center) + radius) / cosine;
             EXPECT_NEAR(hits[k].t * reach, expected->t * reach, bound);
-            const dvec3 off = dvec3(hits[k].data.position) - tracer.surface(ray, *expected).position;
+            const dvec3 off = dvec3(hits[k].data.position) - tracer.surfaceAt(ray, *expected).position;
             EXPECT_LE(glm::length(off), 2 * bound);
         }
     }

@@ -140,7 +140,7 @@ TEST_F(QuadricTest, RandomQuadricsAgreeWithTheReference) {
             }
             if (!expected) continue;
             ++hits;
-            const auto s = tracer.surface(ray, *expected);
+            const auto s = tracer.surfaceAt(ray, *expected);
             const double reach = glm::length(ray.direction),
                          cosine = std::abs(glm::dot(ray.direction, s.geometricNormal)) / reach;
             // 64 roundings of the coordinates, over the cosine; next to a silhouette the other surface may be

@@ -77,7 +77,7 @@ Bounds triangleBounds(const PackedScene& scene, uint32_t index, const reference:
 // |A| |A^-1| times as large as what they come to: as many times the 19 units for each part of the depth that
 // weightBound knows already, and more. Normals go back by a matrix of that condition.
 Bounds instanceBounds(const PackedScene& scene, const reference::Hit& hit, const reference::Ray& ray) {
-    reference::Ray local = reference::InstanceFrame(scene.instances[hit.instance]).entered(ray);
+    reference::Ray local = reference::InstanceFrame(scene.instances[hit.instance]).enterInstance(ray);
     const double stretch = glm::length(local.direction);
     local.direction /= stretch;
     const Bounds bounds = triangleBounds(scene, hit.primitive & shared::kPrimitiveIndexMask, local);
@@ -164,7 +164,7 @@ void SceneTest::comparePixel(const Case& c, const reference::Tracer& tracer, int
     const reference::Ray ray = tracer.cameraRay(c.camera, x + 0.5, y + 0.5);
     const std::optional<reference::Hit> hit = tracer.closest(ray);
     ASSERT_TRUE(hit);
-    const reference::Surface surface = tracer.surface(ray, *hit);
+    const reference::Surface surface = tracer.surfaceAt(ray, *hit);
     const Bounds bounds = boundsOf(c.packed, *hit, ray, surface);
     const std::string where = "pixel " + std::to_string(x) + "," + std::to_string(y);
     EXPECT_EQ(data.material, surface.material) << where;

@@ -240,7 +240,7 @@ TEST_F(TextureTest, CoordinatesOfQuadrics) {
         ray.direction = glm::normalize(c.towards);
         const auto hit = tracer.closest(ray);
         ASSERT_TRUE(hit.has_value());
-        const dvec2 uv = tracer.surface(ray, *hit).uv;
+        const dvec2 uv = tracer.surfaceAt(ray, *hit).uv;
         EXPECT_NEAR(uv.x, c.uv.x, 1e-6) << c.shape.index();
         EXPECT_NEAR(uv.y, c.uv.y, 1e-6) << c.shape.index();
     }

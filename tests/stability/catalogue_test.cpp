@@ -65,7 +65,7 @@ TEST_F(CatalogueTest, NormalOfATransformedSphere) {
     const reference::Ray exact{dvec3(ray.origin), dvec3(ray.direction)};
     const auto found = tracer.closest(exact);
     ASSERT_TRUE(found);
-    const dvec3 truth = tracer.surface(exact, *found).geometricNormal;
+    const dvec3 truth = tracer.surfaceAt(exact, *found).geometricNormal;
     // The book's digits.
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(truth[axis], expected[axis], 5e-6);

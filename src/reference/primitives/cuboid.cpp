@@ -97,7 +97,7 @@ bool meets(const shared::Cuboid& c, const Meeting& m, Root& root, uint32_t& part
     return found;
 }
 
-void fillSurface(const shared::Cuboid& c, const Place& place, Surface& surface) {
+void surfaceOf(const shared::Cuboid& c, const Place& place, Surface& surface) {
     const glm::vec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
     const uint32_t axis = place.part() / 2;
     const bool upper = place.part() % 2 == 1;
