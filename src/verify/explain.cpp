@@ -44,6 +44,22 @@ std::vector<double> levelsTo(double bound) {
     return levels;
 }
 
+// See roundingBound.
+double boundOfMissedSpheres(const PackedScene& scene, const reference::PixelRecord& record) {
+    double bound = 0;
+    for (const reference::Bounce& bounce : record.path) {
+        if (bounce.hit) continue;
+        for (const shared::Sphere& sphere : scene.spheres) {
+            const double radius = sphere.radius;
+            const glm::dvec3 w =
+                glm::dvec3(sphere.point) - radius * glm::dvec3(sphere.anchorNormal) - bounce.ray.origin;
+            const double square = glm::dot(w, w), way = std::sqrt(square - radius * radius);
+            if (way > 1e-3 * radius) bound = std::max(bound, 2 * square / (radius * way));
+        }
+    }
+    return bound;
+}
+
 }  // namespace
 
 // What the device's float arithmetic can do to a ray, as a turn of its direction in units of 2^-24:
@@ -63,7 +79,8 @@ std::vector<double> levelsTo(double bound) {
 //   by as much.
 // - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
 //   w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most
-//   twice the greater of the extent and r.
+//   twice the greater of the extent and r. Of a ray that misses, w is the way to the sphere, and t that to
+//   its limb, the root of w.w - r^2.
 double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances,
                      const Methods& methods) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
@@ -73,10 +90,13 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
         if (bounce.surface) extent = std::max(extent, maxComponent(bounce.surface->position));
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }
-    if (!std::isfinite(shortest) || shortest <= 0) return 8;
+    const bool textbook = methods.spheres != SphereMethod::Robust;
+    const double missed = textbook ? boundOfMissedSpheres(scene, record) : 0;
+    if (!std::isfinite(shortest) || shortest <= 0) return std::max(8.0, missed);
     double bound = 8 + (10 * 2 + 14) * extent / shortest;
     if (instances) bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
-    if (methods.spheres == SphereMethod::Robust) return bound;
+    if (!textbook) return bound;
+    bound = std::max(bound, missed);
     for (const shared::Sphere& sphere : scene.spheres) {
         const double radius = sphere.radius, far = 2 * std::max(extent, radius);
         bound = std::max(bound, 2 * far * far / (radius * shortest));
