@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUnit = 0x1p-24;
 constexpr size_t kEnoughMembers = 8;
-constexpr size_t kLookedAround = 3;
+constexpr int kJittersForOneLookedAround = 21;
 constexpr double kHullStretch = 1;
 constexpr int kJittersPerLevel = 64;
 // A textbook's sphere test takes rays for hits that pass far outside: few jitters meet the limb as it saw it.
@@ -198,7 +198,7 @@ bool Search::tryOne(double ulps, bool beyondPlain) {
     const bool within = c.hull.contains(device_, floorsOf(scene_, moved, ray_),
                                         c.members >= kEnoughMembers ? kHullStretch : 0);
     // Where hardly any jitter takes the device's path, what lies around the one that does decides.
-    const bool alone = c.members <= kLookedAround;
+    const bool alone = c.members <= static_cast<size_t>(jitters_ / kJittersForOneLookedAround);
     if (!within && !(alone && isNear(tracer_, ray_, jitter, moved, scene_, device_))) return false;
     const bool same = moved.decisions == pixel_.reference.decisions;
     pixel_.reason = isTie(pixel_) ? Reason::Tie : same ? Reason::Rounding : Reason::Edge;

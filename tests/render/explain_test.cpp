@@ -81,8 +81,8 @@ TEST_F(ExplainTest, OtherSideOfAnEdgeIsExplained) {
 
 TEST_F(ExplainTest, FartherFromAnEdgeTakesMoreJitter) {
     const double unit = 5 * 0x1p-24;  // one unit of direction, seen 5 away
-    const DifferingPixel near = explained({1 - 0.1 * unit, 0.3, 0}, {1.01, 0.3, 0});
-    const DifferingPixel far = explained({1 - 12 * unit, 0.3, 0}, {1.01, 0.3, 0});
+    const DifferingPixel near = explained({1 - 0.1 * unit, 0.3, 0}, {1 + 0.1 * unit, 0.3, 0});
+    const DifferingPixel far = explained({1 - 12 * unit, 0.3, 0}, {1 + 0.1 * unit, 0.3, 0});
     EXPECT_EQ(near.reason, Reason::Edge);
     EXPECT_EQ(far.reason, Reason::Edge);
     EXPECT_LT(near.ulps, far.ulps);
@@ -120,9 +120,11 @@ TEST_F(ExplainTest, CoincidentSurfacesAreATie) {
     const reference::PixelRecord first = tracer.trace(ray, {}, true);
     ASSERT_EQ(first.surface->object, 0u);
     // The device took the second triangle, at the same t.
-    reference::PixelRecord second = first;
+    Scene alone = scene;
+    alone.objects.erase(alone.objects.begin());
+    const Case other = render::test::makeCase(alone, 8, 8);
+    reference::PixelRecord second = reference::Tracer(other.packed).trace(ray);
     second.surface->object = 1;
-    second.color = dvec3(0.1);
     second.pathHash = (2166136261u ^ 2u) * 16777619u;  // docs/reference/shading.md: k = id + 1
     DifferingPixel pixel = pixelOf(second, first);
     pixel = explainedBy(tracer, ray, both, pixel);
