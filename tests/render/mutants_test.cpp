@@ -167,7 +167,7 @@ TEST_F(VerdictTest, ADarkerPictureGetsTheSameVerdict) {
 // What a textbook's test of spheres loses on a planet is explained pixel by pixel, but by far more of them
 // than the reference predicts.
 TEST_F(VerdictTest, ATextbooksSphereFailsWhereItLosesDigits) {
-    const Case c = fileCase("stiff/bead_on_planet", 64, 48);
+    const Case c = fileCase("stiff/bead_on_planet", 32, 24);
     Renderer renderer(device(), c.packed);
     verify::Options options;
     options.methods.spheres = SphereMethod::Algebraic;
