@@ -1,7 +1,6 @@
 // The hundred million rays of the label slow: by hand, some minutes.
 #include "../render/support.h"
 #include "closed_meshes.h"
-#include "limbs.h"
 
 namespace glint::stability::slow_test {
 namespace {
@@ -10,10 +9,6 @@ class SlowLeakTest : public render::test::RenderTest {};
 
 TEST_F(SlowLeakTest, AHundredMillionAimedRays) {
     expectNoLeaks({&device(), {}}, 100000000);
-}
-
-TEST_F(SlowLeakTest, AHundredMillionRaysAtLimbs) {
-    expectLimbsExplained(device(), 100000000);
 }
 
 }  // namespace

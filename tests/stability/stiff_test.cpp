@@ -9,7 +9,6 @@
 
 #include "../render/support.h"
 #include "import/load.h"
-#include "limbs.h"
 #include "support/support.h"
 #include "verify/verify.h"
 
@@ -58,13 +57,6 @@ TEST_P(StiffTest, NothingIsUnexplained) {
     const auto misses = std::count_if(picture.data.begin(), picture.data.end(),
                                       [](const PixelData& d) { return d.object == PixelData::kNoIndex; });
     EXPECT_LT(misses, c.width * c.height * 9 / 10);
-}
-
-class LimbsTest : public RenderTest {};
-
-// AHundredMillionRaysAtLimbs of the label slow casts more.
-TEST_F(LimbsTest, AreExplained) {
-    expectLimbsExplained(device(), 200000);
 }
 
 class PrismTest : public RenderTest {};
