@@ -8,7 +8,7 @@
 // Whether the mean of `count` samples is uncertain. spread: the sum of their squared differences from it.
 bool needsMore(vec3 mean, vec3 spread, uint count) {
     vec3 bound = dispatch.threshold * max(mean, vec3(kDarkestMean));
-    vec3 errorSquared = spread / (float(count) * float(max(count, 2u) - 1u));
+    vec3 errorSquared = quotient(spread, float(count) * float(max(count, 2u) - 1u));
     return any(greaterThan(errorSquared, bound * bound));
 }
 
@@ -25,11 +25,12 @@ void main() {
         takes = spread.w == 1u;
     }
     uvec4 taken = loadRow(kRowRadiance, path);
-    vec3 radiance = uintBitsToFloat(taken.xyz) / loadSample(kFirstSample + dispatch.sampleIndex).weight;
+    vec3 radiance =
+        quotient(uintBitsToFloat(taken.xyz), loadSample(kFirstSample + dispatch.sampleIndex).weight);
     // B. P. Welford, Technometrics 4(3), 1962.
     uint count = mean.w + 1u;
     vec3 difference = radiance - uintBitsToFloat(mean.xyz);
-    vec3 newMean = uintBitsToFloat(mean.xyz) + difference / float(count);
+    vec3 newMean = uintBitsToFloat(mean.xyz) + quotient(difference, float(count));
     vec3 newSpread = uintBitsToFloat(spread.xyz) + difference * (radiance - newMean);
     bool goesOn = dispatch.lastOfRound == 0u || needsMore(newMean, newSpread, count);
     if (takes) {

@@ -107,7 +107,7 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
             int sc = ec != 0.0 ? (ec > 0.0 ? 1 : -1) : sideExactly(seen.b, seen.a);
             crosses = sa != 0 && sa == sb && sa == sc;
             precise float det = ea + eb + ec;
-            precise float inverse = 1.0 / det;
+            precise float inverse = quotient(1.0, det);
             precise float wHit = ea * inverse;
             precise float uHit = eb * inverse;
             precise float vHit = ec * inverse;

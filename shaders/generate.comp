@@ -37,7 +37,7 @@ void main() {
         origin = moved;
         direction = turned;
     }
-    precise vec3 unit = direction / length(direction);
+    precise vec3 unit = quotient(direction, length(direction));
     bool takes = inside;
     if (MODE_ADAPTIVE && dispatch.sampleIndex != 0u) takes = loadRow(kRowSpread, path).w == 1u;
     storeRay(path, Ray(origin, unit, takes ? camera.nearT : kInfinity, camera.farT, kNone, kNone));

@@ -36,8 +36,8 @@ vec3 turnNormal(Instance instance, vec3 normal) {
 vec3 normalInWorld(Instance instance, vec3 normal) {
     vec3 n = turnNormal(instance, normal);
     float size = greatestComponent(n);
-    precise vec3 scaled = size > 0.0 ? n / size : n;
-    precise vec3 unit = scaled / (size > 0.0 ? length(scaled) : 1.0);
+    precise vec3 scaled = size > 0.0 ? quotient(n, size) : n;
+    precise vec3 unit = quotient(scaled, size > 0.0 ? length(scaled) : 1.0);
     return unit;
 }
 
@@ -45,7 +45,7 @@ vec3 normalInWorld(Instance instance, vec3 normal) {
 float stretchOfNormal(Instance instance, vec3 normal) {
     float unit = larger(greatestComponent(instance.toObjectX),
                         larger(greatestComponent(instance.toObjectY), greatestComponent(instance.toObjectZ)));
-    return max(length(turnNormal(instance, normal) / unit), 1e-30);
+    return max(length(quotient(turnNormal(instance, normal), unit)), 1e-30);
 }
 
 vec3 sizesInWorld(Instance instance, vec3 sizes) {

@@ -33,8 +33,9 @@ struct LightSample {
 float spotFactor(Light light, vec3 toLight) {
     vec3 sum = light.axis + toLight;
     float away = min(0.5 * dot(sum, sum), 2.0);
-    float s =
-        away <= light.inner ? 1.0 : max(light.outer - away, 0.0) / max(light.outer - light.inner, 1e-30);
+    float s = away <= light.inner
+                  ? 1.0
+                  : quotient(max(light.outer - away, 0.0), max(light.outer - light.inner, 1e-30));
     return s * s * (3.0 - 2.0 * s);
 }
 
@@ -44,11 +45,11 @@ LightSample sampleLight(Light light, vec3 position) {
         precise vec3 toLight = light.position - position;
         float distance = length(toLight);
         s.toLight = toLight;
-        s.direction = toLight / distance;
+        s.direction = quotient(toLight, distance);
         s.tMax = kShadowEnd;
         s.valid = distance > kNearestLight;
         bool fades = light.kind == kLightPointInverseSquare || light.kind == kLightSpotInverseSquare;
-        if (fades) s.intensity = light.intensity / distance / distance;
+        if (fades) s.intensity = quotient(quotient(light.intensity, distance), distance);
     }
     if (FEATURE_SPOT_LIGHTS && (light.kind == kLightSpot || light.kind == kLightSpotInverseSquare)) {
         float factor = spotFactor(light, s.direction);

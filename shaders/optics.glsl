@@ -80,7 +80,7 @@ vec3 transmittance(uint medium, float way) {
     if (!FEATURE_ATTENUATION) return vec3(1.0);
     vec3 attenuation = attenuationOf(medium);
     // exp(-120) is no normal float.
-    vec3 left = exp(-min(attenuation * min(way, kInfinity), vec3(120.0)));
+    vec3 left = exponential(-min(attenuation * min(way, kInfinity), vec3(120.0)));
     return mix(left, vec3(1.0), equal(attenuation, vec3(0.0)));
 }
 
@@ -100,16 +100,16 @@ Split splitAbout(vec3 m, vec3 d, float eta) {
     precise float c = min(-dot(d, m), 1.0);
     precise float sinSquare = (1.0 - c) * (1.0 + c);
     precise float sinSquareAfter = (eta * eta) * sinSquare;
-    precise float cAfter = sqrt(max(1.0 - sinSquareAfter, 0.0));
-    precise float along = (c - eta * cAfter) / (c + eta * cAfter);
-    precise float across = (eta * c - cAfter) / (eta * c + cAfter);
+    precise float cAfter = squareRoot(max(1.0 - sinSquareAfter, 0.0));
+    precise float along = quotient(c - eta * cAfter, c + eta * cAfter);
+    precise float across = quotient(eta * c - cAfter, eta * c + cAfter);
     precise vec3 reflected = d + (2.0 * c) * m;
     precise vec3 refracted = eta * d + (eta * c - cAfter) * m;
     Split s;
     s.total = sinSquareAfter >= 1.0;
     s.reflectance = s.total ? 1.0 : 0.5 * (along * along + across * across);
-    s.reflected = reflected / length(reflected);
-    s.refracted = refracted / length(refracted);
+    s.reflected = quotient(reflected, length(reflected));
+    s.refracted = quotient(refracted, length(refracted));
     return s;
 }
 
@@ -134,7 +134,7 @@ vec3 mirrored(Surface surface, vec3 direction) {
     precise vec3 aboutNormal =
         direction - 2.0 * dot(direction, surface.geometricNormal) * surface.geometricNormal;
     precise vec3 chosen = dot(r, surface.geometricNormal) > 0.0 ? r : aboutNormal;
-    precise vec3 unit = chosen / length(chosen);
+    precise vec3 unit = quotient(chosen, length(chosen));
     return unit;
 }
 

@@ -41,7 +41,7 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
     if (kHasTextures && optics.transmissionTexture != 0u) {
         // Only triangles have texture coordinates of their own, within instances too.
         if (!inInstance) fillObjectUv(kind, surface);
-        depth -= log(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
+        depth -= logarithm(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
     }
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - hit.t) * passage.scale;
@@ -52,7 +52,7 @@ bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
 }
 
 vec3 lightThrough(Passage passage) {
-    return mix(exp(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
+    return mix(exponential(-max(passage.depth, vec3(0.0))), vec3(1.0), equal(passage.depth, vec3(0.0)));
 }
 
 #endif

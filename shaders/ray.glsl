@@ -9,7 +9,7 @@
 // gamma_n = n u / (1 - n u), u = 2^-24: the bound on the relative error of n roundings (Higham, Accuracy and
 // Stability, 2002, sec. 3.1).
 const float kUnit = 5.9604645e-8;
-float gammaBound(float n) { return n * kUnit / (1.0 - n * kUnit); }
+float gammaBound(float n) { return quotient(n * kUnit, 1.0 - n * kUnit); }
 
 // max() without its promise about NaN, which costs lavapipe two more instructions.
 float larger(float a, float b) { return a > b ? a : b; }
@@ -59,7 +59,7 @@ RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     guarded.x = abs(d.x) < kTiny ? ((floatBitsToUint(d.x) >> 31) != 0u ? -kTiny : kTiny) : d.x;
     guarded.y = abs(d.y) < kTiny ? ((floatBitsToUint(d.y) >> 31) != 0u ? -kTiny : kTiny) : d.y;
     guarded.z = abs(d.z) < kTiny ? ((floatBitsToUint(d.z) >> 31) != 0u ? -kTiny : kTiny) : d.z;
-    precise vec3 inverse = 1.0 / guarded;
+    precise vec3 inverse = quotient(1.0, guarded);
     frame.inverse = inverse;
     frame.negative = lessThan(inverse, vec3(0.0));
     frame.nearOrigin = o;
@@ -74,7 +74,7 @@ RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     vec3 a = abs(d);
     frame.axis = a.x > a.y ? (a.x > a.z ? 0u : 2u) : (a.y > a.z ? 1u : 2u);
     vec3 turned = turnToZ(d, frame.axis);
-    precise float sz = 1.0 / turned.z;
+    precise float sz = quotient(1.0, turned.z);
     precise float sx = turned.x * sz;
     precise float sy = turned.y * sz;
     frame.shear = vec3(sx, sy, sz);

@@ -83,17 +83,17 @@ float filmOffset(uint place, uint table) {
     ivec2 ends = ivec2((cell & 1u) == 0u ? row.xy : row.zw);
     int fraction = int((place >> (kFilterCellShift - 12u)) & 4095u);
     int distance = ends.x + (((ends.y - ends.x) * fraction) >> 12);
-    return 0.5 + float(distance) / float(1u << kFilterBits);
+    return 0.5 + float(distance) * (1.0 / float(1u << kFilterBits));
 }
 
 // The concentric map of the square onto the unit disc (P. Shirley, K. Chiu, "A Low Distortion Map Between
 // Disk and Square", JGT 2(3), 1997). Its angles are no greater than pi/4, where Taylor's polynomials are good
 // to (pi/4)^11 / 11! = 1.8e-9 and (pi/4)^10 / 10! = 2.5e-8; Vulkan asks of sin and cos for 2^-11 only.
 vec2 concentricDisc(uvec2 place) {
-    vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) / float(1 << 23);
+    vec2 p = vec2(ivec2(place >> 8) - (1 << 23)) * (1.0 / float(1 << 23));
     bool wide = abs(p.x) > abs(p.y);
     float radius = wide ? p.x : p.y;
-    precise float angle = radius == 0.0 ? 0.0 : 0.78539816339 * ((wide ? p.y : p.x) / radius);
+    precise float angle = radius == 0.0 ? 0.0 : 0.78539816339 * quotient(wide ? p.y : p.x, radius);
     precise float q = angle * angle;
     precise float sine =
         angle * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362880.0)))));

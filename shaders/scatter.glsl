@@ -55,9 +55,9 @@ vec3 evaluate(Interaction at, vec3 toLight) {
     if (FEATURE_SPECULAR) {
         vec3 sum = toLight + -at.ray.direction;
         float size = length(sum);
-        float cosine = dot(at.surface.shadingNormal, sum) / max(size, 1e-30);
+        float cosine = quotient(dot(at.surface.shadingNormal, sum), max(size, 1e-30));
         float shininess = at.material.shininess;
-        float power = shininess == 0.0 ? 1.0 : pow(clamp(cosine, 0.0, 1.0), shininess);
+        float power = shininess == 0.0 ? 1.0 : powerOf(clamp(cosine, 0.0, 1.0), shininess);
         if (size > 0.0 && cosine > 0.0) part += at.material.specular * power;
     }
     return part;
@@ -100,7 +100,7 @@ Scattering scatteringAt(Interaction at) {
     Scattering s = mirrorAt(at);
     if (FEATURE_TRANSMISSION) {
         bool dielectric = at.material.medium != 0u;
-        float eta = iorOf(at.crossing.mediumBefore) / iorOf(at.crossing.mediumAfter);
+        float eta = quotient(iorOf(at.crossing.mediumBefore), iorOf(at.crossing.mediumAfter));
         bool splits = dielectric && at.crossing.counts && eta != 1.0;
         Split split = splitAt(at.surface, at.ray.direction, splits ? eta : 1.0);
         s.reflects = at.isHit && at.crossing.counts && (splits || s.reflects);

@@ -93,10 +93,14 @@ uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 
 #define GLINT_FEATURE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool FEATURE_##NAME = true;
 #define GLINT_MODE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool MODE_##NAME = false;
+#define GLINT_ARITHMETIC_CONSTANT(ID, NAME, field) layout(constant_id = ID) const bool NAME = false;
 #define GLINT_CHOICE_CONSTANT(ID, NAME, field) layout(constant_id = ID) const uint NAME = 0u;
 GLINT_FEATURES(GLINT_FEATURE_CONSTANT)
 GLINT_MODES(GLINT_MODE_CONSTANT)
 GLINT_CHOICES(GLINT_CHOICE_CONSTANT)
 GLINT_LANE_WALK(GLINT_CHOICE_CONSTANT)
+GLINT_ARITHMETIC(GLINT_ARITHMETIC_CONSTANT)
+
+#include "arithmetic.glsl"
 
 #endif

@@ -16,7 +16,7 @@ float turnsOf(float y, float x) {
     float ay = abs(y);
     float longer = ax > ay ? ax : ay;
     float shorter = ax > ay ? ay : ax;
-    precise float r = longer > 0.0 ? shorter / longer : 0.0;
+    precise float r = longer > 0.0 ? quotient(shorter, longer) : 0.0;
     precise float s = r * r;
     precise float sum = 0.0028662257 * s - 0.0161657367;
     sum = sum * s + 0.0429096138;
@@ -35,7 +35,7 @@ float turnsOf(float y, float x) {
 // Latitude and longitude of a direction of any length, y up: u = 1/2 at +z, growing towards +x; v = 0
 // straight down, 1 straight up.
 vec2 latitudeLongitude(vec3 d) {
-    precise float ring = sqrt(d.x * d.x + d.z * d.z);
+    precise float ring = squareRoot(d.x * d.x + d.z * d.z);
     precise float u = 0.5 + turnsOf(d.x, d.z);
     precise float v = 0.5 + 2.0 * turnsOf(d.y, ring);
     return vec2(u, v);

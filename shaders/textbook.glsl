@@ -30,13 +30,13 @@ bool triangleByCramer(Ray ray, Triangle triangle, out float t, out float u, out 
     precise float akJb = p.x * w.y - w.x * p.y;
     precise float jcAl = w.x * p.z - p.x * w.z;
     precise float blKc = p.y * w.z - w.y * p.z;
-    precise float tHit = -(q.z * akJb + q.y * jcAl + q.x * blKc) / m;
+    precise float tHit = quotient(-(q.z * akJb + q.y * jcAl + q.x * blKc), m);
     t = tHit;
     if (!inInterval(ray, tHit)) return false;
-    precise float gamma = (d.z * akJb + d.y * jcAl + d.x * blKc) / m;
+    precise float gamma = quotient(d.z * akJb + d.y * jcAl + d.x * blKc, m);
     v = gamma;
     if (gamma < 0.0 || gamma > 1.0) return false;
-    precise float beta = (w.x * eiHf + w.y * gfDi + w.z * dhEg) / m;
+    precise float beta = quotient(w.x * eiHf + w.y * gfDi + w.z * dhEg, m);
     u = beta;
     return beta >= 0.0 && beta <= 1.0 - gamma;
 }
@@ -49,7 +49,7 @@ bool triangleByProjection(Ray ray, Triangle triangle, out float t, out float u, 
     precise vec3 n = cross(e1, e2);
     precise float speed = dot(n, ray.direction);
     precise vec3 w = triangle.v0 - ray.origin;
-    precise float tHit = dot(n, w) / speed;
+    precise float tHit = quotient(dot(n, w), speed);
     precise vec3 point = tHit * ray.direction - w;
     vec3 size = abs(n);
     uint axis = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
@@ -57,8 +57,8 @@ bool triangleByProjection(Ray ray, Triangle triangle, out float t, out float u, 
     vec2 b = turnToZ(e2, axis).xy;
     vec2 p = turnToZ(point, axis).xy;
     precise float area = a.x * b.y - a.y * b.x;
-    precise float beta = (p.x * b.y - p.y * b.x) / area;
-    precise float gamma = (a.x * p.y - a.y * p.x) / area;
+    precise float beta = quotient(p.x * b.y - p.y * b.x, area);
+    precise float gamma = quotient(a.x * p.y - a.y * p.x, area);
     precise float sum = beta + gamma;
     t = tHit;
     u = beta;
@@ -73,15 +73,15 @@ bool triangleInSpace(Ray ray, Triangle triangle, out float t, out float u, out f
     precise vec3 e2 = triangle.v1 - triangle.v0;
     precise vec3 n = cross(e2, -e1);
     precise float speed = dot(n, ray.direction);
-    precise float tHit = dot(n, triangle.v0 - ray.origin) / speed;
+    precise float tHit = quotient(dot(n, triangle.v0 - ray.origin), speed);
     precise vec3 point = ray.origin + tHit * ray.direction;
     precise float w0 = dot(n, cross(e0, point - triangle.v1));
     precise float w1 = dot(n, cross(e1, point - triangle.v2));
     precise float w2 = dot(n, cross(e2, point - triangle.v0));
     precise float sum = w0 + w1 + w2;
     t = tHit;
-    u = w1 / sum;
-    v = w2 / sum;
+    u = quotient(w1, sum);
+    v = quotient(w2, sum);
     return speed != 0.0 && inInterval(ray, tHit) && w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 && sum > 0.0;
 }
 
@@ -104,9 +104,9 @@ bool sphereByEquation(Ray ray, Sphere sphere, bool own, out float t) {
     precise float c = dot(o, o) - sphere.radius * sphere.radius;
     if (own) c = 0.0;
     precise float disc = b * b - 4.0 * a * c;
-    precise float root = own ? abs(b) : sqrt(larger(disc, 0.0));
-    precise float t0 = (-b - root) / (2.0 * a);
-    precise float t1 = (-b + root) / (2.0 * a);
+    precise float root = own ? abs(b) : squareRoot(larger(disc, 0.0));
+    precise float t0 = quotient(-b - root, 2.0 * a);
+    precise float t1 = quotient(-b + root, 2.0 * a);
     return nearer(ray, t0, t1, t) && (own || disc >= 0.0);
 }
 
@@ -115,10 +115,10 @@ bool sphereByEquation(Ray ray, Sphere sphere, bool own, out float t) {
 bool sphereByDistance(Ray ray, Sphere sphere, bool own, out float t) {
     precise vec3 w = sphereCenter(sphere) - ray.origin;
     precise float a = dot(ray.direction, ray.direction);
-    precise float closest = dot(w, ray.direction) / a;
+    precise float closest = quotient(dot(w, ray.direction), a);
     precise float square = dot(w, w) - closest * closest * a;
-    precise float half2 = (sphere.radius * sphere.radius - square) / a;
-    precise float chord = own ? abs(closest) : sqrt(larger(half2, 0.0));
+    precise float half2 = quotient(sphere.radius * sphere.radius - square, a);
+    precise float chord = own ? abs(closest) : squareRoot(larger(half2, 0.0));
     precise float t0 = closest - chord;
     precise float t1 = closest + chord;
     return nearer(ray, t0, t1, t) && (own || half2 >= 0.0);

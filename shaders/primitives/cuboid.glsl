@@ -20,7 +20,7 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     vec3 o = cuboidLocal(cuboid, offset);
     vec3 d = cuboidLocal(cuboid, ray.direction);
     bvec3 parallel = lessThan(abs(d), vec3(2.3509887e-38));  // 2^-125: 1/d stays finite
-    precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
+    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), parallel));
     precise vec3 toLo = (cuboid.lo - o) * inverse;
     precise vec3 toHi = (cuboid.hi - o) * inverse;
     bvec3 backwards = lessThan(d, vec3(0.0));
@@ -67,7 +67,7 @@ void surfaceOfCuboid(Ray ray, Hit hit, Cuboid cuboid, inout Surface surface) {
     surface.error = gammaBound(7.0) * (abs(projected) + abs(cuboid.point));
     surface.geometricNormal = upper ? row : -row;
     surface.shadingNormal = surface.geometricNormal;
-    precise vec3 share = (cuboidLocal(cuboid, projected) - cuboid.lo) / (cuboid.hi - cuboid.lo);
+    precise vec3 share = quotient(cuboidLocal(cuboid, projected) - cuboid.lo, cuboid.hi - cuboid.lo);
     precise vec3 rest = 1.0 - share;
     surface.uv = axis == 0u ? vec2(upper ? rest.z : share.z, share.y)
                             : (axis == 1u ? vec2(share.x, upper ? rest.z : share.z)

@@ -10,7 +10,7 @@ bool intersectDisc(Ray ray, Disc disc, out float t) {
     precise vec3 toCenter = disc.center - ray.origin;
     precise float speed = dot(disc.normal, ray.direction);
     precise float height = dot(disc.normal, toCenter);
-    precise float tHit = height / speed;
+    precise float tHit = quotient(height, speed);
     precise vec3 offset = tHit * ray.direction - toCenter;
     precise float square = dot(offset, offset);
     precise float limit = disc.radius * disc.radius;

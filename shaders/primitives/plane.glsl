@@ -9,7 +9,7 @@
 bool intersectPlane(Ray ray, Plane plane, out float t) {
     precise float speed = dot(plane.normal, ray.direction);
     precise float height = dot(plane.normal, plane.point - ray.origin);
-    precise float tHit = height / speed;
+    precise float tHit = quotient(height, speed);
     t = tHit;
     return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }

@@ -29,7 +29,7 @@ bool crosses(vec3 a, vec3 b) {
 bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
     precise float speed = dot(polygon.normal, ray.direction);
     precise float height = dot(polygon.normal, polygon.point - ray.origin);
-    precise float tPlane = height / speed;
+    precise float tPlane = quotient(height, speed);
     bool inside = false;
     uint vertex = polygon.firstVertex;
     uint end = vertex + polygon.trips * kPolygonEdgesPerTrip;

@@ -33,7 +33,7 @@ QuadricSpan passThrough(Quadric q, vec3 o, vec3 d, uint ownCap) {
     // Below 2^-100 of its length a component of d moves the ray by nothing that counts, and 1/d would
     // overflow. Boxes are closed.
     bvec3 parallel = lessThan(abs(d), vec3(7.9e-31));
-    precise vec3 inverse = 1.0 / mix(d, vec3(1.0), parallel);
+    precise vec3 inverse = quotient(1.0, mix(d, vec3(1.0), parallel));
     precise vec3 tLo = (q.lo - o) * inverse;
     precise vec3 tHi = (q.hi - o) * inverse;
     if (ownCap == kPartLowerCap) tLo.z = 0.0;
@@ -71,10 +71,10 @@ struct Crossings {
 Crossings crossingsOf(float A, float B, float C, float slack, float start) {
     precise float disc = B * B - A * C;
     bool real = disc >= -slack;
-    precise float root = sqrt(larger(disc, 0.0));
+    precise float root = squareRoot(larger(disc, 0.0));
     precise float q = -(B + (B < 0.0 ? -root : root));
-    precise float r0 = start + (q == 0.0 ? 0.0 : C / q);
-    precise float r1 = start + q / (A == 0.0 ? 1.0 : A);
+    precise float r0 = start + (q == 0.0 ? 0.0 : quotient(C, q));
+    precise float r1 = start + quotient(q, A == 0.0 ? 1.0 : A);
     Crossings c;
     c.between = A > 0.0;
     c.lower = r0 < r1 ? r0 : r1;
@@ -152,7 +152,7 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
     precise float B = dot(y, image) + along2;
     precise vec3 form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
     precise float C = dot(y, form) + q.constant;
-    precise float middle = A * C <= 0.5 * B * B ? 0.0 : -B / A;
+    precise float middle = A * C <= 0.5 * B * B ? 0.0 : quotient(-B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
     bool fromSide = own && ownPart == kPartSide;
@@ -207,22 +207,22 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     precise vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
     float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
     QuadricPoint found;
-    found.normal = -ray.direction / length(ray.direction);
+    found.normal = quotient(-ray.direction, length(ray.direction));
     float left = 0.0;
     if (steepest > 1e-30) {
-        precise vec3 scaled = gradient / steepest;
+        precise vec3 scaled = quotient(gradient, steepest);
         float size = length(scaled);
-        precise vec3 unit = scaled / size;
-        float unitLength = length(slope) / (steepest * size);
-        float limit = sqrt(gammaBound(12.0) * magnitude) * unitLength;
-        precise float newton = value / steepest / size;
+        precise vec3 unit = quotient(scaled, size);
+        float unitLength = quotient(length(slope), steepest * size);
+        float limit = squareRoot(gammaBound(12.0) * magnitude) * unitLength;
+        precise float newton = quotient(quotient(value, steepest), size);
         precise float step = part == kPartSide ? clamp(newton, -limit, limit) : newton;
         precise vec3 moved = offset - step * unit;
         offset = moved;
         found.normal = unit;
         vec3 spread = abs(slope.x * q.toLocal0) + abs(slope.y * q.toLocal1) + abs(slope.z * q.toLocal2);
-        left =
-            (gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset))) / (steepest * size);
+        left = quotient(gammaBound(12.0) * magnitude + gammaBound(5.0) * dot(spread, abs(offset)),
+                        steepest * size);
         if (part == kPartSide) left = min(left, limit);
     }
     precise vec3 position = q.point + offset;

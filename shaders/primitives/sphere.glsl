@@ -8,10 +8,10 @@
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
 // Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.
 bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t) {
-    precise float root = sqrt(max(disc, 0.0));
+    precise float root = squareRoot(max(disc, 0.0));
     precise float q = -(b + (b < 0.0 ? -root : root));
-    precise float r0 = c / q;
-    precise float r1 = q / a;
+    precise float r0 = quotient(c, q);
+    precise float r1 = quotient(q, a);
     float lower = r0 < r1 ? r0 : r1;
     float upper = r0 < r1 ? r1 : r0;
     bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
@@ -28,7 +28,7 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
     precise float b = dot(o, ray.direction);
-    precise vec3 perpendicular = o - (b / a) * ray.direction;
+    precise vec3 perpendicular = o - quotient(b, a) * ray.direction;
     precise float disc = a * (sphere.radius * sphere.radius - dot(perpendicular, perpendicular));
     precise float c = dot(o, o) - sphere.radius * sphere.radius;
     if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
@@ -77,24 +77,26 @@ vec3 towardsRayAtLimb(Ray ray, Hit hit, Sphere sphere, vec3 outward) {
     float square = dot(w, w);
     float size = dot(ray.direction, ray.direction);
     bool own = ray.source == hit.primitive && ray.sourceInstance == hit.instance;
-    bool isLimb = away > 0.0 && away * away <= gammaBound(8.0) * gammaBound(8.0) * size * square /
-                                                   (sphere.radius * sphere.radius);
+    float sine = quotient(gammaBound(8.0) * gammaBound(8.0) * size * square, sphere.radius * sphere.radius);
+    bool isLimb = away > 0.0 && away * away <= sine;
     isLimb = isLimb && !(own && SPHERE_FORM == kSphereRobust);
-    return isLimb && square > sphere.radius * sphere.radius ? outward - 2.0 * away / size * ray.direction
-                                                            : outward;
+    return isLimb && square > sphere.radius * sphere.radius
+               ? outward - quotient(2.0 * away, size) * ray.direction
+               : outward;
 }
 
 // The point o + t d is moved back to the sphere: gamma_5 of its offset from the centre (PBRT sec. 6.8.5),
 // plus the rounding of adding the centre.
 void surfaceOfSphere(Ray ray, Hit hit, Sphere sphere, inout Surface surface) {
     precise vec3 offset = (ray.origin - sphere.point) + hit.t * ray.direction;
-    precise vec3 outward = offset / length(offset);
+    precise vec3 outward = quotient(offset, length(offset));
     precise vec3 scaled = outward * sphere.radius;
     if (FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0)) {
         // One Newton step along the normal on |x|^2 + 2 r n.x = 0, x measured from the anchor.
-        precise vec3 away = offset / sphere.radius + sphere.anchorNormal;
-        precise vec3 unit = away / length(away);
-        precise float height = dot(offset, offset) / (2.0 * sphere.radius) + dot(offset, sphere.anchorNormal);
+        precise vec3 away = quotient(offset, sphere.radius) + sphere.anchorNormal;
+        precise vec3 unit = quotient(away, length(away));
+        precise float height =
+            quotient(dot(offset, offset), 2.0 * sphere.radius) + dot(offset, sphere.anchorNormal);
         precise vec3 corrected = offset - height * unit;
         outward = unit;
         scaled = corrected;

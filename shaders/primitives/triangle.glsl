@@ -36,7 +36,7 @@ bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float 
     precise float az = frame.shear.z * a.z;
     precise float bz = frame.shear.z * b.z;
     precise float cz = frame.shear.z * c.z;
-    precise float inverse = 1.0 / det;
+    precise float inverse = quotient(1.0, det);
     precise float wHit = ea * inverse;
     precise float uHit = eb * inverse;
     precise float vHit = ec * inverse;
@@ -144,12 +144,13 @@ void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
         vec3 weights = vec3(w, hit.u, hit.v);
         if (FEATURE_INSTANCES && hit.instance != kNone) {
             // Unit vectors in the world are what is interpolated there.
-            weights /= vec3(stretchOfNormal(instance, corners.n0), stretchOfNormal(instance, corners.n1),
-                            stretchOfNormal(instance, corners.n2));
+            weights = quotient(
+                weights, vec3(stretchOfNormal(instance, corners.n0), stretchOfNormal(instance, corners.n1),
+                              stretchOfNormal(instance, corners.n2)));
         }
         vec3 sum = weights.x * corners.n0 + weights.y * corners.n1 + weights.z * corners.n2;
         float size = dot(sum, sum);
-        vec3 direction = sum * inversesqrt(max(size, 1e-30));
+        vec3 direction = quotient(sum, squareRoot(max(size, 1e-30)));
         if (smoothed && size > 1e-30)
             surface.shadingNormal = dot(direction, details.normal) < 0.0 ? -direction : direction;
     }

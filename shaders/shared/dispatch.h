@@ -60,6 +60,12 @@
     X(75, NODE_FORMAT, nodes) \
     X(76, STACK_PLACE, stack)
 
+// X(constant id, GLSL name, C++ field of OwnArithmetic): what the device does not round correctly by
+// itself, so that shaders/arithmetic.glsl does.
+#define GLINT_ARITHMETIC(X)         \
+    X(80, OWN_QUOTIENTS, quotients) \
+    X(81, OWN_ROOTS, roots)
+
 // One dispatch covers `groups` tiles of a slice, one workgroup each. Workgroup w works on tile
 // firstTile + (w mod run) * interleave + w / run, with run = groups / interleave: llvmpipe gives each of its
 // threads an equal contiguous part of the workgroups, which interleaving spreads over the picture. region:

@@ -152,6 +152,16 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
     return static_cast<int>(ExitCode::Done);
 }
 
+std::string arithmeticText(const gpu::DeviceInfo& device) {
+    try {
+        gpu::DeviceOptions options;
+        options.selector = std::to_string(device.index);
+        return gpu::Device(options).arithmetic().text();
+    } catch (const Error& e) {
+        return std::string("could not be tried: ") + e.what();
+    }
+}
+
 int printDevices(std::ostream& out) {
     std::vector<gpu::DeviceInfo> devices;
     try {
@@ -175,6 +185,7 @@ int printDevices(std::ostream& out) {
                 : d.index == chosen ? "chosen: "
                                     : "usable: ")
             << d.reason << '\n';
+        if (d.usable) out << "   arithmetic: " << arithmeticText(d) << '\n';
     }
     if (!refusal.empty()) throw Error(ErrorKind::Device, refusal);
     return static_cast<int>(ExitCode::Done);

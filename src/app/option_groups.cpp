@@ -107,6 +107,7 @@ void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
     if (device.validation) throw Error(ErrorKind::Argument, "--validation: needs --backend gpu");
     if (device.traversal != render::Traversal::Auto)
         throw Error(ErrorKind::Argument, "--traversal: needs --backend gpu");
+    if (device.reproducible) throw Error(ErrorKind::Argument, "--reproducible: needs --backend gpu");
 }
 
 }  // namespace glint::app

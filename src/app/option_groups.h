@@ -37,6 +37,7 @@ struct DeviceChoice {
     std::string selector;
     bool validation = false;
     render::Traversal traversal = render::Traversal::Auto;
+    bool reproducible = false;  // render::Options::ownArithmetic
 };
 
 void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE

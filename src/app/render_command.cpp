@@ -17,6 +17,7 @@
 #include "core/interrupt.h"
 #include "core/near_names.h"
 #include "core/parallel.h"
+#include "core/picture_hash.h"
 #include "core/stopwatch.h"
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
@@ -52,6 +53,11 @@ void declare(OptionTable& table, RenderCommand& c) {
     addBackend(table, c.backend);
     addDevice(table, c.device);
     addTraversal(table, c.device);
+    table.flag(
+        "--reproducible",
+        "do not rely on the device's quotients and square roots, even where they proved to be correctly "
+        "rounded",
+        c.device.reproducible);
     table.value("--aov", "LIST",
                 "layers, with commas: " + joinNames(kEnumNames<Aov>) +
                     "; an EXR holds them all, other formats get a file for each",
@@ -69,9 +75,11 @@ struct Outcome {
     Picture picture;
     std::optional<converge::Result> converged;  // its picture is `picture`
     std::string device, driver;
-    std::string traversal;  // empty on the host
+    std::string traversal;                      // empty on the host
+    std::optional<gpu::Arithmetic> arithmetic;  // the device's
     render::StageTimes times;
     std::vector<std::filesystem::path> files;
+    std::string hash;  // of the picture, as it is written
     double writeSeconds = 0, totalSeconds = 0;
 };
 
@@ -131,12 +139,14 @@ Picture drawn(const converge::Draw& draw, const Request& request, const std::opt
 
 // Faults that the validation layer finds are reported once the picture is written.
 void renderOnDevice(const gpu::Device& device, const LoadedScene& loaded, const Request& request,
-                    render::Traversal traversal, const std::optional<converge::Job>& job, Outcome& outcome) {
+                    const DeviceChoice& choice, const std::optional<converge::Job>& job, Outcome& outcome) {
     outcome.device = device.info().name;
     outcome.driver = device.info().driver;
     render::Options options;
-    options.traversal = traversal;
+    options.traversal = choice.traversal;
+    options.ownArithmetic = choice.reproducible;
     options.expected = &request;
+    outcome.arithmetic = device.arithmetic();
     render::Renderer renderer(device, loaded.packed, options);
     outcome.traversal = render::nameOf(renderer.traversal(request.methods));
     const shared::Camera camera = cameraOf(loaded);
@@ -201,6 +211,8 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     if (!outcome.traversal.empty()) json["traversal"] = outcome.traversal;
     json["files"] = nlohmann::json::array();
     for (const auto& file : outcome.files) json["files"].push_back(file.string());
+    json["hash"] = outcome.hash;
+    json["reproducible"] = outcome.arithmetic && outcome.arithmetic->sharesBits();
     json["complete"] = outcome.picture.complete;
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
@@ -244,6 +256,10 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
     }
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
     out << "device: " << outcome.device << ", " << outcome.driver << '\n';
+    out << "hash: " << outcome.hash;
+    if (outcome.arithmetic && !outcome.arithmetic->sharesBits())
+        out << " (this device " << outcome.arithmetic->text() << ')';
+    out << '\n';
     out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
         << formatSeconds(loaded.packSeconds);
     if (t.submissions > 0) {
@@ -295,8 +311,11 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     // each other. What is wrong with the scene is said first.
     std::future<gpu::Device> opening;
     if (command.backend == Backend::Gpu) {
-        opening = std::async(std::launch::async | std::launch::deferred,
-                             [&device = command.device] { return openDevice(device, true); });
+        opening = std::async(std::launch::async | std::launch::deferred, [&choice = command.device] {
+            gpu::Device device = openDevice(choice, true);
+            device.arithmetic();  // a few milliseconds the first time
+            return device;
+        });
     }
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     const Region region = checkedRegion(command, loaded.scene);
@@ -315,7 +334,7 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
             renderOnHost(loaded, request, job, outcome);
         } else {
             device.emplace(opening.get());
-            renderOnDevice(*device, loaded, request, command.device.traversal, job, outcome);
+            renderOnDevice(*device, loaded, request, command.device, job, outcome);
         }
     }
     if (!command.quiet) warnAboutPicture(outcome, command, loaded, err);
@@ -325,6 +344,7 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     if (!anyDone) checkComplete(outcome);
 
     const Stopwatch writing;
+    outcome.hash = pictureHash(outcome.picture.color);
     outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs));
     outcome.writeSeconds = writing.seconds();
     outcome.totalSeconds = total.seconds();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "gpu/probe.h"
 
 namespace glint::gpu {
 
@@ -86,6 +87,9 @@ class Device {
     Device& operator=(Device&&) noexcept;
 
     const DeviceInfo& info() const;
+    // Computes 2^16 cases the first time that a device of this name and driver is asked: milliseconds.
+    // Throws Error(Device) as any kernel may.
+    const Arithmetic& arithmetic() const;
     // Messages of the validation layer so far (errors and warnings), and whether the layer was there at all.
     std::vector<std::string> validationMessages() const;
     bool validationActive() const;

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "gpu/device_state.h"
 #include "gpu/specialize.h"
+#include "gpu/strict.h"
 
 namespace glint::gpu {
 namespace {
@@ -72,7 +73,8 @@ void createLayouts(Program& program, const DeviceState& device) {
 }
 
 void createPipeline(Program& program, const DeviceState& device) {
-    const std::vector<uint32_t> specialized = specialize(program.key.spirv, program.key.constants);
+    const std::vector<uint32_t> specialized =
+        strictArithmetic(specialize(program.key.spirv, program.key.constants));
     program.codeBytes = specialized.size() * sizeof(uint32_t);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;

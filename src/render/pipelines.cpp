@@ -50,9 +50,10 @@ const char* nameOf(KernelId id) {
 }
 
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
-constexpr uint32_t kConstantIds = 80;
+constexpr uint32_t kConstantIds = 82;
 
-std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack) {
+std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack,
+                                  const OwnArithmetic& own) {
     const struct {
         NodeFormat nodes;
         StackPlace stack;
@@ -70,6 +71,9 @@ std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceMode
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = static_cast<uint32_t>(walk.field);
     GLINT_LANE_WALK(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
+#define GLINT_CONSTANT(ID, NAME, field) constants[ID] = own.field ? 1u : 0u;
+    GLINT_ARITHMETIC(GLINT_CONSTANT)
+#undef GLINT_CONSTANT
     return constants;
 }
 
@@ -82,6 +86,7 @@ constexpr bool idsAreUnique() {
     GLINT_MODES(GLINT_CHECK)
     GLINT_CHOICES(GLINT_CHECK)
     GLINT_LANE_WALK(GLINT_CHECK)
+    GLINT_ARITHMETIC(GLINT_CHECK)
 #undef GLINT_CHECK
     return true;
 }
@@ -137,8 +142,13 @@ KernelId packetKernel(KernelId id) {
 }
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-                     const SceneFeatures& features, StackPlace stack)
-    : device_(device), code_(code), access_(access), features_(features), stack_(stack) {}
+                     const SceneFeatures& features, StackPlace stack, bool ownArithmetic)
+    : device_(device),
+      code_(code),
+      access_(access),
+      features_(features),
+      stack_(stack),
+      own_{ownArithmetic || !device.arithmetic().quotients, ownArithmetic || !device.arithmetic().roots} {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
@@ -172,7 +182,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.spirv = codeOf(code_, id);
     options.bindings.assign(GLINT_BINDING_COUNT, access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    options.constants = constantsOf(features_, modes, stack_);
+    options.constants = constantsOf(features_, modes, stack_, own_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

@@ -46,10 +46,17 @@ TraceModes modesOf(const Request& request, NodeFormat nodes);
 // What one of them has.
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
 
+// What shaders/arithmetic.glsl rounds in the device's place: GLINT_ARITHMETIC in shaders/shared/dispatch.h.
+struct OwnArithmetic {
+    bool quotients = false, roots = false;
+};
+
 class Pipelines {
   public:
+    // ownArithmetic: all of OwnArithmetic; else what the device does not round correctly.
     Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
-              const SceneFeatures& features, StackPlace stack = StackPlace::Private);
+              const SceneFeatures& features, StackPlace stack = StackPlace::Private,
+              bool ownArithmetic = false);
 
     // Buffers that every kernel sees. Kernels made so far are bound anew.
     void bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene);
@@ -69,6 +76,7 @@ class Pipelines {
     gpu::Access access_;
     SceneFeatures features_;
     StackPlace stack_;
+    OwnArithmetic own_;
     std::vector<const gpu::Buffer*> buffers_;
     std::map<std::pair<KernelId, TraceModes>, gpu::Kernel> kernels_;
 };

@@ -71,7 +71,7 @@ struct Renderer::State {
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
                                                         looksUpTextures(features))),
-          pipelines(dev, kernelsFor(opts, access), access, features, opts.stack),
+          pipelines(dev, kernelsFor(opts, access), access, features, opts.stack, opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),
           lights(packed.lights) {

@@ -37,6 +37,9 @@ struct Options {
     // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
+    // Quotients and square roots by shaders/arithmetic.glsl even where the device's own proved to be the
+    // same.
+    bool ownArithmetic = false;
     const KernelCode* kernels = nullptr;  // instead of the embedded ones
     // A picture that will be asked for: its kernels are translated while the arrays are uploaded. Need not
     // outlive the constructor.

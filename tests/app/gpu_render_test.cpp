@@ -141,6 +141,7 @@ TEST_F(GpuRender, DevicesListsTheChosenOne) {
     EXPECT_EQ(ran.err, "");
     EXPECT_TRUE(ran.out.starts_with("0  llvmpipe")) << ran.out;
     EXPECT_NE(ran.out.find("\n   chosen: "), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\n   arithmetic: correctly rounded: "), std::string::npos) << ran.out;
 }
 
 TEST_F(GpuRender, BlackPictureComesWithAdviceToo) {

@@ -1,6 +1,8 @@
 // --stats json and --quiet: what programs read.
 #include <nlohmann/json.hpp>
 
+#include "core/image_io.h"
+#include "core/picture_hash.h"
 #include "support.h"
 
 namespace glint::app::test::stats_test {
@@ -55,6 +57,18 @@ TEST_F(Stats, FileNameThatIsNoUtf8) {
     EXPECT_TRUE(names().contains("b\xff.png"));
 }
 
+// Of the picture, not of its file; what is told to read it back finds the same.
+TEST_F(Stats, HashIsOfThePicture) {
+    const auto hash = [this](std::vector<std::string> options) {
+        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--stats", "json"});
+        return nlohmann::json::parse(runGlint(options).out)["hash"].get<std::string>();
+    };
+    const std::string png = hash({"-o", "b.png"});
+    EXPECT_EQ(hash({"-o", "b.pfm"}), png);
+    EXPECT_EQ(pictureHash(readImage(file("b.pfm"))), png);
+    EXPECT_NE(hash({"-o", "b.png", "--spp", "4"}), png);
+}
+
 TEST_F(Stats, QuietSaysNothing) {
     const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-q"});
     EXPECT_EQ(ran.out + ran.err, "");
@@ -69,6 +83,7 @@ TEST_F(Stats, SummaryNamesFileSizeAndTimes) {
     const Ran ran = runGlint({"render", "a.json", "--backend", "cpu", "-o", "b.exr"});
     EXPECT_TRUE(ran.out.starts_with("wrote b.exr (64x48)\ndevice: CPU reference (double precision), "))
         << ran.out;
+    EXPECT_NE(ran.out.find("\nhash: "), std::string::npos) << ran.out;
     EXPECT_NE(ran.out.find("\ntimes: load "), std::string::npos) << ran.out;
     EXPECT_EQ(ran.err, "");
 }

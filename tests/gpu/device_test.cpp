@@ -168,6 +168,14 @@ TEST(Device, OpensAndWorksInSeveralThreads) {
     }
 }
 
+TEST_F(GpuTest, LavapipesArithmeticIsCorrectlyRounded) {
+    const Arithmetic& arithmetic = device_.arithmetic();
+    EXPECT_TRUE(arithmetic.sound && arithmetic.denormals && arithmetic.quotients && arithmetic.roots)
+        << arithmetic.text();
+    EXPECT_EQ(&device_.arithmetic(), &arithmetic) << "asked twice";
+    EXPECT_EQ(&Device().arithmetic(), &arithmetic) << "asked once more for a device of the same name";
+}
+
 TEST_F(GpuTest, MovesWithoutDisturbingItsBuffers) {
     const Buffer buffer(device_, "buffer", 64, Access::StorageBuffer, MemoryKind::Device);
     Device moved = std::move(device_);

@@ -18,8 +18,8 @@ mutant(tie_rule traversal.glsl "id < hit.id" "id > hit.id" intersect)
 mutant(small_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 0.99" intersect light)
 mutant(instance_normal instance.glsl "return n;" "return normal;" light shade)
 mutant(instance_ray instance.glsl "origin - instance.place" "origin - 1.001 * instance.place" intersect light)
-mutant(sphere_normal primitives/sphere.glsl "vec3 outward = offset / length(offset);"
-       "vec3 outward = normalize(offset / length(offset) + vec3(0.01, 0.0, 0.0));" light shade)
+mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, length(offset));"
+       "vec3 outward = normalize(quotient(offset, length(offset)) + vec3(0.01, 0.0, 0.0));" light shade)
 mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
 mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)

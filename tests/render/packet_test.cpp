@@ -1,4 +1,6 @@
 // Packets of rays: where they are chosen, and that they find what lanes find, to the bit.
+#include <cstdio>
+
 #include "core/error.h"
 #include "hard_rays.h"
 #include "verify/verify.h"
@@ -105,6 +107,9 @@ class PacketTest : public RenderTest {
   protected:
     void SetUp() override {
         const gpu::DeviceLimits& limits = device().info().limits;
+        std::printf("    subgroups of %u lanes\n", limits.subgroupSize);
+        if (!device().info().llvmpipe && limits.subgroupSize != shared::kPacketWidth)
+            GTEST_SKIP() << "packets are " << shared::kPacketWidth << " lanes wide";
         ASSERT_EQ(limits.subgroupSize, shared::kPacketWidth)
             << "lavapipe on a machine without 256-bit vectors";
         ASSERT_TRUE(limits.subgroupShuffle);

@@ -1,0 +1,15 @@
+// One number for all bits of a picture.
+#pragma once
+
+#include <string>
+
+#include "core/image.h"
+
+namespace glint {
+
+// XXH3, 64 bits, seed 0 (Y. Collet, https://xxhash.com), as 16 hexadecimal digits: of red, green and blue of
+// all pixels, rows from the top, as 32-bit floats, lowest byte first. Equal for pictures of the same bits; it
+// tells apart what differs, not what is forged. `image`: at least three channels; further ones do not count.
+std::string pictureHash(const Image& image);
+
+}  // namespace glint

@@ -1,0 +1,26 @@
+// Whether a device's arithmetic is what Vulkan promises, and what it is beyond that.
+#pragma once
+
+#include <string>
+
+namespace glint::gpu {
+
+// What a device proved to be in 2^16 cases, most of which lie where the next bit decides: quotients and roots
+// next to the middle between two floats, results at and below the least normal float 2^-126, sums that leave
+// a tie.
+struct Arithmetic {
+    // Promised by Vulkan: sums and products of normal floats are correctly rounded, to even, and not fused
+    // where SPIR-V forbids it.
+    bool sound = false;
+    bool denormals = false;  // sums and products below 2^-126 keep their bits
+    bool quotients = false;  // correctly rounded; denormal ones too, unless `denormals` is false
+    bool roots = false;      // the same of square roots
+
+    // Pictures have the same bits as on any other device of which this is true. Quotients and roots need not
+    // be the device's own (shaders/arithmetic.glsl).
+    bool sharesBits() const { return sound && denormals; }
+    // One phrase about that, for people.
+    std::string text() const;
+};
+
+}  // namespace glint::gpu

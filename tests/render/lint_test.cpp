@@ -1,0 +1,108 @@
+// No kernel leaves arithmetic to the driver that could change a picture's bits
+// (docs/design/reproducibility.md).
+#include <map>
+#include <set>
+
+#include "gpu/specialize.h"
+#include "gpu/strict.h"
+#include "lint_probe.spv.h"
+#include "render/kernels.h"
+#include "shared/dispatch.h"
+#include "spirv_lint.h"
+#include "support.h"
+
+namespace glint::render::test::lint_test {
+namespace {
+
+using Words = std::span<const uint32_t>;
+using Found = std::set<std::string>;
+
+std::vector<std::pair<std::string, Words>> allKernels() {
+    std::vector<std::pair<std::string, Words>> all;
+    for (const gpu::Access access : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
+        for (const bool fp64 : {false, true}) {
+            const KernelCode& code = fp64 ? doubleKernels(access) : embeddedKernels(access);
+            const std::string suffix =
+                std::string(fp64 ? ", fp64" : "") + (access == gpu::Access::TexelBuffer ? ", texel" : "");
+            const std::pair<const char*, Words> kernels[] = {{"generate", code.generate},
+                                                             {"intersect", code.intersect},
+                                                             {"intersectAny", code.intersectAny},
+                                                             {"light", code.light},
+                                                             {"shade", code.shade},
+                                                             {"packetIntersect", code.packetIntersect},
+                                                             {"packetIntersectAny", code.packetIntersectAny},
+                                                             {"packetLight", code.packetLight},
+                                                             {"adapt", code.adapt},
+                                                             {"count", code.count},
+                                                             {"list", code.list}};
+            static_assert(sizeof(KernelCode) == std::size(kernels) * sizeof(Words), "a kernel is missing");
+            for (const auto& [name, words] : kernels) all.emplace_back(name + suffix, words);
+        }
+    }
+    return all;
+}
+
+// As a driver is given it, but for every scene at once: the constants of the arithmetic alone are set, so
+// that no feature, mode or choice leaves anything out.
+std::vector<uint32_t> forDriver(Words kernel, bool own) {
+    const std::map<uint32_t, uint32_t> places = {
+#define GLINT_PLACE(ID, NAME, field) {ID, ID - 80},
+        GLINT_ARITHMETIC(GLINT_PLACE)
+#undef GLINT_PLACE
+    };
+    std::vector<uint32_t> words(kernel.begin(), kernel.end());
+    size_t found = 0;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
+        constexpr uint32_t kDecorate = 71, kSpecId = 1, kOutOfReach = 1000;
+        if ((words[at] & 0xffffu) != kDecorate || words[at + 2] != kSpecId) continue;
+        const auto place = places.find(words[at + 3]);
+        found += place != places.end();
+        words[at + 3] = place != places.end() ? place->second : words[at + 3] + kOutOfReach;
+    }
+    EXPECT_GE(found, 1u);  // a kernel without roots has lost their constant
+    const std::vector<uint32_t> constants(places.size(), own ? 1u : 0u);
+    return gpu::strictArithmetic(gpu::specialize(words, constants));
+}
+
+TEST(Lint, NoKernelLeavesBitsToTheDriver) {
+    size_t checked = 0;
+    for (const auto& [name, words] : allKernels()) {
+        if (words.empty()) continue;
+        EXPECT_EQ(variedByDrivers(forDriver(words, true)), Found{}) << name;
+        ++checked;
+    }
+    EXPECT_GE(checked, 36u);
+}
+
+// Where the device's own quotients and roots are used they are all that varies: OpFDiv, Sqrt.
+TEST(Lint, QuotientsAndRootsAreAllThatADeviceMayDo) {
+    for (const auto& [name, words] : allKernels()) {
+        for (const std::string& one : variedByDrivers(forDriver(words, false)))
+            EXPECT_TRUE(one == "op 136" || one == "GLSL.std.450 31") << name << ": " << one;
+    }
+}
+
+// The marks are strictArithmetic's: without it there are sums in every kernel that carry none.
+TEST(Lint, ThereIsArithmeticToMark) {
+    for (const auto& [name, words] : allKernels())
+        EXPECT_TRUE(variedByDrivers(words).contains("unmarked")) << name;
+}
+
+TEST(Lint, FindsEveryBuiltInByItsConstant) {
+    const char* const wanted[] = {"op 136",          "GLSL.std.450 31", "GLSL.std.450 26", "GLSL.std.450 27",
+                                  "GLSL.std.450 30", "GLSL.std.450 13", "op 148",          "GLSL.std.450 46",
+                                  "GLSL.std.450 50", "op 141",          "GLSL.std.450 66", "GLSL.std.450 69",
+                                  "GLSL.std.450 32", "op 145",          "GLSL.std.450 68"};
+    for (size_t i = 0; i < std::size(wanted); ++i) {
+        std::vector<uint32_t> constants(std::size(wanted), 0u);
+        constants[i] = 1;
+        const std::vector<uint32_t> plain = gpu::specialize(lint_probe_spv, constants);
+        EXPECT_EQ(variedByDrivers(gpu::strictArithmetic(plain)), Found{wanted[i]}) << i;
+        EXPECT_TRUE(variedByDrivers(plain).contains("unmarked")) << i;
+    }
+    const std::vector<uint32_t> none(std::size(wanted), 0u);
+    EXPECT_EQ(variedByDrivers(gpu::strictArithmetic(gpu::specialize(lint_probe_spv, none))), Found{});
+}
+
+}  // namespace
+}  // namespace glint::render::test::lint_test
