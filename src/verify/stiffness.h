@@ -17,7 +17,7 @@ inline constexpr double kFloatUnit = 0x1p-24;  // the relative error of one roun
 // `seeds` moves, the 99th percentile over the pixels. kappa 2^-24 is the error that fp32 arithmetic has a
 // right to, and more than a few times that a sign of a method that loses digits.
 //
-// Pictures of more than kMaxKappaPixels are sampled on a regular grid of about as many.
+// Of pictures of more than kMaxKappaPixels about as many are asked, one at random in each cell of a grid.
 inline constexpr size_t kMaxKappaPixels = 4096;
 struct Sensitivity {
     double kappa = 0;

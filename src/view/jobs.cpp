@@ -57,7 +57,10 @@ std::string save(const gpu::Device& device, SaveRequest request, JobControl& con
     std::vector<Aov> layers = {Aov::Radiance};
     if (isExr(request.file)) {
         layers.clear();
-        for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>) layers.push_back(entry.value);
+        for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>) {
+            // The number of samples is the same for all pixels, and nobody has judged their error.
+            if (entry.value != Aov::Error && entry.value != Aov::Samples) layers.push_back(entry.value);
+        }
     }
     writeLayers(request.file, makeLayers(picture, layers));
     return "saved " + request.file.string() + " (" + std::to_string(request.width) + "x" +

@@ -222,10 +222,13 @@ TEST_P(SceneTest, AgreesWithTheReference) {
     const Picture picture = draw(renderer, c);
     EXPECT_EQ(picture.notFinite, 0u);
     const Counts counts = compare(c, picture);
-    // A pixel that verify passed over has the reference's path and colour.
+    // A pixel that verify passed over has the reference's path; and its colour, where no pixel's own
+    // predicted error is larger than that of a byte.
     EXPECT_LE(counts.hashes, report.explained());
     EXPECT_LE(counts.ids, counts.hashes);
-    EXPECT_LE(counts.colors, report.explained());
+    if (verify::classOf(report.sensitivity.kappa) == verify::StiffnessClass::NonStiff) {
+        EXPECT_LE(counts.colors, report.explained());
+    }
     EXPECT_LE(static_cast<double>(counts.shadows), 160 * 120 / 1000);
     // The bounds are for the worst pixel, grazed or far away; few come near them.
     EXPECT_LE(counts.roughNormals, counts.normals / 100);
