@@ -139,7 +139,7 @@ struct RayQueries::State {
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
           buffers(dev, packed, access, traversal) {
-        piece = std::max<uint32_t>(piece / kBlock, 1) * kBlock;
+        piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
     }
 
     // A free slot, made if there may be one more; waits for one else. While one piece is on a GPU the host

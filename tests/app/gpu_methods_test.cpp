@@ -51,11 +51,13 @@ TEST_F(Methods, ExerciseOneTheSphere) {
 
 // Samples on balls' limbs showed a dark side where the light comes from: the discriminant was 0 beyond the
 // limb, and the normal looked away by the rounding of t (towardsRayAtLimb).
-TEST_F(Methods, TextbookSpheresVerifyThroughALens) {
+// No sample is unexplained since; but more of them hang on rounding than the scene demands, and that is said.
+TEST_F(Methods, TextbookSpheresLoseDigitsAtTheLimb) {
     for (const char* sphere : {"algebraic", "geometric"}) {
         const Ran ran = runGlint({"verify", glint::test::sourcePath("scenes/lens.json"), "--size", "160x120",
                                   "--sphere", sphere, "--progress", "none"});
-        EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+        EXPECT_EQ(ran.code, 5) << ran.out << ran.err;
+        EXPECT_NE(ran.out.find("the method loses digits here"), std::string::npos) << ran.out;
         EXPECT_NE(ran.out.find(" 0 unexplained"), std::string::npos) << ran.out;
     }
 }
