@@ -5,6 +5,8 @@
 // to. So they stay loaded. The layer, 1.3.239, does leak its records of submitted work. Vulkan objects that
 // glint itself leaks are still found, by the layer when the device is destroyed.
 
+// Visible to the loader and the sanitizers, though all else is hidden for libglint's sake.
+#pragma GCC visibility push(default)
 extern "C" {
 
 int dlclose(void* /*handle*/) noexcept {
@@ -16,3 +18,4 @@ const char* __lsan_default_suppressions() {
 }
 
 }  // extern "C"
+#pragma GCC visibility pop

@@ -17,7 +17,7 @@
 namespace glint::gpu::specialize_test {
 namespace {
 
-constexpr uint32_t kIds = 80;
+constexpr uint32_t kIds = 82;
 constexpr uint32_t kOpDecorate = 71, kSpecId = 1;
 
 std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
