@@ -47,6 +47,21 @@ double roundingOf(const LoadedScene& loaded, const Request& request, Backend bac
     return kappa * (backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit) + verify::kFloatUnit;
 }
 
+const char* limitOf(converge::Stop stop) {
+    switch (stop) {
+        case converge::Stop::Samples:
+            return "--max-spp";
+        case converge::Stop::Seconds:
+            return "--max-seconds";
+        case converge::Stop::Fixed:
+            return "more would not help: what is cut off or rounded comes to as much";
+        case converge::Stop::Reached:
+        case converge::Stop::Interrupted:
+            break;
+    }
+    return "";
+}
+
 // A picture without any reflection has no code for them either, and so no account of what is missing.
 void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
     const auto reflects = [](const Material& m) {
@@ -190,8 +205,7 @@ void warnAboutError(const ErrorTarget& target, const converge::Result& result, c
     if (result.reached() || result.stop == converge::Stop::Interrupted) return;
     err << start << "the error may be " << format("%.3g", result.budget.total()) << ", not "
         << format("%.3g", *target.error) << ", after " << counted(result.samplesPerPixel, "sample")
-        << " for a pixel (" << (result.stop == converge::Stop::Samples ? "--max-spp" : "--max-seconds")
-        << ")";
+        << " for a pixel (" << limitOf(result.stop) << ")";
     if (target.measure == converge::Measure::Pixel)
         err << "; " << format("%.3g", 100 * result.unsettled) << " % of the pixels are not settled";
     err << '\n';

@@ -41,6 +41,7 @@ class RmseLoop {
             if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
             if (job_.report) job_.report(state_);
             if (state_.budget.total() <= job_.target.error) return finished(Stop::Reached);
+            if (state_.budget.fixed() >= job_.target.error) return finished(Stop::Fixed);
         }
     }
 

@@ -48,11 +48,13 @@ struct ErrorBudget {
 };
 
 // Why no more samples were taken.
-enum class Stop { Reached, Samples, Seconds, Interrupted };
+// Fixed: what samples do not mend came to more than the target in later rounds than the first.
+enum class Stop { Reached, Samples, Seconds, Fixed, Interrupted };
 constexpr auto entriesOf(Stop) {
     return std::to_array<EnumEntry<Stop>>({{Stop::Reached, "reached"},
                                            {Stop::Samples, "samples"},
                                            {Stop::Seconds, "seconds"},
+                                           {Stop::Fixed, "fixed"},
                                            {Stop::Interrupted, "interrupted"}});
 }
 

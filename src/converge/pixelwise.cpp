@@ -45,8 +45,8 @@ class PixelLoop {
                         "scene: lights that fall off with the square of the distance may be as near as they "
                         "like, and media that amplify; --measure rmse needs none");
         for (;;) {
-            if (state_.rounds > 0 && stop_(Stop::Samples)) return finished(Stop::Samples);
-            if (state_.rounds > 0 && stop_(Stop::Seconds)) return finished(Stop::Seconds);
+            if (state_.rounds > 0 && isOver(Stop::Samples)) return finished(Stop::Samples);
+            if (state_.rounds > 0 && isOver(Stop::Seconds)) return finished(Stop::Seconds);
             if (!round()) return finished(Stop::Interrupted);
             if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
             if (job_.report) job_.report(state_);
@@ -65,7 +65,7 @@ class PixelLoop {
         tiles_.push_back(std::move(tile));
     }
 
-    bool stop_(Stop why) const {
+    bool isOver(Stop why) const {
         if (why == Stop::Samples) return state_.samplesPerPixel >= job_.target.maxSamples;
         return watch_.seconds() * (1 + 1.0 / state_.rounds) > job_.target.maxSeconds;
     }

@@ -1,5 +1,6 @@
 // What `glint render` writes from a device.
 #include <algorithm>
+#include <cmath>
 
 #include "core/image_io.h"
 #include "import/load.h"
@@ -30,6 +31,24 @@ TEST_F(GpuRender, SameBytesOnEveryRun) {
     render({"-o", "2.exr", "--aov", "color,depth,cost", "--spp", "3"});
     EXPECT_FALSE(readBytes("1.exr").empty());
     EXPECT_EQ(readBytes("1.exr"), readBytes("2.exr"));
+}
+
+// The same samples of the same pixels, so the same rounds, and the picture of the reference but for rounding.
+TEST_F(GpuRender, AnErrorIsReachedAsTheReferenceReachesIt) {
+    const std::vector<std::string> target = {"--error", "0.01",  "--within-depth", "--size",
+                                             "32x24",   "--aov", "color,samples"};
+    std::vector<std::string> device = target, host = target;
+    device.insert(device.end(), {"-o", "device.pfm"});
+    host.insert(host.end(), {"-o", "host.pfm", "--backend", "cpu"});
+    render(device);
+    render(host);
+    const Image a = readImage("device.pfm"), b = readImage("host.pfm");
+    EXPECT_EQ(readBytes("device.samples.pfm"), readBytes("host.samples.pfm"));
+    size_t differ = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i)
+        differ += std::abs(a.pixels[i] - b.pixels[i]) > 1e-4f ? 1 : 0;
+    EXPECT_LE(differ, a.pixels.size() / 100);  // samples at edges
+    EXPECT_GT(readImage("device.samples.pfm").pixels[0], 1);
 }
 
 TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {

@@ -185,6 +185,22 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     EXPECT_NE(rounding.find("rounding alone may take 0.02"), std::string::npos) << rounding;
 }
 
+// What lies beyond the depth is known better with every round, and may come to more than the first one
+// showed.
+TEST(ConvergeTest, WhatSamplesDoNotMendEndsItWhenItGrows) {
+    const Film film = edgeFilm();
+    int calls = 0;
+    const Draw growing = [&](const Request& request) {
+        Picture picture = drawn(film, request);
+        const double bound = ++calls <= 2 ? 0.001 : 0.1;
+        for (size_t i = 0; i < picture.done.size(); ++i) picture.losses.depth.add(1, bound);
+        return picture;
+    };
+    const Result result = converge(growing, jobOf(0.01));
+    EXPECT_EQ(result.stop, Stop::Fixed);
+    EXPECT_TRUE(result.picture.complete);
+}
+
 TEST(ConvergeTest, PixelsSettleOneByOne) {
     const Film film = edgeFilm();
     Job job = jobOf(0.1);
