@@ -4,8 +4,8 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-// What one light adds to each hit: a shadow ray, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980). One
-// dispatch for each light, so that the loop trips of a dispatch are those of one ray.
+// What the lights add to each hit: a shadow ray to each, then Lambert and Blinn-Phong (Blinn 1977; Whitted
+// 1980). A dispatch goes through as many lights as its loop trips allow (Dispatch::lightEnd).
 #define GLINT_ANY_HIT
 #define GLINT_SHADOW_RAYS
 #include "path.glsl"
@@ -61,74 +61,100 @@ LightSample sampleLight(Light light, vec3 position) {
 
 const bool kFiltered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
 
-// What is left to do for a path once its shadow ray is traced.
-struct LightWork {
+// What a path keeps from light to light.
+struct Lit {
     uint path;
     bool live;
-    bool facing;    // the light shines on the side that is seen
-    vec3 radiance;  // what it adds if nothing is in between
+    bool changed;  // light has been added
+    Interaction at;
+    vec3 origin;  // of shadow rays
+    vec3 radiance;
+    uint hits;  // of kRowRadiance
+    vec3 throughput;
+    vec3 transmittance;  // of the way to the eye's side
+    uint shadowBits;
 };
 
-// Starts the path's shadow ray; returns the slot it goes on from, and in `place` where that is (trace).
-uint begin(uint path, bool present, out LightWork work, out Traversal traversal, out uvec2 place) {
-    uvec4 walkRow = loadWalkRow(path);
-    Ray ray = loadRay(path);
-    Interaction at = interactionAt(ray, loadHit(path, walkRow.y), loadMedia(path));
-    LightSample light = sampleLight(loadLight(dispatch.lightIndex), at.surface.position);
-    work.path = path;
-    work.live = present && isAlive(ray) && at.isHit && counts(at) && (!MODE_RESUME || walkRow.x != kNone);
-    work.facing = work.live && light.valid && dot(at.surface.geometricNormal, light.direction) > 0.0 &&
-                  dot(at.surface.shadingNormal, light.direction) > 0.0;
-    work.radiance = evaluate(at, light.direction) * light.intensity;
-    if (FEATURE_TRANSMISSION) work.radiance *= transmittanceOfWay(at);
+Lit litAt(uint path, bool present, uvec4 walkRow) {
+    Lit lit;
+    lit.path = path;
+    lit.at = interactionAt(loadRay(path), loadHit(path, walkRow.y), loadMedia(path));
+    lit.live = present && isAlive(lit.at.ray) && lit.at.isHit && counts(lit.at);
+    lit.changed = false;
+    Surface surface = lit.at.surface;
+    lit.origin = offsetOrigin(surface.position, surface.error, surface.geometricNormal);
+    uvec4 sum = loadRow(kRowRadiance, path);
+    lit.radiance = uintBitsToFloat(sum.xyz);
+    lit.hits = sum.w;
+    lit.throughput = uintBitsToFloat(loadRow(kRowThroughput, path).xyz);
+    if (FEATURE_TRANSMISSION) lit.transmittance = transmittanceOfWay(lit.at);
+    lit.shadowBits = 0u;
+    return lit;
+}
 
-    traversal.ray =
-        Ray(offsetOrigin(at.surface.position, at.surface.error, at.surface.geometricNormal), light.toLight,
-            0.0, work.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, at.hit.primitive, at.hit.instance);
+// A light as the path sees it.
+struct Sight {
+    bool facing;  // it shines on the side that is seen
+    vec3 direction;
+    vec3 intensity;
+};
+
+// Makes the path's shadow ray to a light. begins: it has not been traced in part.
+Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
+    LightSample light = sampleLight(loadLight(index), lit.at.surface.position);
+    Sight sight = Sight(false, light.direction, light.intensity);
+    sight.facing = lit.live && light.valid && dot(lit.at.surface.geometricNormal, light.direction) > 0.0 &&
+                   dot(lit.at.surface.shadingNormal, light.direction) > 0.0;
+    traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
+                        lit.at.hit.primitive, lit.at.hit.instance);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
-    traversal.trips = 0u;
-    traversal.cost = 0u;
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
         traversal.passage =
-            startPassage(at.crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
-        if (MODE_RESUME)
-            traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), path).xyz);
+            startPassage(lit.at.crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        if (MODE_RESUME && !begins)
+            traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
     }
-    place = loadInstanceRow(path).zw;
-    return walkRow.x;
+    if (MODE_TALLY && !MODE_SHADOWLESS && sight.facing && begins) atomicAdd(counters[kCounterShadow], 1u);
+    return sight;
 }
 
-void end(LightWork work, Traversal traversal, uint slot) {
+// Takes what the light adds, once its shadow ray is finished.
+void take(inout Lit lit, uint index, Sight sight, Traversal traversal, bool finished) {
     bool occluded = traversal.hit.primitive != kNone;
-    if (MODE_TALLY && !MODE_RESUME && !MODE_SHADOWLESS && work.facing)
-        atomicAdd(counters[kCounterShadow], 1u);
-    if (occluded || !work.facing) slot = kNone;
-    vec3 radiance = work.radiance;
-    if (kFiltered) {
-        radiance *= lightThrough(traversal.passage);
-        if (work.live && slot != kNone)
-            storeRow(treeRow(kTreeRowShadow), work.path, packRow(traversal.passage.depth, 0u));
-    }
-    uvec4 throughput = loadRow(kRowThroughput, work.path);
-    uvec4 sum = loadRow(kRowRadiance, work.path);
-    if (work.facing && slot == kNone && !occluded) {
-        storeRow(kRowRadiance, work.path,
-                 packRow(uintBitsToFloat(sum.xyz) + uintBitsToFloat(throughput.xyz) * radiance, sum.w));
-    }
+    vec3 radiance = evaluate(lit.at, sight.direction) * sight.intensity;
+    if (FEATURE_TRANSMISSION) radiance *= lit.transmittance;
+    if (kFiltered) radiance *= lightThrough(traversal.passage);
+    vec3 sum = lit.radiance + lit.throughput * radiance;
+    bool added = sight.facing && finished && !occluded;
+    if (added) lit.radiance = sum;
+    lit.changed = lit.changed || added;
+    if (sight.facing && occluded && dispatch.bounce == 0u && index < kShadowBits)
+        lit.shadowBits |= 1u << index;
+}
+
+// Where a path goes on that has run out of trips, kNone in `slot` if it has not.
+struct Rest {
+    uint slot;
+    uint light;
+};
+
+void store(Lit lit, Traversal traversal, Rest rest) {
+    bool unfinished = lit.live && rest.slot != kNone;
+    if (lit.changed) storeRow(kRowRadiance, lit.path, packRow(lit.radiance, lit.hits));
     // Not stored where nobody reads what would change (packet_intersect.comp says what a store costs).
-    if (work.live && (MODE_AOVS || MODE_COST || MODE_RESUME || slot != kNone)) {
-        uvec4 walkRow = loadWalkRow(work.path);
-        uint shadowBit = occluded && dispatch.bounce == 0u && dispatch.lightIndex < kShadowBits
-                             ? 1u << dispatch.lightIndex
-                             : 0u;
-        storeRow(kRowWalk, work.path,
-                 uvec4(slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | shadowBit));
-        if (FEATURE_INSTANCES)
-            storeInstanceRow(work.path,
-                             uvec4(loadInstanceRow(work.path).xy, traversal.instance, traversal.worldSlot));
+    if (lit.live && (MODE_AOVS || MODE_COST || MODE_RESUME || unfinished)) {
+        uvec4 walkRow = loadWalkRow(lit.path);
+        storeRow(kRowWalk, lit.path,
+                 uvec4(rest.slot, walkRow.y, walkRow.z + traversal.cost, walkRow.w | lit.shadowBits));
     }
-    if (work.live && slot != kNone) atomicAdd(counters[kCounterUnfinished], 1u);
+    if (unfinished) {
+        storeRow(kRowLight, lit.path, uvec4(rest.light, 0u, 0u, 0u));
+        if (kFiltered) storeRow(treeRow(kTreeRowShadow), lit.path, packRow(traversal.passage.depth, 0u));
+        storeInstanceRow(lit.path,
+                         uvec4(loadInstanceRow(lit.path).xy, traversal.instance, traversal.worldSlot));
+        atomicAdd(counters[kCounterUnfinished], 1u);
+    }
 }
 
 #ifdef GLINT_PACKET
@@ -136,15 +162,34 @@ void end(LightWork work, Traversal traversal, uint slot) {
 bool mayHaveRay(uint path) { return loadRow(kRowHit, path).w != kNone; }
 
 void onePacket(uint turn) {
-    LightWork works[GLINT_PACKET_RAYS];
+    Lit lit[GLINT_PACKET_RAYS];
     GLINT_EACH_RAY {
         bool present;
         uint path = packetPath(turn, r, present);
-        uvec2 place;
-        begin(path, present, works[r], packet[r], place);
+        lit[r] = litAt(path, present, loadWalkRow(path));
+        packet[r].cost = 0u;
     }
-    bool complete = tracePacket(loadEnvironment(0u));
-    GLINT_EACH_RAY end(works[r], packet[r], complete ? kNone : 0u);
+    Environment environment = loadEnvironment(0u);
+    packetTrips = 0u;
+    uint index = dispatch.lightIndex;
+    uint end = dispatch.lightEnd;
+    bool complete = true;
+    Sight sights[GLINT_PACKET_RAYS];
+    do {
+        if (index < end) {
+            GLINT_EACH_RAY sights[r] = aim(lit[r], index, true, packet[r]);
+            complete = tracePacket(environment);
+            GLINT_EACH_RAY take(lit[r], index, sights[r], packet[r], complete);
+            ++index;
+        }
+    } while (complete && index < end);
+    // Of a packet that was given up, rays that are not settled are to be started again.
+    GLINT_EACH_RAY {
+        bool again = sights[r].facing && !settled(packet[r]);
+        uint further = index < end ? kSlotFresh : kNone;
+        Rest rest = Rest(complete ? kNone : (again ? 0u : further), again ? index - 1u : index);
+        store(lit[r], packet[r], rest);
+    }
 }
 
 void main() {
@@ -155,13 +200,32 @@ void main() {
 }
 #else
 void main() {
-    LightWork work;
-    Traversal traversal;
-    uvec2 place;
     bool present;
     uint path = listedPath(present);
-    uint slot = begin(path, present, work, traversal, place);
-    slot = trace(traversal, loadEnvironment(0u), slot, place);
-    end(work, traversal, slot);
+    uvec4 walkRow = loadWalkRow(path);
+    Lit lit = litAt(path, present && (!MODE_RESUME || walkRow.x != kNone), walkRow);
+    Environment environment = loadEnvironment(0u);
+    uvec2 place = loadInstanceRow(path).zw;
+    Rest rest = Rest(kSlotFresh, dispatch.lightIndex);
+    if (MODE_RESUME) rest = Rest(walkRow.x, loadRow(kRowLight, path).x);
+    uint end = dispatch.lightEnd;
+    uint budget = dispatch.tripBudget;
+    Traversal traversal;
+    traversal.trips = 0u;
+    traversal.cost = 0u;
+    bool going = lit.live && rest.light < end;
+    do {
+        if (going) {
+            Sight sight = aim(lit, rest.light, rest.slot == kSlotFresh, traversal);
+            uint left = trace(traversal, environment, rest.slot, place);
+            bool finished = left == kNone || settled(traversal) || !sight.facing;
+            take(lit, rest.light, sight, traversal, finished);
+            rest.slot = finished ? kSlotFresh : left;
+            rest.light += finished ? 1u : 0u;
+            going = finished && rest.light < end && traversal.trips < budget;
+        }
+    } while (going);
+    if (rest.light >= end) rest.slot = kNone;
+    store(lit, traversal, rest);
 }
 #endif

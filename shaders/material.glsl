@@ -7,14 +7,32 @@
 
 const bool kHasTextures = FEATURE_TEXTURES || FEATURE_CHECKERS;
 
+// Each texture of a material is looked up once, whatever it is for: mostly there is a single one, and a loop
+// has its code once where four look-ups in a row took the drivers' compilers seconds. All that changes stands
+// in an `if`: see the loops of docs/design/traversal.md.
+void applyTextures(Surface surface, inout Material material) {
+    uvec4 left = uvec4(material.ambientTexture, material.diffuseTexture,
+                       FEATURE_SPECULAR ? material.specularTexture : 0u,
+                       FEATURE_MIRRORS ? material.mirrorTexture : 0u);
+    bool looking = any(notEqual(left, uvec4(0u)));
+    do {
+        if (looking) {
+            uint number = max(max(left.x, left.y), max(left.z, left.w));
+            vec3 color = textureAt(number, surface).xyz;
+            bvec4 here = equal(left, uvec4(number));
+            if (here.x) material.ambient *= color;
+            if (here.y) material.diffuse *= color;
+            if (here.z) material.specular *= color;
+            if (here.w) material.mirror *= color;
+            left = mix(left, uvec4(0u), here);
+            looking = any(notEqual(left, uvec4(0u)));
+        }
+    } while (looking);
+}
+
 Material materialAt(Surface surface) {
     Material material = loadMaterial(surface.material);
-    if (kHasTextures) {
-        material.ambient *= textureAt(material.ambientTexture, surface).xyz;
-        material.diffuse *= textureAt(material.diffuseTexture, surface).xyz;
-        if (FEATURE_SPECULAR) material.specular *= textureAt(material.specularTexture, surface).xyz;
-        if (FEATURE_MIRRORS) material.mirror *= textureAt(material.mirrorTexture, surface).xyz;
-    }
+    if (kHasTextures) applyTextures(surface, material);
     if (FEATURE_VERTEX_COLORS) {
         material.ambient *= surface.color;
         material.diffuse *= surface.color;
@@ -28,11 +46,10 @@ vec3 surroundings(Environment environment, vec3 direction) {
     vec3 radiance = environment.background;
     if (FEATURE_ENVIRONMENT_MAP) {
         uint number = environment.map;
-        while (number != 0u) {
+        if (number != 0u) {
             Texture map = loadTexture(number - 1u);
             precise vec2 uv = latitudeLongitude(vec3(direction.xy, -direction.z)) + map.place.xy;
             radiance *= imageAt(map, uv).xyz;
-            number = 0u;
         }
     }
     return radiance;
@@ -45,16 +62,14 @@ bool holeAt(Surface surface) {
     return textureAt(number, surface).w < material.alphaCutoff;
 }
 
-// `ray` is in the coordinates of the primitive. True if the hit is one, and not where the surface has a hole.
-// A loop of one trip, see objectUv.
-bool isThere(Ray ray, bool isHit, float t, float u, float v, uint primitive, uint instanceIndex) {
+// `ray` is in the coordinates of the primitive, which is of this kind (a constant, so that the code for
+// others is left out). True if the hit is one, and not where the surface has a hole.
+bool isThere(Ray ray, bool isHit, uint kind, float t, float u, float v, uint primitive, uint instanceIndex) {
     bool hole = false;
-    bool asking = isHit;
-    while (asking) {
+    if (isHit) {
         Instance instance;
         bool inInstance = FEATURE_INSTANCES && instanceIndex != kNone;
         if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? instanceIndex : 0u);
-        uint kind = primitive >> kPrimitiveKindShift;
         // What the traversal has is not exchanged yet, see surfaceOfTriangle: so as of no instance.
         Surface surface = surfaceOfKind(kind, ray, Hit(t, u, v, primitive, kNone, 0u), instance);
         if (inInstance && instance.material != kNone) surface.material = instance.material;
@@ -63,7 +78,6 @@ bool isThere(Ray ray, bool isHit, float t, float u, float v, uint primitive, uin
         if (inInstance) surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
         fillObjectUv(kind, surface);
         hole = holeAt(surface);
-        asking = false;
     }
     return isHit && !hole;
 }

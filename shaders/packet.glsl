@@ -25,6 +25,7 @@
 // half of its time.
 Traversal packet[GLINT_PACKET_RAYS];
 float packetEnds[GLINT_PACKET_RAYS];  // updateEnds
+uint packetTrips;                     // of the packet, over all its walks
 
 // The stack is the same for all lanes and held across them: entry i is in lane i % 8 of row i / 8. A packet
 // that needs more rows is given up and finished ray by ray.
@@ -285,7 +286,7 @@ bool traversePacket(uint root) {
         group = leastUint(group, groups[r]);
     }
     group = leastOfLanes(group);
-    uint trips = 0u;
+    uint trips = packetTrips;
     bool complete = true;
     do {
         if (group != kNone) {
@@ -306,6 +307,7 @@ bool traversePacket(uint root) {
         }
     } while (group != kNone);
     GLINT_EACH_RAY packet[r].ray.tMax = tMax[r];
+    packetTrips = trips;
     return complete;
 }
 

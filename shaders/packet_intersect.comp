@@ -23,6 +23,7 @@ void onePacket(uint turn) {
         live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }
+    packetTrips = 0u;
     bool complete = tracePacket(loadEnvironment(0u));
     // lavapipe stores word by word and lane by lane, 14 instructions each: so nothing is stored that does not
     // change, and the walk row only for kernels that read what is in it.

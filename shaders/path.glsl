@@ -62,7 +62,8 @@ uint listedPath(out bool present) {
 }
 
 void listPath(uint path) {
-    storeRow(rowList(dispatch.listWritten), atomicAdd(counters[kCounterAlive], 1u), uvec4(path, 0u, 0u, 0u));
+    storeRow(rowList(dispatch.listRead ^ 1u), atomicAdd(counters[kCounterAlive], 1u),
+             uvec4(path, 0u, 0u, 0u));
 }
 
 uvec4 loadInstanceRow(uint path) {

@@ -41,12 +41,11 @@ vec2 latitudeLongitude(vec3 d) {
     return vec2(u, v);
 }
 
-// Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures. A loop of one
-// trip at most: lavapipe skips work only by not entering a loop.
+// Of what is no triangle, by the object's frame (kUv...); (0, 0) in a scene without textures.
 vec2 objectUv(uint object, vec3 position, vec3 outward) {
     vec2 uv = vec2(0.0);
     uint index = object < loadEnvironment(0u).frameCount ? object : kNone;
-    while (index != kNone) {
+    if (index != kNone) {
         ObjectFrame frame = loadObjectFrame(index);
         precise vec3 direction =
             vec3(dot(frame.toObjectX, outward), dot(frame.toObjectY, outward), dot(frame.toObjectZ, outward));
@@ -60,7 +59,6 @@ vec2 objectUv(uint object, vec3 position, vec3 outward) {
         // on the next.
         float height = clamp(v, 0.0, kBelowOne);
         uv = frame.uvKind == kUvFlat ? vec2(u, v) : vec2(around.x, axial ? height : around.y);
-        index = kNone;
     }
     return uv;
 }

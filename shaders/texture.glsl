@@ -72,10 +72,10 @@ vec3 objectPoint(ObjectFrame frame, vec3 position) {
     return vec3(x, y, z);
 }
 
-// Colour and alpha of a material's texture on a surface; white without one. A loop of one trip, see objectUv.
+// Colour and alpha of a material's texture on a surface; white without one.
 vec4 textureAt(uint number, Surface surface) {
     vec4 color = vec4(1.0);
-    while (number != 0u) {
+    if (number != 0u) {
         Texture source = loadTexture(number - 1u);
         bool checker = FEATURE_CHECKERS && (source.flags & kTextureChecker) != 0u;
         bool solid = checker && (source.flags & kTextureSolid) != 0u;
@@ -87,7 +87,6 @@ vec4 textureAt(uint number, Surface surface) {
                 source.scaleU;
             color.xyz = checkerAt(source, solid ? inCubes : vec3(uv, 0.0));
         }
-        number = 0u;
     }
     return color;
 }

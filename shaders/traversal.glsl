@@ -17,6 +17,9 @@
 #include "primitives/all.glsl"
 #include "wide_nodes.glsl"
 
+// In the place of a slot: a ray that has not begun.
+const uint kSlotFresh = 0xfffffffeu;
+
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
@@ -84,184 +87,31 @@ bool isInstance(uint child) {
 }
 
 // Takes the ray into an instance, or back into the world for kNone. Returns the root of the tree there, kNone
-// for the world's. A loop of one trip, as lavapipe skips work only by not entering a loop.
+// for the world's.
 uint enterSpace(inout Traversal traversal, uint target, bool enters) {
     uint root = kNone;
-    do {
-        if (enters) {
-            bool toWorld = target == kNone;
-            Instance instance = loadInstance(toWorld ? 0u : target);
-            vec3 origin = traversal.world.origin;
-            vec3 direction = traversal.world.direction;
-            if (!toWorld) enterInstance(instance, origin, direction);
-            traversal.ray.origin = origin;
-            traversal.ray.direction = direction;
-            traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
-            traversal.sourceTriangle = triangleOf(traversal.ray.source);
-            traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
-            traversal.instance = target;
-            traversal.idBase = toWorld ? 0u : instance.idBase;
-            traversal.mirrored = !toWorld && instance.mirrored != 0u;
-            uint first = NODE_FORMAT == kNodesTwo || MODE_RESUME ? instance.root : instance.wideRoot;
-            root = toWorld ? kNone : first;
-            enters = false;
-            ++traversal.trips;
-        }
-    } while (enters);
+    if (enters) {
+        bool toWorld = target == kNone;
+        Instance instance = loadInstance(toWorld ? 0u : target);
+        vec3 origin = traversal.world.origin;
+        vec3 direction = traversal.world.direction;
+        if (!toWorld) enterInstance(instance, origin, direction);
+        traversal.ray.origin = origin;
+        traversal.ray.direction = direction;
+        traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
+        traversal.sourceTriangle = triangleOf(traversal.ray.source);
+        traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
+        traversal.instance = target;
+        traversal.idBase = toWorld ? 0u : instance.idBase;
+        traversal.mirrored = !toWorld && instance.mirrored != 0u;
+        uint first = NODE_FORMAT == kNodesTwo || MODE_RESUME ? instance.root : instance.wideRoot;
+        root = toWorld ? kNone : first;
+        ++traversal.trips;
+    }
     return root;
 }
 
-// True if it is a hit, and not in a hole of the surface.
-bool isSolid(inout Traversal traversal, bool isHit, float t, float u, float v, uint primitive) {
-    if (!FEATURE_ALPHA_MASK) return isHit;
-    traversal.trips += kMaskTrips;
-    return isThere(traversal.ray, isHit, t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone);
-}
-
-#ifdef GLINT_CROSSINGS
-// Counts it, and writes it down where a list is wanted: behind the rows of the paths, two rows a hit.
-void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive) {
-#ifdef GLINT_LIST
-    if (traversal.crossed < traversal.list.y) {
-        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
-        uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
-                     2u * (traversal.list.x + traversal.crossed);
-        STORE4(pathRows, place,
-               uvec4(floatBitsToUint(t), floatBitsToUint(exchanged ? v : u),
-                     floatBitsToUint(exchanged ? u : v), primitive));
-        STORE4(pathRows, place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
-    }
-#endif
-    ++traversal.crossed;
-}
-#endif
-
-// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray
-// through does not end it.
-void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
-           uint id) {
-    bool counts = isSolid(traversal, isHit, t, u, v, primitive);
-#ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS && kHasTextures) traversal.trips += kMaskTrips;
-    if (FEATURE_COLORED_SHADOWS && counts &&
-        passes(traversal.passage, traversal.ray, kind,
-               Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
-        return;
-#endif
-#ifdef GLINT_CROSSINGS
-    if (counts) cross(traversal, kind, t, u, v, primitive);
-#else
-    if (counts) accept(traversal, t, u, v, primitive, id);
-#endif
-}
-
-// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays
-// through dielectrics.
-#ifdef GLINT_CROSSINGS
-const bool kMayGoThrough = true;
-#elif defined(GLINT_SHADOW_RAYS)
-const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
-#else
-const bool kMayGoThrough = FEATURE_ALPHA_MASK;
-#endif
-
-void testTriangle(inout Traversal traversal, uint index) {
-    Triangle triangle = loadTriangle(index);
-    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
-    float t, u, v;
-#ifdef GLINT_CROSSINGS
-    bool doubtful;
-    bool isHit = crossTriangle(traversal.ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
-    traversal.doubtful |= doubtful ? 1u : 0u;
-#else
-    bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
-                 !isOwnTriangle(traversal, primitive, triangle.id);
-#endif
-#ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS)
-        traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
-#endif
-    offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
-}
-
-// Of a kind by itself: through a hole or a dielectric further hits count, from the one before on.
-#define GLINT_TEST_ALONE(Kind, crossings)                                                                \
-    void test##Kind(inout Traversal traversal, uint index) {                                             \
-        Kind one = load##Kind(index);                                                                    \
-        uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                                   \
-        Hit hit;                                                                                         \
-        Ray rest = traversal.ray;                                                                        \
-        bool isHit = hit##Kind(traversal.ray, traversal.frame, one, primitive, traversal.trips, hit);    \
-        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);                \
-        if (crossings == 2) {                                                                            \
-            if (kMayGoThrough) {                                                                         \
-                rest.tMax = traversal.ray.tMax;                                                          \
-                rest.tMin = isHit ? hit.t : rest.tMin;                                                   \
-                isHit = isHit && hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
-                offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);        \
-            }                                                                                            \
-        }                                                                                                \
-        if (crossings > 2) {                                                                             \
-            if (kMayGoThrough) {                                                                         \
-                for (uint further = 1u; isHit && further < uint(crossings); ++further) {                 \
-                    rest.tMin = hit.t;                                                                   \
-                    isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit);      \
-                    offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);    \
-                    ++traversal.trips;                                                                   \
-                }                                                                                        \
-            }                                                                                            \
-        }                                                                                                \
-    }
-#define GLINT_TEST_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                           loops, uv)                                                                      \
-    GLINT_TEST_##ROLE(Kind, crossings)
-#define GLINT_TEST_TRIANGLES(Kind, crossings)
-#define GLINT_TEST_PACKETS(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
-#define GLINT_TEST_LEAVES(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
-#define GLINT_TEST_UNBOUNDED(Kind, crossings)
-#define GLINT_TEST_INSTANCES(Kind, crossings)
-GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
-
-// One loop for each kind, as lavapipe skips work only by not entering a loop.
-#define GLINT_LOOP(Kind, FEATURE)                       \
-    if (FEATURE_##FEATURE) {                            \
-        uint index = kind == kKind##Kind ? first : end; \
-        do {                                            \
-            if (index < end) {                          \
-                test##Kind(traversal, index);           \
-                ++index;                                \
-                ++traversal.trips;                      \
-                if (MODE_COST) ++traversal.cost;        \
-            }                                           \
-        } while (index < end);                          \
-    }
-#define GLINT_LOOP_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                           loops, uv)                                                                      \
-    GLINT_LOOP_##ROLE(Kind, FEATURE)
-#define GLINT_LOOP_TRIANGLES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
-#define GLINT_LOOP_PACKETS(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
-#define GLINT_LOOP_LEAVES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
-#define GLINT_LOOP_UNBOUNDED(Kind, FEATURE)
-#define GLINT_LOOP_INSTANCES(Kind, FEATURE)
-
-// Tests the primitives of a leaf.
-void testLeaf(inout Traversal traversal, uint leaf) {
-    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
-    uint first = leaf & kLeafFirstMask;
-    uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-    GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)
-}
-
-void testPlanes(inout Traversal traversal, uint planeCount) {
-    for (uint index = 0u; index < planeCount; ++index) {
-        Plane plane = loadPlane(index);
-        uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
-        float t;
-        bool isHit = meetPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
-        offer(traversal, kKindPlane, isHit, t, 0.0, 0.0, primitive, plane.id);
-        if (MODE_COST) ++traversal.cost;
-    }
-}
+#include "leaf.glsl"
 
 // Each pushes what the ray enters of a node's children but the nearest, farthest first, and returns that one,
 // kNone if there is none: which `none` says too, as comparing with kNone took 6 % of the time of
@@ -293,46 +143,64 @@ uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, o
     return child.x;
 }
 
-// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
-// 0, the beginning; what is known by then keeps the second pass short.
-uint traverse(inout Traversal traversal, uint root) {
+// A ray that comes to an instance, or to the end of one, waits there until all rays of the subgroup do: on
+// lavapipe the way in would else be paid for in every trip, by rays that are elsewhere.
+bool isAtHand(uint child) { return child != kNone && !isInstance(child); }
+
+// Goes on from node to node, to a leaf, an instance or kNone, the end of the stack from `base` on.
+uint descend(inout Traversal traversal, uint current, uint base, uint budget, inout uint top) {
     const bool kFour = NODE_FORMAT == kNodesFour;
     // Of the binary tree there is one entry for each level at most: the far child of a node on the current
     // path.
     const bool kMayOverflow = kFour || STACK_PLACE == kStackShared;
+    do {
+        if (isNode(current) && traversal.trips < budget) {
+            precise float tEnd = traversal.ray.tMax * farPad();
+            uint next;
+            bool none;
+            if (kFour) {
+                next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
+            } else {
+                next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+            }
+            bool empty = top == base;
+            uint popped = stackAt(empty ? 0u : top - 1u);
+            top -= none && !empty ? 1u : 0u;
+            current = none ? (empty ? kNone : popped) : next;
+            ++traversal.trips;
+            // No room for what the next node may push: the ray is started again, by the walk
+            // without a stack.
+            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
+            if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
+        }
+    } while (isNode(current) && traversal.trips < budget);
+    return current;
+}
+
+// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
+// 0, the beginning; what is known by then keeps the second pass short.
+uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
     do {
         if (current != kNone && traversal.trips < budget) {
+            bool stays;
             do {
-                if (isNode(current) && traversal.trips < budget) {
-                    precise float tEnd = traversal.ray.tMax * farPad();
-                    uint next;
-                    bool none;
-                    if (kFour) {
-                        next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
-                    } else {
-                        next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+                if (isAtHand(current) && traversal.trips < budget) {
+                    current = descend(traversal, current, base, budget, top);
+                    if (isAtHand(current) && !isNode(current)) {
+                        testLeaf(traversal, current);
+                        bool done = top == base || settled(traversal);
+                        current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
+                        top -= done ? 0u : 1u;
                     }
-                    bool empty = top == base;
-                    uint popped = stackAt(empty ? 0u : top - 1u);
-                    top -= none && !empty ? 1u : 0u;
-                    current = none ? (empty ? kNone : popped) : next;
-                    ++traversal.trips;
-                    // No room for what the next node may push: the ray is started again, by the walk without
-                    // a stack.
-                    if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
-                    if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
+                    if (FEATURE_INSTANCES) ++traversal.trips;
                 }
-            } while (isNode(current) && traversal.trips < budget);
-            if (current != kNone && !isNode(current) && !isInstance(current)) {
-                testLeaf(traversal, current);
-                bool done = top == base || settled(traversal);
-                current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
-                top -= done ? 0u : 1u;
-            }
+                // No constant in the loop's own condition: without instances the compiler unrolls it.
+                stays = FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget;
+            } while (stays);
             if (FEATURE_INSTANCES) {
                 // The way out of an instance may lead straight into the next.
                 bool leaves =
@@ -421,17 +289,24 @@ bool prepare(inout Traversal traversal, Environment environment) {
 #define GLINT_IN_TREE_UNBOUNDED(FEATURE)
 const bool kHasTree = GLINT_PRIMITIVES(GLINT_IN_TREE, 0);
 
-// Runs the ray, or goes on with it from `slot` in MODE_RESUME. A ray that is not finite or has no direction
-// misses. `place`: the instance and the slot of the world where an unfinished walk is. Returns kNone when
-// finished, else the slot to resume from.
+// Runs the ray, or goes on with it from `slot` in MODE_RESUME, or begins it there for kSlotFresh. A ray that
+// is not finite or has no direction misses. `place`: the instance and the slot of the world where an
+// unfinished walk is. Returns kNone when finished, else the slot to resume from.
 uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
     bool sound = prepare(traversal, environment);
     if (MODE_RESUME) {
+#ifdef GLINT_SHADOW_RAYS
+        bool begins = slot == kSlotFresh;
+        if (FEATURE_PLANES) testPlanes(traversal, sound && begins ? environment.planeCount : 0u);
+        if (begins) slot = kHasTree && environment.root != kNone && !settled(traversal) ? 0u : kNone;
+        if (begins) place = uvec2(kNone);
+#endif
         if (FEATURE_INSTANCES) {
+            uint trips = traversal.trips;
             traversal.worldSlot = place.y;
             enterSpace(traversal, place.x, sound && slot != kNone && place.x != kNone);
             // Not counted, or with a budget of one trip the walk would stay where it is for ever.
-            traversal.trips = 0u;
+            traversal.trips = trips;
         }
         return walk(traversal, sound ? slot : kNone);
     }

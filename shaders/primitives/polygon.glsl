@@ -36,18 +36,20 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
     vec3 a = shearedVertex(ray, frame, vertex);
     float least = a.z;
     float greatest = a.z;
-    while (vertex < end) {
-        vec3 b = shearedVertex(ray, frame, vertex + 1u);
-        vec3 c = shearedVertex(ray, frame, vertex + 2u);
-        vec3 d = shearedVertex(ray, frame, vertex + 3u);
-        vec3 e = shearedVertex(ray, frame, vertex + 4u);
-        bool odd = (crosses(a, b) != crosses(b, c)) != (crosses(c, d) != crosses(d, e));
-        inside = inside != odd;
-        least = min(least, min(min(b.z, c.z), min(d.z, e.z)));
-        greatest = larger(greatest, larger(larger(b.z, c.z), larger(d.z, e.z)));
-        a = e;
-        vertex += kPolygonEdgesPerTrip;
-    }
+    do {
+        if (vertex < end) {
+            vec3 b = shearedVertex(ray, frame, vertex + 1u);
+            vec3 c = shearedVertex(ray, frame, vertex + 2u);
+            vec3 d = shearedVertex(ray, frame, vertex + 3u);
+            vec3 e = shearedVertex(ray, frame, vertex + 4u);
+            bool odd = (crosses(a, b) != crosses(b, c)) != (crosses(c, d) != crosses(d, e));
+            inside = inside != odd;
+            least = min(least, min(min(b.z, c.z), min(d.z, e.z)));
+            greatest = larger(greatest, larger(larger(b.z, c.z), larger(d.z, e.z)));
+            a = e;
+            vertex += kPolygonEdgesPerTrip;
+        }
+    } while (vertex < end);
     t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
     return inside && speed != 0.0 && t > ray.tMin && t <= ray.tMax;
 }
@@ -55,8 +57,7 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
     float t;
     bool isHit = intersectPolygon(ray, frame, polygon, t) && primitive != ray.source;
-    // The edges', and the one that ends theirs.
-    trips += polygon.trips + 1u;
+    trips += polygon.trips;
     hit = Hit(t, 0.0, 0.0, primitive, kNone, polygon.id);
     return isHit;
 }

@@ -73,8 +73,9 @@ Crossings crossingsOf(float A, float B, float C, float slack, float start) {
     bool real = disc >= -slack;
     precise float root = squareRoot(larger(disc, 0.0));
     precise float q = -(B + (B < 0.0 ? -root : root));
-    precise float r0 = start + (q == 0.0 ? 0.0 : quotient(C, q));
     precise float r1 = start + quotient(q, A == 0.0 ? 1.0 : A);
+    // Of a tangent within rounding both roots are -B / A: C and q, what rounding has left of 0, say nothing.
+    precise float r0 = disc < 0.0 ? r1 : start + (q == 0.0 ? 0.0 : quotient(C, q));
     Crossings c;
     c.between = A > 0.0;
     c.lower = r0 < r1 ? r0 : r1;
@@ -168,9 +169,19 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
         // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides
-        // its sign.
+        // its sign. The direction errs by gamma_3 of what its components here are sums of, and was rounded
+        // itself; so does the origin, which moreover stands off the surface by C over the gradient.
+        vec3 size3 = abs(ray.direction) * unit;
+        vec3 terms =
+            vec3(dot(abs(q.toLocal0), size3), dot(abs(q.toLocal1), size3), dot(abs(q.toLocal2), size3));
+        vec3 far = abs(ray.origin) + abs(q.point);
+        vec3 reach = vec3(dot(abs(q.toLocal0), far), dot(abs(q.toLocal1), far), dot(abs(q.toLocal2), far));
+        float errorSide = gammaBound(8.0) * (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) +
+                                             dot(abs(q.linear), terms));
+        float steepness = length(form - q.linear);
+        if (steepness > 0.0) errorSide += quotient(0.5 * abs(C), steepness) * length(image);
         C = 0.0;
-        if (abs(B) <= errorB) B = 0.0;
+        if (abs(B) <= errorSide) B = 0.0;
     }
     Crossings c = crossingsOf(A, B, C, slack, start);
     Candidate best = firstSurface(ray, unit, p, c);
@@ -184,6 +195,34 @@ struct QuadricPoint {
     vec3 error;
     vec3 normal;
 };
+
+// As towardsRayAtLimb of spheres: where a line touches the side, rounding alone would say which way the
+// normal looks, and an open pipe's bright limb would be shaded as its inside. A line that touches is outside
+// of the surface if the equation's A is positive, and comes upon it; it is inside if A is negative, and
+// leaves. What slope.d may be off by: y by gamma_8 of the magnitudes it is a sum of, as start and middle are
+// sums too, and the sums of slope and product by as much again. A line that passes by within rounding is
+// moved onto the surface (`offset`), where the normal is another one: the ray that leaves has to leave that.
+// A ray that starts on the side may leave through it.
+vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 normal) {
+    uint kindAndIndex = ~(kPartMask << kPartShift);
+    if ((ray.source & kindAndIndex) == (hit.primitive & kindAndIndex)) return normal;
+    vec3 along = toLocal(q, ray.direction);
+    vec3 terms = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
+    vec3 reach = vec3(dot(abs(q.toLocal0), terms), dot(abs(q.toLocal1), terms), dot(abs(q.toLocal2), terms));
+    vec3 image = bilinear(abs(q.squares), abs(q.products), reach) + abs(q.linear);
+    float slip = gammaBound(16.0) * dot(image, abs(along));
+    if (abs(dot(bilinear(q.squares, q.products, y) + q.linear, along)) > slip) return normal;
+    vec3 slope = bilinear(q.squares, q.products, toLocal(q, offset)) + q.linear;
+    vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
+    float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
+    if (steepest <= 1e-30) return normal;
+    vec3 scaled = quotient(gradient, steepest);
+    vec3 unit = quotient(scaled, length(scaled));
+    float away = dot(unit, ray.direction);
+    float A = dot(along, bilinear(q.squares, q.products, along));
+    return away * A > 0.0 ? unit - quotient(2.0 * away, dot(ray.direction, ray.direction)) * ray.direction
+                          : unit;
+}
 
 // One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of
 // the left side of the equation, gamma_12 of the magnitudes it sums, and of y, gamma_5 of those, over the
@@ -228,6 +267,7 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     precise vec3 position = q.point + offset;
     found.position = position;
     found.error = gammaBound(7.0) * (abs(offset) + abs(q.point)) + left * abs(found.normal);
+    if (part == kPartSide) found.normal = asTheLineTouches(ray, hit, q, y, offset, found.normal);
     return found;
 }
 

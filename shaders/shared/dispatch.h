@@ -73,15 +73,16 @@
 // state. tripBudget: loop trips after which a ray is left unfinished for a resume dispatch. threshold: of
 // adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0. listed: 0, or how many paths
 // intersect.comp, light.comp and shade.comp run over, which are those in list `listRead` (0 or 1);
-// shade.comp writes those that go on to `listWritten`. rayClass: with MODE_TALLY, the rays (kRay...) that
-// intersect.comp traces.
+// shade.comp writes those that go on to the other. lightIndex, lightEnd: the lights of light.comp, from the
+// first one to the one before the second. rayClass: with MODE_TALLY, the rays (kRay...) that intersect.comp
+// traces.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4, A)           \
     U4(A, firstTile, tileCount, interleave, run)       \
     U4(A, regionX, regionY, regionWidth, regionHeight) \
-    U4(A, capacity, tripBudget, lightIndex, bounce)    \
+    U4(A, capacity, tripBudget, lightIndex, lightEnd)  \
     V3U(A, sampleOffset, sampleIndex)                  \
     V3U(A, threshold, lastOfRound)                     \
-    U4(A, listed, listRead, listWritten, rayClass)
+    U4(A, listed, listRead, bounce, rayClass)
 
 #ifdef __cplusplus
 namespace glint::shared {
@@ -108,25 +109,27 @@ GLINT_CONST_UINT(kRowThroughput, 3u);
 GLINT_CONST_UINT(kRowRadiance, 4u);
 // slot where an unfinished ray goes on (kNone: finished), id of the best hit, cost, shadow bits
 GLINT_CONST_UINT(kRowWalk, 5u);
-GLINT_CONST_UINT(kPathRows, 6u);
+// the light of an unfinished shadow ray; 0, 0, 0
+GLINT_CONST_UINT(kRowLight, 6u);
+GLINT_CONST_UINT(kPathRows, 7u);
 // position.xyz (local), depth
-GLINT_CONST_UINT(kRowAovPosition, 6u);
+GLINT_CONST_UINT(kRowAovPosition, 7u);
 // outward shading normal, material
-GLINT_CONST_UINT(kRowAovNormal, 7u);
+GLINT_CONST_UINT(kRowAovNormal, 8u);
 // u, v, object, primitive
-GLINT_CONST_UINT(kRowAovIndices, 8u);
+GLINT_CONST_UINT(kRowAovIndices, 9u);
 // bounces, cost, shadow bits, path hash
-GLINT_CONST_UINT(kRowAovCounts, 9u);
+GLINT_CONST_UINT(kRowAovCounts, 10u);
 // outward geometric normal, 0
-GLINT_CONST_UINT(kRowAovGeometry, 10u);
-GLINT_CONST_UINT(kPathRowsWithAovs, 11u);
+GLINT_CONST_UINT(kRowAovGeometry, 11u);
+GLINT_CONST_UINT(kPathRowsWithAovs, 12u);
 // rgb, alpha: weighted sums over samples
-GLINT_CONST_UINT(kRowFilm, 11u);
+GLINT_CONST_UINT(kRowFilm, 12u);
 // mean of the samples so far, unweighted; their number
-GLINT_CONST_UINT(kRowMean, 12u);
+GLINT_CONST_UINT(kRowMean, 13u);
 // sum of squared differences from that mean; 1: the pixel goes on, else 0
-GLINT_CONST_UINT(kRowSpread, 13u);
-GLINT_CONST_UINT(kPathRowsAdaptive, 14u);
+GLINT_CONST_UINT(kRowSpread, 14u);
+GLINT_CONST_UINT(kPathRowsAdaptive, 15u);
 
 // With instances one more row follows the others, rowInstance() in path.glsl: instance of the best hit,
 // instance the ray starts on, instance an unfinished walk is in, slot where it goes on in the world's tree;

@@ -302,11 +302,6 @@ GLINT_CONST_UINT(kMaxPlanes, 1024u);
 // resumed (path_limits.cpp).
 GLINT_CONST_UINT(kPolygonEdgesPerTrip, 4u);
 GLINT_CONST_UINT(kMaxPolygonTrips, 2048u);
-// Loop trips that asking a material for holes may cost a primitive test, within that of the primitive: three
-// loops of one trip, twice for a sphere. Counted for every test of a scene that has such materials.
-GLINT_CONST_UINT(kMaskTrips, 6u);
-// Of the loops around textures outside the traversal.
-GLINT_CONST_UINT(kTextureTrips, 16u);
 // Invocations per workgroup; one workgroup traces one 8x8 tile. Vulkan guarantees 128.
 GLINT_CONST_UINT(kWorkgroupSize, 64u);
 GLINT_CONST_UINT(kTileSize, 8u);

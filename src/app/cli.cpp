@@ -35,6 +35,7 @@ struct Command {
 // In the order of the help text.
 constexpr Command kCommands[] = {
     {"render", "render a scene to a picture", renderCommand},
+    {"merge", "put the parts of a picture together that render --part drew", mergeCommand},
     {"view", "a window to look around a scene in", viewCommand},
     {"verify", "compare the shaders' picture with the reference's, pixel by pixel", verifyCommand},
     {"report", "error against run time, for many settings of each scene", reportCommand},

@@ -14,6 +14,7 @@ using Run = std::function<int(std::ostream& out, std::ostream& err)>;
 
 // Declares the options and returns what runs with their values.
 Run renderCommand(OptionTable& table);
+Run mergeCommand(OptionTable& table);
 Run viewCommand(OptionTable& table);
 Run verifyCommand(OptionTable& table);
 Run reportCommand(OptionTable& table);

@@ -6,55 +6,14 @@
 #include <cstdio>
 #include <iostream>
 
-#include "core/available_memory.h"
+#include "app/animated_scene.h"
 #include "core/error.h"
-#include "core/stopwatch.h"
-#include "core/text_file.h"
-#include "import/load.h"
 #include "pack/pack_samples.h"
-#include "scene/sampling.h"
 
 namespace glint::app {
 
-namespace {
-
-void overrideSampling(const SceneOptions& options, ImageSettings& image) {
-    if (options.sampler) image.sampler = *options.sampler;
-    if (options.filter) {
-        image.filter = options.filter->filter;
-        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
-    }
-    if (options.seed) image.seed = *options.seed;
-    if (options.adaptive) image.adaptive = options.adaptive;
-    const std::string wrong = samplingConflict(image);
-    if (!wrong.empty()) throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
-}
-
-}  // namespace
-
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet) {
-    if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
-    LoadedScene loaded;
-    Stopwatch watch;
-    loaded.scene = loadScene(options.scene, {options.allowOutside, availableMemory()});
-    if (options.size) {
-        loaded.scene.image.width = options.size->width;
-        loaded.scene.image.height = options.size->height;
-    }
-    if (options.spp) loaded.scene.image.samplesPerPixel = *options.spp;
-    if (options.maxDepth) loaded.scene.maxDepth = *options.maxDepth;
-    overrideSampling(options, loaded.scene.image);
-    loaded.loadSeconds = watch.seconds();
-    watch.restart();
-    loaded.packed = packScene(loaded.scene, 0, options.buildQuality);
-    loaded.packSeconds = watch.seconds();
-    if (!quiet) {
-        for (const std::string& w : loaded.scene.warnings) err << "glint: warning: " << printable(w) << '\n';
-        for (const std::string& w : loaded.packed.warnings) {
-            err << "glint: warning: " << options.scene.string() << ": " << w << '\n';
-        }
-    }
-    return loaded;
+    return AnimatedScene(options, options.time, err, quiet).take();
 }
 
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {

@@ -13,7 +13,8 @@
 
 namespace glint::app {
 
-// Loads, applies the command line's overrides, packs; warnings go to `err`, one line each, unless quiet.
+// Loads, at a moment of the animation if one is given, applies the command line's overrides, packs; warnings
+// go to `err`, one line each, unless quiet.
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
 
 // The scene's picture, whole, with what the command line says about it.

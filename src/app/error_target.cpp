@@ -34,12 +34,6 @@ double confidenceOf(const std::string& text) {
     return value;
 }
 
-double positive(const std::string& text, const char* what) {
-    const double value = parseNotNegative(text);
-    if (!(value > 0)) throw Error(ErrorKind::Argument, std::string(what) + " is above 0");
-    return value;
-}
-
 // The condition number times the unit of the arithmetic, and what storing as fp32 takes.
 double roundingOf(const LoadedScene& loaded, const Request& request, Backend backend) {
     const reference::Tracer tracer(loaded.packed, request);
@@ -82,7 +76,7 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
 void addErrorTarget(OptionTable& table, ErrorTarget& target) {
     table.value("--error", "E",
                 "take samples until the picture's error is at most E (linear radiance, full scale 1)",
-                [&](const std::string& t) { target.error = positive(t, "an error"); });
+                [&](const std::string& t) { target.error = parsePositive(t, "an error"); });
     table.value("--confidence", "P",
                 "probability with which --error is to hold, above 0.5 and below 1 (default 0.95)",
                 [&](const std::string& t) { target.confidence = confidenceOf(t); });
@@ -91,7 +85,7 @@ void addErrorTarget(OptionTable& table, ErrorTarget& target) {
         "what --error is of: the root mean square over the picture (default), or each pixel by itself",
         target.measure);
     table.value("--max-seconds", "S", "stop there with the best picture so far, if --error takes longer",
-                [&](const std::string& t) { target.maxSeconds = positive(t, "a time"); });
+                [&](const std::string& t) { target.maxSeconds = parsePositive(t, "a time"); });
     table.whole("--max-spp", "N", "stop there, if --error takes more samples of a pixel (default 65536)", 2,
                 kMostErrorSamples, target.maxSamples);
     table.flag(

@@ -197,6 +197,7 @@ Run infoCommand(OptionTable& table) {
     const auto options = std::make_shared<SceneOptions>();
     addScene(table, *options);
     addSceneOverrides(table, *options);
+    addTime(table, *options);
     addMethods(table, *options);
     return [options](std::ostream& out, std::ostream& err) { return printInfo(*options, out, err); };
 }

@@ -41,6 +41,12 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                                options.buildQuality);
 }
 
+void addTime(OptionTable& table, SceneOptions& options) {
+    table.value("--time", "SECONDS",
+                "the scene at this moment of its animation (default: as its file says it)",
+                [&](const Text& t) { options.time = parseNotNegative(t); });
+}
+
 void addMethods(OptionTable& table, SceneOptions& options) {
     table.choice<TriangleMethod>(
         "--intersector",

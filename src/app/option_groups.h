@@ -31,6 +31,7 @@ struct SceneOptions {
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;
     std::optional<AdaptiveSampling> adaptive;
+    std::optional<double> time;  // of the animation, seconds; empty: the scene as its file says it
 };
 
 struct DeviceChoice {
@@ -45,6 +46,7 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  
                bool& allowOutside);
 void addSceneOverrides(OptionTable& table,
                        SceneOptions& options);               // --size, --spp, --max-depth, --build-quality
+void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);
 void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --filter, --seed, --adaptive

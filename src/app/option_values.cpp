@@ -115,6 +115,23 @@ Size parseSize(const std::string& text) {
     return {v[0], v[1]};
 }
 
+PartChoice parsePart(const std::string& text) {
+    constexpr int kMostParts = 1 << 20;
+    const auto v = wholeNumbers(text, '/', 2);
+    if (v.empty() || v[1] < 1 || v[1] > kMostParts || v[0] < 1 || v[0] > v[1])
+        refuse("K/N with 1 <= K <= N, such as 3/8", text);
+    return {v[0], v[1]};
+}
+
+FrameRange parseFrames(const std::string& text) {
+    constexpr int kMostFrames = 10'000'000;
+    auto v = wholeNumbers(text, ':', 2);
+    if (v.empty()) v = wholeNumbers(text, ':', 1);
+    if (v.empty() || v.front() < 0 || v.back() < v.front() || v.back() > kMostFrames)
+        refuse("A:B with 0 <= A <= B, such as 0:240, or one number", text);
+    return {v.front(), v.back()};
+}
+
 Region parseCrop(const std::string& text) {
     const auto v = wholeNumbers(text, ',', 4);
     if (v.empty()) refuse("x0,y0,x1,y1 such as 0,0,64,64", text);
@@ -166,6 +183,12 @@ double parseNotNegative(const std::string& text) {
     const auto value = number(text);
     if (!value || *value < 0) refuse("a number from 0 up", text);
     return *value;
+}
+
+double parsePositive(const std::string& text, const char* what) {
+    const double value = parseNotNegative(text);
+    if (!(value > 0)) throw Error(ErrorKind::Argument, std::string(what) + " is above 0");
+    return value;
 }
 
 std::filesystem::path parsePath(const std::string& what, const std::string& text) {

@@ -20,6 +20,16 @@ struct Size {
     int width = 0, height = 0;
 };
 
+// One of several parts of a picture, 1 <= number <= of.
+struct PartChoice {
+    int number = 1, of = 1;
+};
+
+// Frames of an animation, both ends among them: 0 <= first <= last.
+struct FrameRange {
+    int first = 0, last = 0;
+};
+
 struct FilterChoice {
     Filter filter = Filter::Box;
     std::optional<double> radius;  // pixels; empty: the filter's own
@@ -28,11 +38,14 @@ struct FilterChoice {
 // A whole number from `least` to `greatest`.
 int parseWhole(const std::string& text, int least, int greatest);
 
-double parseNotNegative(const std::string& text);         // finite
-Size parseSize(const std::string& text);                  // "640x480"
-Region parseCrop(const std::string& text);                // "x0,y0,x1,y1", not empty
-std::pair<int, int> parsePixel(const std::string& text);  // "x,y"
-std::vector<Aov> parseAovs(const std::string& text);      // "color, depth": each once
+double parsePositive(const std::string& text, const char* what);  // finite; "a time" in the error
+double parseNotNegative(const std::string& text);                 // finite
+Size parseSize(const std::string& text);                          // "640x480"
+PartChoice parsePart(const std::string& text);                    // "3/8"
+FrameRange parseFrames(const std::string& text);                  // "0:240" or "17"
+Region parseCrop(const std::string& text);                        // "x0,y0,x1,y1", not empty
+std::pair<int, int> parsePixel(const std::string& text);          // "x,y"
+std::vector<Aov> parseAovs(const std::string& text);              // "color, depth": each once
 // "depth,offset": words that names of the settings of `glint report` start with.
 std::vector<std::string> parseFamilies(const std::string& text);
 // By the names that `glint info` prints.

@@ -32,6 +32,10 @@ void checkPicturePath(const fs::path& path) {
         throw Error(ErrorKind::Argument,
                     path.string() + ": unknown picture format (use .png, .exr, .pfm or .hdr)");
     }
+    checkOutputPath(path);
+}
+
+void checkOutputPath(const fs::path& path) {
     std::error_code ignored;
     const fs::path linked = fs::canonical(path, ignored);  // empty if there is no such file
     const fs::path target = linked.empty() ? path : linked;

@@ -11,6 +11,9 @@ namespace glint::app {
 // as things stand: no such folder, no permission, a folder of that name.
 void checkPicturePath(const std::filesystem::path& path);
 
+// The same for a file of any kind: only whether it can be written.
+void checkOutputPath(const std::filesystem::path& path);
+
 // Throws Error(Failed) if `folder` is not a folder that can be written to.
 void checkOutputFolder(const std::filesystem::path& folder);
 

@@ -6,6 +6,7 @@
 #include "app/exit_code.h"
 #include "app/ray_file.h"
 #include "core/error.h"
+#include "reference/loaded_truth.h"
 #include "reference/trace_rays.h"
 #include "render/renderer.h"
 
@@ -56,9 +57,15 @@ std::vector<WorldHit> tracePixelOnDevice(const TraceCommand& command, const Load
 
 std::vector<WorldHit> tracePixelOnHost(const TraceCommand& command, const LoadedScene& loaded) {
     const auto [x, y] = *command.pixel;
-    const reference::Tracer tracer(loaded.packed, requestOf(loaded, command.scene));
-    const reference::Ray ray = tracer.cameraRay(cameraOf(loaded), x + 0.5, y + 0.5);
-    return {reference::trace(tracer, loaded.packed, ray)};
+    const Request request = requestOf(loaded, command.scene);
+    const reference::Tracer tracer(reference::truthOf(loaded), request,
+                                   radianceBoundOf(loaded.packed, request));
+    return {reference::trace(tracer, tracer.cameraRay(reference::truthCamera(loaded), x + 0.5, y + 0.5))};
+}
+
+std::vector<WorldHit> traceOnHost(const LoadedScene& loaded, const RayBatch& batch) {
+    const reference::Tracer tracer(reference::truthOf(loaded), {.methods = batch.methods}, 0);
+    return reference::trace(tracer, batch);
 }
 
 void print(const TraceCommand& command, const std::vector<WorldHit>& hits, int digits, std::ostream& out) {
@@ -101,8 +108,7 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
         traceOnDevice(command, loaded, out, err);
     } else {
         print(command,
-              command.pixel ? tracePixelOnHost(command, loaded)
-                            : reference::trace(loaded.packed, batchOf(command, err)),
+              command.pixel ? tracePixelOnHost(command, loaded) : traceOnHost(loaded, batchOf(command, err)),
               kReferenceDigits, out);
     }
     return static_cast<int>(ExitCode::Done);

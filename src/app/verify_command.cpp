@@ -1,5 +1,6 @@
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "app/commands.h"
@@ -22,6 +23,7 @@ struct VerifyCommand {
     SceneOptions common;
     DeviceChoice device;
     std::filesystem::path folder = ".";  // of the difference pictures
+    bool json = false;                   // --stats
     ProgressMode progress = ProgressMode::Auto;
 };
 
@@ -30,11 +32,13 @@ void declare(OptionTable& table, VerifyCommand& c) {
     table.path("-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
                "the folder's name", c.folder);
     addSceneOverrides(table, c.common);
+    addTime(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);
     addSampling(table, c.common);
     addDevice(table, c.device);
     addTraversal(table, c.device);
+    addStats(table, "verdicts and figures as JSON on standard output, instead of text", c.json);
     addProgress(table, c.progress);
 }
 
@@ -55,8 +59,8 @@ std::vector<std::filesystem::path> pictureNames(const VerifyCommand& command) {
 }
 
 bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path,
-                 const std::filesystem::path& picture, const gpu::Device& device, std::ostream& out,
-                 std::ostream& err) {
+                 const std::filesystem::path& picture, const gpu::Device& device, nlohmann::json& results,
+                 std::ostream& out, std::ostream& err) {
     SceneOptions sceneOptions = command.common;
     sceneOptions.scene = path;
     const LoadedScene loaded = loadAndPack(sceneOptions, err);
@@ -71,12 +75,16 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     {
         Progress progress("verify " + path.filename().string(), command.progress, err, isTerminal(err));
         options.progress = [&](double fraction) { progress.update(fraction); };
-        report = verify::verify(renderer, loaded.packed, cameraOf(loaded), options);
+        report = verify::verify(renderer, loaded.packed, cameraOf(loaded), options, &loaded.scene);
     }
     if (report.interrupted)
         throw Error(ErrorKind::Interrupted, "interrupted while verifying " + path.string());
-    printReport(path.string(), report, options, loaded.packed.origin, out);
     writeImage(picture, report.difference);
+    if (command.json) {
+        results.push_back(reportJson(path.string(), report));
+        return report.passed();
+    }
+    printReport(path.string(), report, options, loaded.packed.origin, out);
     out << "    wrote " << picture.string() << '\n';
     out.flush();
     return report.passed();
@@ -86,12 +94,19 @@ int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
     checkOutputFolder(command.folder);
     const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
-    out << "device: " << device.info().name << ", " << device.info().driver << '\n';
+    if (!command.json) out << "device: " << device.info().name << ", " << device.info().driver << '\n';
+    nlohmann::json results = nlohmann::json::array();
     const auto pictures = pictureNames(command);
     size_t failed = 0;
     for (size_t i = 0; i < pictures.size(); ++i) {
-        if (!verifyScene(command, command.scenes[i], pictures[i], device, out, err)) ++failed;
+        if (!verifyScene(command, command.scenes[i], pictures[i], device, results, out, err)) ++failed;
     }
+    if (command.json)
+        out << nlohmann::json{{"device", device.info().name},
+                              {"driver", device.info().driver},
+                              {"scenes", std::move(results)}}
+                   .dump(2)
+            << '\n';
     reportValidation(device, command.device, err);
     if (failed == 0) return static_cast<int>(ExitCode::Done);
     err << "glint: verify: " << failed << " of " << counted(command.scenes.size(), "scene") << " failed\n";

@@ -1,6 +1,7 @@
 #include "app/verify_report.h"
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
 namespace glint::app {
@@ -31,9 +32,8 @@ Seen seenBy(const verify::DifferingPixel& pixel) {
             d.position};
 }
 
-Seen expectedBy(const verify::DifferingPixel& pixel, const glm::dvec3& origin) {
-    const reference::PixelRecord& r = pixel.reference;
-    Seen seen = {"reference", r.color, r.pathHash, r.bounces, r.hit && r.surface, 0, 0, 0, glm::dvec3(0)};
+Seen seenBy(const char* who, const reference::PixelRecord& r, const glm::dvec3& origin) {
+    Seen seen = {who, r.color, r.pathHash, r.bounces, r.hit && r.surface, 0, 0, 0, glm::dvec3(0)};
     if (seen.hit) {
         seen.object = r.surface->object;
         seen.primitive = r.surface->primitive;
@@ -72,7 +72,28 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm
     }
     out << '\n';
     printSeen(seenBy(pixel), out);
-    printSeen(expectedBy(pixel, origin), out);
+    printSeen(seenBy("reference", pixel.reference, origin), out);
+}
+
+void printRepresentation(const verify::Representation& r, const glm::dvec3& origin, std::ostream& out) {
+    char line[400];
+    std::snprintf(
+        line, sizeof(line),
+        "    rounding the scene, by the reference alone: %llu pixels, RMSE %.3g, 99th percentile %.3g, max "
+        "%.3g; beyond what moved numbers predict: %llu explained (at most %llu), %llu unexplained\n",
+        static_cast<unsigned long long>(r.asked), r.rmse, r.p99, r.greatest,
+        static_cast<unsigned long long>(r.explained), static_cast<unsigned long long>(r.allowed),
+        static_cast<unsigned long long>(r.unexplained));
+    out << line;
+    for (const verify::RepresentedPixel& pixel : r.worst) {
+        if (pixel.explained) continue;
+        std::snprintf(line, sizeof(line),
+                      "    pixel %d,%d sample %zu: difference %.6g by packing, unexplained\n", pixel.x,
+                      pixel.y, pixel.sample, pixel.difference);
+        out << line;
+        printSeen(seenBy("packed", pixel.rounded, origin), out);
+        printSeen(seenBy("read", pixel.truth, origin), out);
+    }
 }
 
 std::string verdict(const verify::Report& report) {
@@ -80,10 +101,14 @@ std::string verdict(const verify::Report& report) {
         return report.ties > report.allowedOthers() ? "ok; surfaces tie, as the scene demands" : "ok";
     }
     if (report.unexplained > 0) return "FAILED: pixels differ for no reason that rounding explains";
+    if (report.representation && report.representation->unexplained > 0)
+        return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
     if (report.ties > report.allowedTies())
         return "FAILED: more pixels tie than the reference predicts, though rounding explains each";
     if (report.edges + report.roundings > report.allowedOthers())
         return "FAILED: too many pixels differ, though rounding explains each: the method loses digits here";
+    if (report.representation && !report.representation->passed())
+        return "FAILED: rounding the scene changes too many pixels, though it explains each";
     return "FAILED: the picture errs by more than its condition allows, though rounding explains each pixel";
 }
 
@@ -112,9 +137,40 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   s.kappa, std::string(nameOf(verify::classOf(s.kappa))).c_str(),
                   s.kappa * verify::kFloatUnit, report.p99, report.allowedP99());
     out << line;
+    if (report.representation) printRepresentation(*report.representation, origin, out);
     for (const verify::DifferingPixel& pixel : report.worst) {
         printPixel(pixel, options.samples.round > 1, origin, out);
     }
+}
+
+nlohmann::json reportJson(const std::string& scene, const verify::Report& report) {
+    const verify::Sensitivity& s = report.sensitivity;
+    nlohmann::json json = {
+        {"scene", scene},
+        {"passed", report.passed()},
+        {"verdict", verdict(report)},
+        {"pixels", report.pixels},
+        {"kappa", s.kappa},
+        {"arithmetic",
+         {{"rmse", report.rmse},
+          {"rmseSamePath", report.rmseSamePath},
+          {"maxSamePath", report.maxSamePath},
+          {"p99", report.p99},
+          {"allowedP99", report.allowedP99()},
+          {"edge", report.edges},
+          {"rounding", report.roundings},
+          {"tie", report.ties},
+          {"allowed", report.allowedOthers()},
+          {"allowedTies", report.allowedTies()},
+          {"unexplained", report.unexplained}}},
+    };
+    if (!report.representation) return json;
+    const verify::Representation& r = *report.representation;
+    json["representation"] = {
+        {"pixels", r.asked},           {"rmse", r.rmse},           {"p99", r.p99},
+        {"max", r.greatest},           {"explained", r.explained}, {"allowed", r.allowed},
+        {"unexplained", r.unexplained}};
+    return json;
 }
 
 }  // namespace glint::app

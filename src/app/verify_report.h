@@ -3,6 +3,7 @@
 
 #include <glm/glm.hpp>
 #include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "verify/verify.h"
@@ -13,5 +14,8 @@ namespace glint::app {
 // seen there. `origin`: PackedScene::origin.
 void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
                  const glm::dvec3& origin, std::ostream& out);
+
+// The same verdict and numbers, without the pixels.
+nlohmann::json reportJson(const std::string& scene, const verify::Report& report);
 
 }  // namespace glint::app

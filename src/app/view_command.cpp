@@ -21,6 +21,7 @@ struct ViewCommand {
     std::filesystem::path script;
     gpu::PresentMode present = gpu::PresentMode::Fifo;
     int target = 0;  // milliseconds; 0: by the device
+    double scale = 0;
 };
 
 void declare(OptionTable& table, ViewCommand& c) {
@@ -35,6 +36,13 @@ void declare(OptionTable& table, ViewCommand& c) {
         "MODE");
     table.whole("--target", "MS", "milliseconds a frame to aim for while the camera moves", 1, 10'000,
                 c.target);
+    table.value("--scale", "X", "text and controls X times as large, 0.5 to 4 (default: as the screen asks)",
+                [&c](const std::string& text) {
+                    c.scale = parseNotNegative(text);
+                    if (c.scale < 0.5 || c.scale > 4)
+                        throw Error(ErrorKind::Argument,
+                                    "expected a number from 0.5 to 4, got '" + text + "'");
+                });
 }
 
 #ifdef GLINT_WINDOW
@@ -42,18 +50,20 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     view::Options options;
     options.scene = command.scene.scene;
-    options.allowOutside = command.scene.allowOutside;
+    options.loading.allowOutside = command.scene.allowOutside;
+    options.loading.quality = command.scene.buildQuality;
     if (command.scene.size) {
         options.width = command.scene.size->width;
         options.height = command.scene.size->height;
     }
-    options.maxDepth = command.scene.maxDepth;
-    options.samplesPerPixel = command.scene.spp;
+    options.loading.maxDepth = command.scene.maxDepth;
+    options.loading.samplesPerPixel = command.scene.spp;
     options.device = command.device.selector;
     options.validation = command.device.validation;
     options.frames = command.frames;
     options.script = command.script;
     options.presentMode = command.present;
+    options.scale = command.scale;
     options.targetSeconds = command.target * 1e-3;
     view::view(options, out, err);
     return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);

@@ -205,6 +205,11 @@ Bytes encodeData(Format format, const Layer& layer) {
     return encodeColor(format, pad ? withChannels(layer.image, 3) : layer.image, nullptr);
 }
 
+fs::path besidePath(const fs::path& path, const std::string& layer) {
+    fs::path beside = path;
+    return beside.replace_filename(path.stem().string() + "." + layer + path.extension().string());
+}
+
 std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const std::vector<Layer>& layers) {
     checkLayers(layers);
     if (format == Format::Exr) {
@@ -221,9 +226,7 @@ std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const 
             files.push_back(
                 {path, encodeColor(format, layer.image, alpha == nullptr ? nullptr : &alpha->image)});
         } else {
-            fs::path beside = path;
-            beside.replace_filename(path.stem().string() + "." + layer.name + path.extension().string());
-            files.push_back({beside, encodeData(format, layer)});
+            files.push_back({besidePath(path, layer.name), encodeData(format, layer)});
         }
     }
     return files;
@@ -249,6 +252,18 @@ Image decode(ByteView file, uint64_t mostPixels) {
 
 bool isWritableImagePath(const fs::path& path) {
     return formatOf(path).has_value();
+}
+
+std::vector<fs::path> layerPaths(const fs::path& path, const std::vector<std::string>& names) {
+    const Format format = writableFormat(path);
+    if (format == Format::Exr) return {path};
+    const bool hasColor = std::find(names.begin(), names.end(), "color") != names.end();
+    std::vector<fs::path> paths;
+    for (const std::string& name : names) {
+        if (name == "alpha" && hasColor && format == Format::Png) continue;
+        paths.push_back(name == "color" ? path : besidePath(path, name));
+    }
+    return paths;
 }
 
 void writeImage(const fs::path& path, const Image& image) {

@@ -32,6 +32,11 @@ void writeImage(const std::filesystem::path& path, const Image& image);
 std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path,
                                                const std::vector<Layer>& layers);
 
+// The files that writeLayers would write for layers of these names. Throws Error(Usage) for an unknown
+// extension.
+std::vector<std::filesystem::path> layerPaths(const std::filesystem::path& path,
+                                              const std::vector<std::string>& names);
+
 // Reads a PNG, EXR, PFM, HDR or JPEG into 1, 3 or 4 linear channels. Throws Error(Failed) with the path and
 // the reason if it is missing, truncated or of an unknown kind.
 // Pictures of more pixels than `mostPixels`, or than codecs.h allows, are refused before memory is taken.

@@ -5,8 +5,9 @@
 
 #include <array>
 #include <bit>
-#include <cstdio>
 #include <vector>
+
+#include "core/content_hash.h"
 
 namespace glint {
 
@@ -21,9 +22,7 @@ std::string pictureHash(const Image& image) {
             row[static_cast<size_t>(x)] = {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
         XXH3_64bits_update(&state, row.data(), row.size() * sizeof(row[0]));
     }
-    char text[17];
-    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
-    return text;
+    return hashText(XXH3_64bits_digest(&state));
 }
 
 }  // namespace glint

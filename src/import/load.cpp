@@ -37,8 +37,9 @@ Scene completed(ImportedScene imported, const std::filesystem::path& path) {
 
 }  // namespace
 
-Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
-    SceneFiles files(path.parent_path(), options);
+namespace {
+
+Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
     const std::string extension = lowerExtension(path);
     if (extension == ".json") return parseScene(files.read(path), path.string(), path.parent_path(), files);
     if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path, files);
@@ -51,6 +52,15 @@ Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
                 path.string() +
                     ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "
                     ".obj, .ply or .stl)");
+}
+
+}  // namespace
+
+Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
+    SceneFiles files(path.parent_path(), options);
+    Scene scene = loadFrom(path, files);
+    scene.sources = files.sources();
+    return scene;
 }
 
 }  // namespace glint

@@ -56,8 +56,8 @@ std::string_view readType(const JsonCursor& type, const keys::TypeTable& table) 
 }
 
 ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                           SceneFiles& files, const JsonCursor* meshes)
-    : scene_(scene), file_(file), folder_(folder), files_(files), meshes_(meshes) {
+                           SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes)
+    : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory), meshes_(meshes) {
     for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
 }
 
@@ -180,22 +180,33 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     return *loaded_.emplace(name, shared).first->second;
 }
 
-ObjectParser::LoadedMesh ObjectParser::readMesh(const std::filesystem::path& path) {
+// A mesh that was read for an earlier moment of an animation has its materials at the same place as then.
+const MeshMemory::Read& ObjectParser::remembered(const std::filesystem::path& path) {
+    const auto firstMaterial = static_cast<uint32_t>(scene_.materials.size());
+    MeshMemory::Read& read = memory_.files[path];
+    if (read.mesh && (read.firstMaterial == firstMaterial || read.mesh->materials.empty())) return read;
     ImportedMesh imported = importMesh(path, files_);
-    for (std::string& warning : imported.warnings) scene_.warnings.push_back(std::move(warning));
+    for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
+    read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
+            std::make_shared<const Mesh>(std::move(imported.mesh)), firstMaterial};
+    return read;
+}
+
+ObjectParser::LoadedMesh ObjectParser::readMesh(const std::filesystem::path& path) {
+    const MeshMemory::Read& read = remembered(path);
+    scene_.warnings.insert(scene_.warnings.end(), read.warnings.begin(), read.warnings.end());
     LoadedMesh mesh;
     mesh.material = static_cast<uint32_t>(scene_.materials.size());
     const auto firstTexture = static_cast<uint32_t>(scene_.textures.size());
-    for (Texture& texture : imported.textures) scene_.textures.push_back(std::move(texture));
-    for (Material& material : imported.materials) {
+    scene_.textures.insert(scene_.textures.end(), read.textures.begin(), read.textures.end());
+    for (Material material : read.materials) {
         for (uint32_t* texture :
              {&material.ambientTexture, &material.diffuseTexture, &material.specularTexture,
               &material.mirrorTexture, &material.transmissionTexture})
             if (*texture != Material::kNoTexture) *texture += firstTexture;
         scene_.materials.push_back(std::move(material));
     }
-    for (uint32_t& material : imported.mesh.materials) material += mesh.material;
-    mesh.own = std::make_shared<const Mesh>(std::move(imported.mesh));
+    mesh.own = read.mesh;
     return mesh;
 }
 

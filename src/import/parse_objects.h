@@ -18,12 +18,25 @@ namespace glint {
 // The "type" of a light, camera or object; fails for one that is unknown or not yet supported.
 std::string_view readType(const JsonCursor& type, const keys::TypeTable& table);
 
+// Mesh files that were read, for scenes that are parsed again with other numbers.
+struct MeshMemory {
+    struct Read {
+        std::vector<Material> materials;
+        std::vector<Texture> textures;  // that the materials index, from 0
+        std::vector<std::string> warnings;
+        // Indexes the materials from `firstMaterial` on.
+        std::shared_ptr<const Mesh> mesh;
+        uint32_t firstMaterial = 0;
+    };
+    std::map<std::filesystem::path, Read> files;
+};
+
 class ObjectParser {
   public:
     // `meshes` is the scene's object of that name, if any; files are loaded when an object first uses them,
     // relative to `folder`. Materials are found by their names in `scene`, from index 0.
     ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
-                 SceneFiles& files, const JsonCursor* meshes);
+                 SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes);
 
     // Appends the object, or those of a group, to the scene.
     void parse(const JsonCursor& object) { parse(object, {}); }
@@ -49,6 +62,7 @@ class ObjectParser {
     std::shared_ptr<const Mesh> parseMesh(const JsonCursor& object, uint32_t& material);
     LoadedMesh& load(const JsonCursor& name);
     LoadedMesh readMesh(const std::filesystem::path& path);
+    const MeshMemory::Read& remembered(const std::filesystem::path& path);
     uint32_t findMaterial(const JsonCursor& name) const;
     uint32_t defaultMaterial();
 
@@ -56,6 +70,7 @@ class ObjectParser {
     const std::string& file_;
     const std::filesystem::path& folder_;
     SceneFiles& files_;
+    MeshMemory& memory_;
     const JsonCursor* meshes_;
     std::map<std::string, uint32_t, std::less<>> materials_;
     std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name

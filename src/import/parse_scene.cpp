@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "import/animation.h"
 #include "import/json_cursor.h"
 #include "import/load.h"
 #include "import/parse_objects.h"
+#include "import/parse_scene.h"
 #include "import/parse_textures.h"
 #include "import/scene_keys.h"
 #include "scene/limits.h"
@@ -75,7 +77,7 @@ Projection readProjection(const JsonCursor& camera) {
     return named<Projection>(readType(*type, keys::kCameraTypes)).value();
 }
 
-void parseCamera(const JsonCursor& camera, Camera& result) {
+void readCamera(const JsonCursor& camera, Camera& result) {
     camera.expectObject();
     result.projection = readProjection(camera);
     const bool orthographic = result.projection == Projection::Orthographic;
@@ -191,7 +193,7 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
 }
 
 void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
-                  const std::filesystem::path& folder, SceneFiles& files) {
+                  const std::filesystem::path& folder, SceneFiles& files, MeshMemory& memory) {
     const auto meshes = root.find("meshes");
     if (meshes) {
         meshes->expectObject();
@@ -201,7 +203,7 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
             mesh.require("file").string();
         }
     }
-    ObjectParser parser(scene, name, folder, files, meshes ? &*meshes : nullptr);
+    ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
     if (const auto objects = root.find("objects"))
         for (size_t i = 0; i < objects->size(); i++) parser.parse(objects->item(i));
     parser.warnOfUnusedMeshes();
@@ -217,14 +219,26 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
 
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files) {
-    const JsonValue document = parseJson(text, name);
+    MeshMemory memory;
+    return parseScene(parseJson(text, name), name, folder, files, memory);
+}
+
+Camera parseCamera(const JsonCursor& root, const std::string& name) {
+    Camera result;
+    if (const auto camera = root.find("camera")) readCamera(*camera, result);
+    validateCamera(result, {name, "/camera"});
+    return result;
+}
+
+Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
+                 SceneFiles& files, MeshMemory& memory) {
     const JsonCursor root(document, name);
     root.expectKeys(keys::kScene);
 
     Scene scene;
     if (const auto schema = root.find("$schema")) schema->string();
     if (const auto image = root.find("image")) parseImage(*image, scene.image);
-    if (const auto camera = root.find("camera")) parseCamera(*camera, scene.camera);
+    if (const auto camera = root.find("camera")) readCamera(*camera, scene.camera);
     TextureParser textures(scene, folder, files);
     textures.readBackground(root);
     readColor(root, "ambient", scene.ambient);
@@ -239,7 +253,9 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
             scene.materials.push_back(
                 parseMaterial(materials->member(i), materials->memberName(i), textures));
     }
-    parseObjects(root, scene, name, folder, files);
+    parseObjects(root, scene, name, folder, files, memory);
+    const Animation animation = parseAnimation(root);
+    if (!animation.tracks.empty()) scene.animation = spanOf(animation);
     placeObjects(scene);
     validateScene(scene, name);
     return scene;

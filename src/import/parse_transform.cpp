@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <glm/gtc/quaternion.hpp>
 
 #include "import/scene_keys.h"
 #include "scene/limits.h"
@@ -33,13 +34,25 @@ Affine parseRotation(const JsonCursor& turn) {
     return rotation(axis, turn.item(3).number());
 }
 
+Affine parseQuaternion(const JsonCursor& turn) {
+    if (!turn.value().array() || turn.size() != 4) turn.failWanted("must be four numbers [x, y, z, w]");
+    glm::dvec4 q(turn.item(0).number(), turn.item(1).number(), turn.item(2).number(), turn.item(3).number());
+    const double length = glm::length(q);
+    if (!(length > 0 && std::isfinite(length))) turn.failWanted("must not be zero, and its length finite");
+    q /= length;
+    Affine result;
+    result.linear = glm::mat3_cast(glm::dquat(q.w, q.x, q.y, q.z));
+    return result;
+}
+
 Affine parseStep(const JsonCursor& step) {
     step.expectKeys(keys::kTransformStep);
     if (step.memberCount() != 1)
-        step.fail("must hold exactly one of \"scale\", \"rotate\" and \"translate\"");
+        step.fail("must hold exactly one of \"scale\", \"rotate\", \"quaternion\" and \"translate\"");
     const JsonCursor value = step.member(0);
     const std::string_view kind = step.memberName(0);
     if (kind == "rotate") return parseRotation(value);
+    if (kind == "quaternion") return parseQuaternion(value);
     if (kind == "translate") return translation(value.vector3());
     if (value.value().number()) return scaling(glm::dvec3(value.number()));
     if (!value.value().array() || value.size() != 3) value.failWanted("must be a number or [x, y, z]");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/text_file.h"
@@ -63,6 +65,7 @@ std::string SceneFiles::read(const fs::path& path) {
         fail(path.string() + ": has " + mebibytes(size) + ", more than there is memory for");
     std::string bytes = readWholeFile(path);
     read_ += bytes.size();
+    note(path, contentHash(bytes));
     return bytes;
 }
 
@@ -76,10 +79,22 @@ std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
         auto image = std::make_shared<const Image>(readImage(path, mostPixels()));
         pictures_ += image->pixels.size() * sizeof(float);
         images_.emplace(key, image);
+        const auto samples = std::as_bytes(std::span(image->pixels));
+        note(path, contentHash(std::span(reinterpret_cast<const uint8_t*>(samples.data()), samples.size())));
         return image;
     } catch (const Error& e) {
         throw Error(ErrorKind::Scene, e.what());
     }
+}
+
+void SceneFiles::note(const fs::path& path, uint64_t hash) {
+    sources_[real(path, path.string()).lexically_proximate(root_).generic_string()] = hash;
+}
+
+std::vector<SourceFile> SceneFiles::sources() const {
+    std::vector<SourceFile> list;
+    for (const auto& [name, hash] : sources_) list.push_back({name, hash});
+    return list;
 }
 
 uint64_t SceneFiles::mostPixels() const {

@@ -7,8 +7,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/image.h"
+#include "scene/scene.h"
 
 namespace glint {
 
@@ -46,13 +48,19 @@ class SceneFiles {
     // for is more than options.memory, or out of all proportion to the files that were read.
     void take(uint64_t bytes, const std::string& where);
 
+    // What was read so far, by name.
+    std::vector<SourceFile> sources() const;
+
   private:
+    void note(const std::filesystem::path& path, uint64_t hash);
+
     std::filesystem::path root_;
     LoadOptions options_;
     uint64_t read_ = 0;                                           // bytes of files
     uint64_t pictures_ = 0;                                       // and of their samples
     uint64_t taken_ = 0;                                          // and all else
     std::map<std::string, std::shared_ptr<const Image>> images_;  // by path, links followed
+    std::map<std::string, uint64_t> sources_;                     // hashes by name
 };
 
 }  // namespace glint

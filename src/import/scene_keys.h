@@ -16,8 +16,9 @@ constexpr std::array<std::string_view, sizeof...(Names)> names(Names... list) {
     return {std::string_view(list)...};
 }
 inline constexpr auto kNothing = std::array<std::string_view, 0>{};
-inline constexpr auto kScene = names("$schema", "image", "camera", "background", "ambient", "maxDepth",
-                                     "transmissiveShadows", "lights", "materials", "meshes", "objects");
+inline constexpr auto kScene =
+    names("$schema", "image", "camera", "background", "ambient", "maxDepth", "transmissiveShadows", "lights",
+          "materials", "meshes", "objects", "animation");
 inline constexpr auto kImage =
     names("width", "height", "samplesPerPixel", "sampler", "filter", "filterRadius", "seed", "adaptive");
 inline constexpr auto kAdaptive = names("maxSamples", "threshold");
@@ -53,7 +54,9 @@ inline constexpr auto kParaboloid =
     names("type", "vertex", "top", "radius", "capped", "material", "transform");
 inline constexpr auto kMeshObject = names("type", "mesh", "material", "transform");
 inline constexpr auto kGroup = names("type", "objects", "material", "transform");
-inline constexpr auto kTransformStep = names("scale", "rotate", "translate");
+inline constexpr auto kTransformStep = names("scale", "rotate", "quaternion", "translate");
+inline constexpr auto kAnimation = names("framesPerSecond", "tracks");
+inline constexpr auto kTrack = names("target", "interpolation", "times", "values");
 }  // namespace detail
 
 inline constexpr KeyTable kScene{"scene", detail::kScene, detail::kNothing};
@@ -85,11 +88,15 @@ inline constexpr KeyTable kMeshObject{"objects/mesh", detail::kMeshObject, detai
 inline constexpr KeyTable kGroup{"objects/group", detail::kGroup, detail::kNothing};
 inline constexpr KeyTable kTransformStep{"transformStep", detail::kTransformStep, detail::kNothing};
 
+inline constexpr KeyTable kAnimation{"animation", detail::kAnimation, detail::kNothing};
+inline constexpr KeyTable kTrack{"animation/track", detail::kTrack, detail::kNothing};
+
 inline constexpr std::array kAllTables{
-    kScene,       kImage,      kPerspective,   kOrthographic,   kPoint,          kDirectional, kSpot,
-    kMaterial,    kMesh,       kSphere,        kPlane,          kDisc,           kTriangle,    kPolygon,
-    kMeshObject,  kGroup,      kTransformStep, kQuadric,        kEllipsoid,      kCylinder,    kCone,
-    kHyperboloid, kParaboloid, kImageTexture,  kCheckerTexture, kEnvironmentMap, kAdaptive,    kBox};
+    kScene,          kImage,          kPerspective, kOrthographic, kPoint,         kDirectional,
+    kSpot,           kMaterial,       kMesh,        kSphere,       kPlane,         kDisc,
+    kTriangle,       kPolygon,        kMeshObject,  kGroup,        kTransformStep, kQuadric,
+    kEllipsoid,      kCylinder,       kCone,        kHyperboloid,  kParaboloid,    kImageTexture,
+    kCheckerTexture, kEnvironmentMap, kAdaptive,    kBox,          kAnimation,     kTrack};
 
 // The values of "type". `later` is in the scene format, but not in this version.
 struct TypeTable {

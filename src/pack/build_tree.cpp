@@ -2,6 +2,7 @@
 
 #include "bvh/reinsert.h"
 #include "pack/presplit.h"
+#include "pack/tree_memory.h"
 
 namespace glint {
 namespace {
@@ -69,7 +70,9 @@ double expectedCost(const Bvh& bvh, double traversalCost) {
     return cost;
 }
 
-Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
+namespace {
+
+Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
     Tree tree = plainTree(primitives, options);
     if (options.quality == BuildQuality::Fast) return tree;
     if (options.split && mayGrow(primitives)) trySplits(primitives, scene, frame, options, tree);
@@ -85,6 +88,23 @@ Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, c
     candidate.cost = expectedCost(candidate.bvh, options.bvh.traversalCost);
     const bool keep = high || tree.splitTriangles > 0 || candidate.cost < kWorthReinserting * tree.cost;
     return keep ? candidate : tree;
+}
+
+}  // namespace
+
+Tree buildTree(Primitives& primitives, const Scene& scene, const Frame& frame, const TreeOptions& options) {
+    if (!options.memory) return freshTree(primitives, scene, frame, options);
+    const uint64_t key = treeKey(primitives, scene, frame, options);
+    if (const TreeMemory::Entry* known = options.memory->find(key)) {
+        if (known->split) primitives = *known->split;
+        return known->tree;
+    }
+    TreeMemory::Entry entry;
+    entry.tree = freshTree(primitives, scene, frame, options);
+    if (entry.tree.splitTriangles > 0) entry.split = primitives;
+    Tree tree = entry.tree;
+    options.memory->keep(key, std::move(entry));
+    return tree;
 }
 
 }  // namespace glint

@@ -6,12 +6,15 @@
 
 namespace glint {
 
+class TreeMemory;
+
 struct TreeOptions {
     BvhOptions bvh;
     BuildQuality quality = BuildQuality::Default;
     // False where a primitive must stand in the tree once: a shadow ray that multiplies what each surface
     // lets through would count the parts of a split triangle twice.
     bool split = true;
+    TreeMemory* memory = nullptr;  // where trees may be found, and are kept; may be null
 };
 
 struct Tree {

@@ -63,10 +63,8 @@ Extent geometryExtent(const Scene& scene, const PrimitiveNumbers& numbers, const
     return extent;
 }
 
-Extent sceneExtent(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
-                   unsigned threads) {
-    Extent extent = geometryExtent(scene, numbers, instances, threads);
-
+Extent withCamera(const Extent& geometry, const Scene& scene) {
+    Extent extent = geometry;
     const glm::dvec3& eye = scene.camera.eye;
     if (extent.empty()) {
         extent.include(scene.camera.target);
@@ -97,7 +95,7 @@ glm::dvec3 chooseOrigin(const Scene& given, unsigned threads) {
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
     const Instances instances(scene, numbers, PackOptions{threads});
-    return originOf(sceneExtent(scene, numbers, &instances, threads));
+    return originOf(withCamera(geometryExtent(scene, numbers, &instances, threads), scene));
 }
 
 glm::dvec3 planeAnchor(const glm::dvec3& point, const glm::dvec3& normal, const Extent& extent) {

@@ -24,8 +24,8 @@ struct Extent {
 // Of the finite geometry alone; `instances` may be null where there are none.
 Extent geometryExtent(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
                       unsigned threads);
-Extent sceneExtent(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
-                   unsigned threads);
+// With the camera.
+Extent withCamera(const Extent& geometry, const Scene& scene);
 glm::dvec3 originOf(const Extent& extent);
 
 // The point by which fp32 can best hold a plane that is used near `extent`: the given one, or, where that

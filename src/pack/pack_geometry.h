@@ -23,11 +23,14 @@ class Materials {
     std::vector<std::atomic<bool>> used_;
 };
 
-// How to build the trees of a scene. split: see TreeOptions.
+class TreeMemory;
+
+// How to build the trees of a scene. split, memory: see TreeOptions.
 struct PackOptions {
     unsigned threads = 0;
     BuildQuality quality = BuildQuality::Default;
     bool split = true;
+    TreeMemory* memory = nullptr;
 };
 
 // Fills the arrays of nodes and of what is in the tree, the bounds, the statistics and the warnings.

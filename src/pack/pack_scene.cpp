@@ -3,6 +3,7 @@
 #include "bvh/flatten.h"
 #include "core/stopwatch.h"
 #include "pack/build_tree.h"
+#include "pack/camera_change.h"
 #include "pack/extent.h"
 #include "pack/features.h"
 #include "pack/instances.h"
@@ -12,6 +13,7 @@
 #include "pack/pack_textures.h"
 #include "pack/packed_scene.h"
 #include "pack/primitives.h"
+#include "pack/tree_memory.h"
 #include "pack/unit_vector.h"
 #include "scene/placement.h"
 
@@ -64,6 +66,7 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     TreeOptions tree;
     tree.quality = pack.quality;
     tree.split = pack.split;
+    tree.memory = pack.memory;
     BvhOptions& options = tree.bvh;
     options.maxDepth = maxDepth;
     options.threads = threads;
@@ -95,15 +98,21 @@ bool anyTransmits(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
 }
 
-PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split) {
+PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split,
+                      TreeMemory* memory) {
     PackOptions options{threads, quality};
+    options.memory = memory;
+    if (memory) memory->begin();
     options.split = split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
     Scene copy;
     const Scene& scene = placedScene(given, copy);
     const PrimitiveNumbers numbers(scene);
     Instances instances(scene, numbers, options);
-    const Extent extent = sceneExtent(scene, numbers, &instances, threads);
+    const Extent geometry = geometryExtent(scene, numbers, &instances, threads);
+    const Extent extent = withCamera(geometry, scene);
     PackedScene packed;
+    packed.geometryLo = geometry.lo;
+    packed.geometryHi = geometry.hi;
     packed.origin = originOf(extent);
     packPlanes(scene, numbers, extent, packed);
     instances.place(scene, numbers, packed.origin, threads);
@@ -118,12 +127,7 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
         scene, [&](size_t material) { return materials.used(material); }, packed);
     packed.features = featuresOf(packed, [&](size_t material) { return materials.used(material); });
     if (packed.features.transmission) {
-        const glm::uvec4 media = mediaAt(packed, scene.camera.eye - packed.origin);
-        shared::Environment& environment = packed.environment;
-        environment.eyeMedium0 = media.x;
-        environment.eyeMedium1 = media.y;
-        environment.eyeMedium2 = media.z;
-        environment.eyeMedium3 = media.w;
+        setEye(packed, scene.camera.eye);
         packed.features.coloredShadows =
             scene.transmissiveShadows == TransmissiveShadows::Colored && !packed.lights.empty();
     } else {

@@ -40,7 +40,9 @@ float oneMinusCosine(double degrees) {
     return static_cast<float>(2 * half * half);
 }
 
-shared::Light roundLight(const Light& light, const glm::dvec3& origin) {
+}  // namespace
+
+shared::Light packLight(const Light& light, const glm::dvec3& origin) {
     shared::Light out;
     if (const auto* point = std::get_if<PointLight>(&light)) {
         out.position = glm::vec3(point->position - origin);
@@ -64,8 +66,6 @@ shared::Light roundLight(const Light& light, const glm::dvec3& origin) {
     return out;
 }
 
-}  // namespace
-
 void packShading(const Scene& scene, PackedScene& packed) {
     for (const Material& material : scene.materials) {
         packed.materials.push_back(roundMaterial(material));
@@ -73,7 +73,7 @@ void packShading(const Scene& scene, PackedScene& packed) {
         packed.optics.push_back(roundOptics(material));
         packed.materials.back().medium = static_cast<uint32_t>(packed.optics.size());
     }
-    for (const Light& light : scene.lights) packed.lights.push_back(roundLight(light, packed.origin));
+    for (const Light& light : scene.lights) packed.lights.push_back(packLight(light, packed.origin));
     shared::Environment& environment = packed.environment;
     environment.background = glm::vec3(scene.background);
     environment.ambient = glm::vec3(scene.ambient);

@@ -8,4 +8,7 @@ namespace glint {
 // already.
 void packShading(const Scene& scene, PackedScene& packed);
 
+// A valid light, rounded, relative to `origin`.
+shared::Light packLight(const Light& light, const glm::dvec3& origin);
+
 }  // namespace glint

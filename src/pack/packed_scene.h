@@ -59,6 +59,8 @@ struct PackStatistics {
         0;  // triangles and polygons with a vertex that is not finite, or overflows fp32
 };
 
+class TreeMemory;
+
 // Nothing changes a packed scene: what may vary from picture to picture is in a Request (trace/request.h).
 struct PackedScene {
     glm::dvec3 origin{0};  // world = origin + local; every position below is local
@@ -87,6 +89,8 @@ struct PackedScene {
     SceneFeatures features;
     PackStatistics statistics;
     std::vector<std::string> warnings;
+    // Of the finite geometry, world; lo above hi if there is none. Without what fp32 cannot hold.
+    glm::dvec3 geometryLo{0}, geometryHi{0};
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
 };
 
@@ -104,9 +108,9 @@ glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 // with its size, see chooseOrigin. Throws Error(Scene) where an array would pass a limit of shared/layout.h,
 // naming the array, its size and the limit.
 // split: triangles may stand in the tree more than once, where that makes it cheaper; not for whoever counts
-// them.
+// them. memory: trees of the scene before, see pack/tree_memory.h.
 PackedScene packScene(const Scene& scene, unsigned threads = 0, BuildQuality quality = BuildQuality::Default,
-                      bool split = true);
+                      bool split = true, TreeMemory* memory = nullptr);
 
 // The media that contain `point` (local): of each dielectric material as often as its surfaces go round the
 // point, which their solid angle tells (A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle",

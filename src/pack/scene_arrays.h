@@ -57,8 +57,9 @@ void visitPrimitiveArrays(Packed& scene, const Visit& visit) {
 }
 
 // Calls visit with primitive `index` of a kind, as shared::Triangle, shared::Sphere, ...
-template <class Visit>
-decltype(auto) visitPrimitive(const PackedScene& scene, shared::PrimitiveKind kind, uint32_t index,
+// `scene`: or whatever else has an array for each.
+template <class Packed, class Visit>
+decltype(auto) visitPrimitive(const Packed& scene, shared::PrimitiveKind kind, uint32_t index,
                               Visit&& visit) {
     switch (kind) {
 #define GLINT_VISIT(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \

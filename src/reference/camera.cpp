@@ -9,10 +9,10 @@ namespace glint::reference {
 
 using glm::dvec3;
 
-Ray Tracer::cameraRay(const shared::Camera& camera, double x, double y, const glm::dvec2& lens) const {
+Ray Tracer::cameraRay(const rows::Camera& camera, double x, double y, const glm::dvec2& lens) const {
     // From the middle of the film.
     const double right = x - camera.halfWidth, down = y - camera.halfHeight;
-    const auto reach = [&](const glm::vec3& middle, const glm::vec3& stepX, const glm::vec3& stepY) {
+    const auto reach = [&](const dvec3& middle, const dvec3& stepX, const dvec3& stepY) {
         return greatestCoordinate(glm::abs(dvec3(middle)) + glm::abs(right * dvec3(stepX)) +
                                   glm::abs(down * dvec3(stepY)));
     };

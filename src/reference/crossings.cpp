@@ -49,13 +49,13 @@ struct Probe {
 
 class Proximity {
   public:
-    explicit Proximity(const PackedScene& scene) : scene_(scene) {}
+    explicit Proximity(const Model& scene) : scene_(scene) {}
 
     bool search(uint32_t root, const Probe& probe) const {
-        if (root == shared::kNone || scene_.nodes.empty()) return false;
+        if (root == shared::kNone || scene_.nodes->empty()) return false;
         std::vector<uint32_t> waiting{root};
         while (!waiting.empty()) {
-            const shared::Node& node = scene_.nodes[waiting.back()];
+            const rows::Node& node = (*scene_.nodes)[waiting.back()];
             waiting.pop_back();
             if (enter(node.child0, dvec3(node.lo0), dvec3(node.hi0), probe, waiting)) return true;
             if (enter(node.child1, dvec3(node.lo1), dvec3(node.hi1), probe, waiting)) return true;
@@ -92,14 +92,14 @@ class Proximity {
         return false;
     }
 
-    static bool triangle(const shared::Triangle& t, const Probe& probe) {
+    static bool triangle(const rows::Triangle& t, const Probe& probe) {
         const dvec3 a(t.v0), b(t.v1), c(t.v2);
         const double reach =
             reachOf(probe, std::max({greatestCoordinate(a), greatestCoordinate(b), greatestCoordinate(c)}));
         return squaredDistance(probe.point, a, b, c) <= reach * reach;
     }
 
-    bool instance(const shared::Instance& instance, const Probe& probe) const {
+    bool instance(const rows::Instance& instance, const Probe& probe) const {
         const dvec3 offset = probe.point - dvec3(instance.place);
         const std::array rows = {dvec3(instance.toObjectX), dvec3(instance.toObjectY),
                                  dvec3(instance.toObjectZ)};
@@ -113,10 +113,10 @@ class Proximity {
         return search(instance.root, inside);
     }
 
-    const PackedScene& scene_;
+    const Model& scene_;
 };
 
-bool hasOtherSurfaces(const PackedScene& scene) {
+bool hasOtherSurfaces(const Model& scene) {
     return !scene.spheres.empty() || !scene.planes.empty() || !scene.discs.empty() ||
            !scene.polygons.empty() || !scene.quadrics.empty() || !scene.cuboids.empty();
 }
@@ -129,7 +129,8 @@ std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray) {
     return hits;
 }
 
-bool touches(const PackedScene& scene, const Tracer& tracer, const dvec3& point) {
+bool touches(const Tracer& tracer, const dvec3& point) {
+    const Model& scene = tracer.model();
     if (Proximity(scene).search(scene.environment.root, {point, 4, 0})) return true;
     if (!hasOtherSurfaces(scene)) return false;
     const double reach = 4 * kFloatRoundoff *

@@ -15,6 +15,6 @@ std::vector<Hit> crossings(const Tracer& tracer, const Ray& ray);
 // True if rounding to fp32 cannot tell the local point from a surface: if it lies within 4 u (|point| + |v|)
 // of a triangle (16 u of an instance's), u = 2^-24, both in the greatest coordinate, v the triangle's
 // farthest vertex; of any other surface along an axis.
-bool touches(const PackedScene& scene, const Tracer& tracer, const glm::dvec3& point);
+bool touches(const Tracer& tracer, const glm::dvec3& point);
 
 }  // namespace glint::reference

@@ -7,7 +7,7 @@ namespace glint::reference {
 
 using glm::dvec3;
 
-InstanceFrame::InstanceFrame(const shared::Instance& instance) : place_(instance.place) {
+InstanceFrame::InstanceFrame(const rows::Instance& instance) : place_(instance.place) {
     const dvec3 rows[3] = {dvec3(instance.toObjectX), dvec3(instance.toObjectY), dvec3(instance.toObjectZ)};
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) toObject_[column][row] = rows[row][column];

@@ -9,7 +9,7 @@ namespace glint::reference {
 
 class InstanceFrame {
   public:
-    explicit InstanceFrame(const shared::Instance& instance);
+    explicit InstanceFrame(const rows::Instance& instance);
 
     // The same points at the same t, in the instance's coordinates.
     Ray enterInstance(const Ray& ray) const;
@@ -28,7 +28,7 @@ class InstanceFrame {
 };
 
 // True if triangles' second and third corner, and with them u and v, are exchanged; `instance` may be kNone.
-inline bool isMirrored(const PackedScene& scene, uint32_t instance) {
+inline bool isMirrored(const Model& scene, uint32_t instance) {
     return instance != shared::kNone && scene.instances[instance].mirrored != 0;
 }
 

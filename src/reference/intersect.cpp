@@ -25,7 +25,7 @@ struct Vec {
 };
 
 template <class T>
-Vec<T> toVec(const glm::vec3& v) {
+Vec<T> toVec(const glm::dvec3& v) {
     return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
 }
 template <class T>
@@ -79,7 +79,7 @@ int edgeSide(const Vec<Quad>& d, const Vec<Quad>& b, const Vec<Quad>& c) {
 }
 
 // False too for a line in the triangle's plane, where all three sides are zero.
-bool lineHitsTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
+bool lineHitsTriangle(const rows::Triangle& triangle, const PreparedRay& ray) {
     const Vec<Quad> o = toVec<Quad>(ray.origin), d = toVec<Quad>(ray.direction);
     const Vec<Quad> a = toVec<Quad>(triangle.v0) - o, b = toVec<Quad>(triangle.v1) - o,
                     c = toVec<Quad>(triangle.v2) - o;
@@ -110,7 +110,7 @@ struct SphereEquation {
 
     // roundoff: of T. Each of w, products and sums rounds: b errs by 5 u of the sum of its terms' magnitudes,
     // c by 6 u, a by 3 u, so b^2 - a c by 16 u of the squares and products of those sums.
-    SphereEquation(const shared::Sphere& sphere, const Vec<T>& w, const Vec<T>& d, double roundoff) {
+    SphereEquation(const rows::Sphere& sphere, const Vec<T>& w, const Vec<T>& d, double roundoff) {
         const T r = static_cast<T>(sphere.radius);
         a = dot(d, d);
         T bTerms = dot(magnitudes(w), magnitudes(d));
@@ -133,7 +133,7 @@ struct SphereEquation {
 
 }  // namespace
 
-PreparedRay::PreparedRay(const Ray& ray) {
+PreparedRay::PreparedRay(const Ray& ray) : noise(ray.noise) {
     double greatest = 0;
     bool finite = true;
     kz = 0;
@@ -160,7 +160,7 @@ PreparedRay::PreparedRay(const Ray& ray) {
     shearY = direction[ky] / direction[kz];
 }
 
-bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
+bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray) {
     {  // Double proves nearly all sides, in a sixteenth of the time; a side that it proves needs no moving.
         const Vec<double> o = toVec<double>(ray.origin), d = toVec<double>(ray.direction);
         const Vec<double> a = toVec<double>(triangle.v0) - o, b = toVec<double>(triangle.v1) - o,
@@ -176,7 +176,7 @@ bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray) {
     return side == edgeSideMoved(d, c, a) && side == edgeSideMoved(d, a, b);
 }
 
-bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
+bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
                    Root& root) {
     if (!lineHits && !lineHitsTriangle(triangle, ray)) return false;
     const Vec<Extended> v0 = toVec<Extended>(triangle.v0), d = toVec<Extended>(ray.direction);
@@ -200,7 +200,7 @@ bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, boo
     return true;
 }
 
-bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
+bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
                      Root& root) {
     root.u = root.v = 0;
     const Vec<Extended> d = toVec<Extended>(ray.direction);
@@ -241,7 +241,7 @@ bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool 
 // With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared
 // and multiplied by (n.d)^2: in the disc if |(n.w) d - (n.d) w|^2 <= r^2 (n.d)^2, decided without a division.
 template <class T>
-int discSide(const shared::Disc& disc, const PreparedRay& ray, double roundoff) {
+int discSide(const rows::Disc& disc, const PreparedRay& ray, double roundoff) {
     const Vec<T> n = toVec<T>(disc.normal), d = toVec<T>(ray.direction);
     const Vec<T> w = toVec<T>(disc.center) - toVec<T>(ray.origin);
     const T nd = dot(n, d), nw = dot(n, w);
@@ -274,14 +274,14 @@ int heightSign(const Vec<T>& vertex, const PreparedRay& ray, double roundoff) {
     return dz < 0 ? -side : side;
 }
 
-bool isAbove(const glm::vec3& vertex, const PreparedRay& ray) {
+bool isAbove(const glm::dvec3& vertex, const PreparedRay& ray) {
     const int side = heightSign(toVec<double>(vertex) - toVec<double>(ray.origin), ray, kUnitRoundoff);
     if (side != 0) return side > 0;
     return heightSign(toVec<Quad>(vertex) - toVec<Quad>(ray.origin), ray, kQuadRoundoff) > 0;
 }
 
 // The side of the line on which the edge from a to b passes, seen against axis kz.
-int sideOf(const glm::vec3& a, const glm::vec3& b, const PreparedRay& ray) {
+int sideOf(const glm::dvec3& a, const glm::dvec3& b, const PreparedRay& ray) {
     const Vec<double> o = toVec<double>(ray.origin), d = toVec<double>(ray.direction);
     int side = edgeSide(d, toVec<double>(a) - o, toVec<double>(b) - o, kUnitRoundoff);
     if (side == 0) {
@@ -296,7 +296,7 @@ int sideOf(const glm::vec3& a, const glm::vec3& b, const PreparedRay& ray) {
 // Even-odd rule (docs/reference/shading.md): the edges that cross the half line which leaves the ray's line
 // along axis kx. An edge goes over it from below to above with the line on its left, or down with the line on
 // its right.
-bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::PolygonVertex> vertices,
+bool intersectPolygon(const rows::Polygon& polygon, std::span<const rows::PolygonVertex> vertices,
                       const PreparedRay& ray, double tMax, Root& root) {
     root.u = root.v = 0;
     const Vec<Extended> n = toVec<Extended>(polygon.normal);
@@ -305,7 +305,7 @@ bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::Po
     bool odd = false, above = isAbove(vertices[0].position, ray);
     Extended least = std::numeric_limits<Extended>::infinity(), greatest = -least;
     for (size_t i = 1; i < vertices.size(); ++i) {
-        const glm::vec3 &a = vertices[i - 1].position, &b = vertices[i].position;
+        const glm::dvec3 &a = vertices[i - 1].position, &b = vertices[i].position;
         const bool wasAbove = std::exchange(above, isAbove(b, ray));
         const Extended t = (static_cast<Extended>(b[ray.kz]) - ray.origin[ray.kz]) / ray.direction[ray.kz];
         least = std::min(least, t);
@@ -317,7 +317,7 @@ bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::Po
     return accept(std::clamp(dot(n, w) / nd, least, greatest), ray, tMax, root);
 }
 
-bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
+bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
     root.u = root.v = 0;
     const Vec<Extended> n = toVec<Extended>(disc.normal);
     const Extended nd = dot(n, toVec<Extended>(ray.direction));
@@ -329,7 +329,7 @@ bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax
     return accept(dot(n, w) / nd, ray, tMax, root);
 }
 
-bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
+bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
     root.u = root.v = 0;
     const Vec<Extended> n = toVec<Extended>(plane.normal);
     const Extended nd = dot(n, toVec<Extended>(ray.direction));

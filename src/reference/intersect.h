@@ -29,6 +29,7 @@ struct PreparedRay {
     // box lie.
     int nearPlane[3], farPlane[3];
     bool valid;  // false: the ray misses everything
+    FormulaNoise noise;
 
     explicit PreparedRay(const Ray& ray);
 };
@@ -39,12 +40,12 @@ struct Root {
 
 // The rest of intersectTriangle, for the few triangles that the filter does not reject. lineHits: the filter
 // has proved that the line through the ray crosses the inside.
-bool solveTriangle(const shared::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
+bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool lineHits, double tMax,
                    Root& root);
 
 // Of a triangle that the ray hits: whether it is the one of those that share the edge or the corner met which
 // the ray crosses. Of a closed surface's triangles around a point, as many as a ray just beside it crosses.
-bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray);
+bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray);
 
 // Watertight by the argument of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
 // 2013, section 3: an edge function is a function of its edge and the ray alone, its sign is right or it is
@@ -54,11 +55,11 @@ bool crossesTriangle(const shared::Triangle& triangle, const PreparedRay& ray);
 // |A_x| <= |X| + Z, rounding of A, S_x, the product and the difference move X by at most u (|X| + Z) + 3 u Z
 // + u |X| <= u (2 S + 4 Z). An edge function B_x C_y - B_y C_x then errs by at most 4 S u (2 S + 4 Z) + 4 u
 // S^2 <= 16 u S (S + Z), to first order; 20 covers the rest.
-inline bool intersectTriangle(const shared::Triangle& triangle, const PreparedRay& ray, double tMax,
+inline bool intersectTriangle(const rows::Triangle& triangle, const PreparedRay& ray, double tMax,
                               Root& root) {
-    const float* v0 = glm::value_ptr(triangle.v0);
-    const float* v1 = glm::value_ptr(triangle.v1);
-    const float* v2 = glm::value_ptr(triangle.v2);
+    const double* v0 = glm::value_ptr(triangle.v0);
+    const double* v1 = glm::value_ptr(triangle.v1);
+    const double* v2 = glm::value_ptr(triangle.v2);
     const double ox = ray.origin[ray.kx], oy = ray.origin[ray.ky], oz = ray.origin[ray.kz];
     const double az = v0[ray.kz] - oz, bz = v1[ray.kz] - oz, cz = v2[ray.kz] - oz;
     const double ax = (v0[ray.kx] - ox) - ray.shearX * az, ay = (v0[ray.ky] - oy) - ray.shearY * az;
@@ -79,25 +80,24 @@ inline bool intersectTriangle(const shared::Triangle& triangle, const PreparedRa
 }
 
 // fromSurface: the ray starts on this sphere, so only its other root counts.
-bool intersectSphere(const shared::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
+bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
                      Root& root);
 
 // `vertices`: those of the polygon, closed: the last one is the first again.
-bool intersectPolygon(const shared::Polygon& polygon, std::span<const shared::PolygonVertex> vertices,
+bool intersectPolygon(const rows::Polygon& polygon, std::span<const rows::PolygonVertex> vertices,
                       const PreparedRay& ray, double tMax, Root& root);
-inline std::span<const shared::PolygonVertex> outlineOf(const PackedScene& scene,
-                                                        const shared::Polygon& polygon) {
+inline std::span<const rows::PolygonVertex> outlineOf(const Model& scene, const rows::Polygon& polygon) {
     return {&scene.polygonVertices[polygon.firstVertex],
             size_t{polygon.trips} * shared::kPolygonEdgesPerTrip + 1};
 }
 
-bool intersectDisc(const shared::Disc& disc, const PreparedRay& ray, double tMax, Root& root);
+bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, Root& root);
 
-bool intersectPlane(const shared::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
+bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMax, Root& root);
 
 // True for the sphere whose surface is |x - point|^2 + 2 radius n.(x - point) = 0, see shared/layout.h.
-inline bool isAnchored(const shared::Sphere& sphere) {
-    return sphere.anchorNormal != glm::vec3(0);
+inline bool isAnchored(const rows::Sphere& sphere) {
+    return sphere.anchorNormal != glm::dvec3(0);
 }
 
 }  // namespace glint::reference

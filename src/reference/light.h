@@ -13,17 +13,17 @@ struct LightSample {
     double distance = 0;      // infinity for one infinitely far away
     bool valid = true;        // false: the light lies on the surface
 };
-LightSample sampleLight(const shared::Light& light, const glm::dvec3& position);
+LightSample sampleLight(const rows::Light& light, const glm::dvec3& position);
 
-bool isSpot(const shared::Light& light);
+bool isSpot(const rows::Light& light);
 // The part of its intensity that a light sends back along `toLight`, by the cone of a spot light.
-double spotFactor(const shared::Light& light, const glm::dvec3& toLight);
+double spotFactor(const rows::Light& light, const glm::dvec3& toLight);
 
 // What arrives at this distance of the light that a spotFactor of `part` lets through.
-glm::dvec3 intensityAt(const shared::Light& light, double distance, double part);
+glm::dvec3 intensityAt(const rows::Light& light, double distance, double part);
 
 // What an error of `turn` units of 2^-24 in the direction to the light does to a spotFactor `part`, relative
 // to it and in the same units; 0 outside of a penumbra.
-double spotError(const shared::Light& light, const glm::dvec3& toLight, double part, double turn);
+double spotError(const rows::Light& light, const glm::dvec3& toLight, double part, double turn);
 
 }  // namespace glint::reference

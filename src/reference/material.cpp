@@ -26,12 +26,12 @@ dvec2 latitudeLongitude(const dvec3& direction) {
 
 }  // namespace
 
-dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface) {
+dvec4 textureAt(const Model& scene, uint32_t number, const Surface& surface) {
     if (number == 0) return dvec4(1);
     return textureAt(scene, scene.textures[number - 1], surface.uv, surface.position, surface.object);
 }
 
-void triangleAttributes(const PackedScene& scene, const Hit& hit, Surface& surface) {
+void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface) {
     surface.uv = {hit.u, hit.v};
     const uint32_t attributes =
         scene.triangleSurfaces[hit.primitive & shared::kPrimitiveIndexMask].attributes;
@@ -51,12 +51,12 @@ void triangleAttributes(const PackedScene& scene, const Hit& hit, Surface& surfa
     }
 }
 
-void fillObjectUv(const PackedScene& scene, const Hit& hit, Surface& surface) {
+void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
     const shared::PrimitiveKind kind = kindOfPrimitive(hit.primitive);
     if (hasOwnUv(kind) || scene.objectFrames.empty()) return;
-    const shared::ObjectFrame& f = scene.objectFrames[surface.object];
-    const auto along = [&](const glm::vec3& row, float offset) {
-        return glm::dot(dvec3(row), surface.position) + static_cast<double>(offset);
+    const rows::ObjectFrame& f = scene.objectFrames[surface.object];
+    const auto along = [&](const dvec3& row, double offset) {
+        return glm::dot(row, surface.position) + offset;
     };
     const dvec3 own(along(f.toU, f.offsetU), along(f.toV, f.offsetV), along(f.toW, f.offsetW));
     const dvec3 n = surface.geometricNormal;
@@ -77,16 +77,16 @@ void fillObjectUv(const PackedScene& scene, const Hit& hit, Surface& surface) {
     }
 }
 
-void keepHeight(const PackedScene& scene, Surface& surface) {
+void keepHeight(const Model& scene, Surface& surface) {
     if (surface.object >= scene.objectFrames.size()) return;
     if (scene.objectFrames[surface.object].uvKind != shared::kUvAxial) return;
     surface.uv.y = std::clamp(surface.uv.y, 0.0, static_cast<double>(shared::kBelowOne));
 }
 
-shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
-    shared::Material material = scene.materials[surface.material];
-    const auto tint = [&](glm::vec3& color, uint32_t number, const dvec3& more) {
-        color = glm::vec3(dvec3(color) * dvec3(textureAt(scene, number, surface)) * more);
+rows::Material materialAt(const Model& scene, const Surface& surface) {
+    rows::Material material = scene.materials[surface.material];
+    const auto tint = [&](dvec3& color, uint32_t number, const dvec3& more) {
+        color *= dvec3(textureAt(scene, number, surface)) * more;
     };
     tint(material.ambient, material.ambientTexture, surface.color);
     tint(material.diffuse, material.diffuseTexture, surface.color);
@@ -95,34 +95,37 @@ shared::Material materialAt(const PackedScene& scene, const Surface& surface) {
     return material;
 }
 
-dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface) {
-    const shared::Optics& optics = scene.optics[medium - 1];
+dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface) {
+    const rows::Optics& optics = scene.optics[medium - 1];
     return dvec3(optics.transmission) * dvec3(textureAt(scene, optics.transmissionTexture, surface));
 }
 
-uint32_t cellsAt(const PackedScene& scene, const Surface& surface) {
-    const shared::Material& material = scene.materials[surface.material];
+uint32_t cellsAt(const Model& scene, const Surface& surface) {
+    const rows::Material& material = scene.materials[surface.material];
     const uint32_t transmission =
         material.medium == 0 ? 0 : scene.optics[material.medium - 1].transmissionTexture;
     uint32_t hash = 0;
     for (const uint32_t number : {material.ambientTexture, material.diffuseTexture, material.specularTexture,
                                   material.mirrorTexture, transmission}) {
         if (number == 0) continue;
-        if (!(scene.textures[number - 1].flags & (shared::kTextureChecker | shared::kTextureNearest)))
-            continue;
-        const dvec4 color = textureAt(scene, number, surface);
+        rows::Texture cells = scene.textures[number - 1];
+        if (!(cells.flags & (shared::kTextureChecker | shared::kTextureNearest))) continue;
+        // Which cell, not what colour it has: that may be moved by rounding, too.
+        cells.colorA = dvec3(0);
+        cells.colorB = dvec3(1);
+        const dvec4 color = textureAt(scene, cells, surface.uv, surface.position, surface.object);
         for (int i = 0; i < 4; ++i) hash = hash * 31 + std::bit_cast<uint32_t>(static_cast<float>(color[i]));
     }
     return hash;
 }
 
-bool holeAt(const PackedScene& scene, const Surface& surface) {
-    const shared::Material& material = scene.materials[surface.material];
+bool holeAt(const Model& scene, const Surface& surface) {
+    const rows::Material& material = scene.materials[surface.material];
     return material.alphaCutoff > 0 &&
            textureAt(scene, material.diffuseTexture, surface).w < material.alphaCutoff;
 }
 
-dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment, const dvec3& direction,
+dvec3 surroundings(const Model& scene, const rows::Environment& environment, const dvec3& direction,
                    const dvec2& shift) {
     const dvec3 background(environment.background);
     if (environment.map == 0) return background;

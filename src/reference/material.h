@@ -9,36 +9,36 @@ namespace glint::reference {
 
 // Texture coordinates and vertex colour of the hit that the rest of `surface` describes: of a triangle, and
 // of all else by the object's frame, unless the primitive has brought its own.
-void triangleAttributes(const PackedScene& scene, const Hit& hit, Surface& surface);
-void fillObjectUv(const PackedScene& scene, const Hit& hit, Surface& surface);
+void triangleAttributes(const Model& scene, const Hit& hit, Surface& surface);
+void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface);
 
 // Keeps the height on a body of revolution within 0 and the last float before 1: its ends lie there, and
 // rounding must not turn a repeated image over on a cap. Leaves other coordinates as they are.
-void keepHeight(const PackedScene& scene, Surface& surface);
+void keepHeight(const Model& scene, Surface& surface);
 
-// The surface's material, its colours times those of textures and vertices, rounded to fp32.
-shared::Material materialAt(const PackedScene& scene, const Surface& surface);
+// The surface's material, its colours times those of textures and vertices.
+rows::Material materialAt(const Model& scene, const Surface& surface);
 
-// What of light passes a surface of this medium (shared::Material::medium, not 0).
-glm::dvec3 transmissionAt(const PackedScene& scene, uint32_t medium, const Surface& surface);
+// What of light passes a surface of this medium (rows::Material::medium, not 0).
+glm::dvec3 transmissionAt(const Model& scene, uint32_t medium, const Surface& surface);
 
 // A hash of what textures show that change in steps: checkers, and images without filtering.
-uint32_t cellsAt(const PackedScene& scene, const Surface& surface);
+uint32_t cellsAt(const Model& scene, const Surface& surface);
 
 // True where the diffuse texture's alpha is below the material's alphaCutoff.
-bool holeAt(const PackedScene& scene, const Surface& surface);
+bool holeAt(const Model& scene, const Surface& surface);
 
 // What comes from infinitely far away against `direction`. shift: added to the environment map's coordinates.
 // `environment`: of the tracer.
-glm::dvec3 surroundings(const PackedScene& scene, const shared::Environment& environment,
-                        const glm::dvec3& direction, const glm::dvec2& shift);
+glm::dvec3 surroundings(const Model& scene, const rows::Environment& environment, const glm::dvec3& direction,
+                        const glm::dvec2& shift);
 
 // Colour and alpha of a material's texture on a surface; white for number 0, no texture.
-glm::dvec4 textureAt(const PackedScene& scene, uint32_t number, const Surface& surface);
+glm::dvec4 textureAt(const Model& scene, uint32_t number, const Surface& surface);
 
 // Colour and alpha of a texture at surface coordinates, before its scale and offset, and, of a solid checker,
 // at a local position on an object.
-glm::dvec4 textureAt(const PackedScene& scene, const shared::Texture& texture, const glm::dvec2& uv,
+glm::dvec4 textureAt(const Model& scene, const rows::Texture& texture, const glm::dvec2& uv,
                      const glm::dvec3& position, uint32_t object);
 
 }  // namespace glint::reference

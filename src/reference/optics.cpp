@@ -41,14 +41,14 @@ Split splitAbout(const dvec3& d, const dvec3& m, double ratio) {
 
 }  // namespace
 
-Media mediaAtEye(const shared::Environment& e) {
+Media mediaAtEye(const rows::Environment& e) {
     Media media;
     for (uint32_t medium : {e.eyeMedium0, e.eyeMedium1, e.eyeMedium2, e.eyeMedium3})
         if (medium != 0) media.push_back(medium);
     return media;
 }
 
-uint32_t rulingMedium(const PackedScene& scene, const Media& media) {
+uint32_t rulingMedium(const Model& scene, const Media& media) {
     const auto rank = [&](uint32_t medium) { return scene.optics[medium - 1].rank; };
     // The last of the greatest: max_element finds the first, so it looks from the back.
     const auto found = std::max_element(media.rbegin(), media.rend(),
@@ -56,15 +56,15 @@ uint32_t rulingMedium(const PackedScene& scene, const Media& media) {
     return found == media.rend() ? 0 : *found;
 }
 
-double iorOf(const PackedScene& scene, uint32_t medium) {
+double iorOf(const Model& scene, uint32_t medium) {
     return medium == 0 ? 1.0 : static_cast<double>(scene.optics[medium - 1].ior);
 }
 
-dvec3 attenuationOf(const PackedScene& scene, uint32_t medium) {
+dvec3 attenuationOf(const Model& scene, uint32_t medium) {
     return medium == 0 ? dvec3(0) : dvec3(scene.optics[medium - 1].attenuation);
 }
 
-dvec3 transmittance(const PackedScene& scene, uint32_t medium, double length) {
+dvec3 transmittance(const Model& scene, uint32_t medium, double length) {
     const dvec3 sigma = attenuationOf(scene, medium);
     dvec3 left(1);
     for (int i = 0; i < 3; ++i)
@@ -72,7 +72,7 @@ dvec3 transmittance(const PackedScene& scene, uint32_t medium, double length) {
     return left;
 }
 
-Crossing crossingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering) {
+Crossing crossingAt(const Model& scene, const Media& media, uint32_t medium, bool entering) {
     Crossing crossing;
     crossing.before = media;
     crossing.after = media;

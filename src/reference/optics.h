@@ -10,19 +10,19 @@
 
 namespace glint::reference {
 
-// The media that a ray is inside of, oldest first; numbers as in shared::Material::medium.
+// The media that a ray is inside of, oldest first; numbers as in rows::Material::medium.
 using Media = std::vector<uint32_t>;
 
-Media mediaAtEye(const shared::Environment& environment);
+Media mediaAtEye(const rows::Environment& environment);
 
 // The one that counts: of the greatest priority the one entered last. 0, air, of none.
-uint32_t rulingMedium(const PackedScene& scene, const Media& media);
+uint32_t rulingMedium(const Model& scene, const Media& media);
 
-double iorOf(const PackedScene& scene, uint32_t medium);
-glm::dvec3 attenuationOf(const PackedScene& scene, uint32_t medium);
+double iorOf(const Model& scene, uint32_t medium);
+glm::dvec3 attenuationOf(const Model& scene, uint32_t medium);
 
 // What a way of `length` through a medium leaves of light, by Beer's law.
-glm::dvec3 transmittance(const PackedScene& scene, uint32_t medium, double length);
+glm::dvec3 transmittance(const Model& scene, uint32_t medium, double length);
 
 struct Crossing {
     Media before, after;
@@ -32,7 +32,7 @@ struct Crossing {
 };
 
 // A ray inside `media` meets a surface of `medium` (0: no dielectric).
-Crossing crossingAt(const PackedScene& scene, const Media& media, uint32_t medium, bool entering);
+Crossing crossingAt(const Model& scene, const Media& media, uint32_t medium, bool entering);
 
 // The two rays that a surface between different media makes of one.
 struct Split {

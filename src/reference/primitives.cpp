@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "reference/quadric.h"
 
@@ -17,7 +16,7 @@ double greatest(const dvec3& v) {
 
 // A plane, or a part of one: `anchor` is a point of it.
 template <class Flat>
-void flatSurface(const Flat& flat, const glm::vec3& anchor, const Place& place, Surface& surface) {
+void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surface& surface) {
     surface.geometricNormal = glm::normalize(dvec3(flat.normal));
     surface.shadingNormal = surface.geometricNormal;
     const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
@@ -35,21 +34,21 @@ Kind shapeOf(Kind primitive) {
 
 }  // namespace
 
-bool isSameSurface(const PackedScene& scene, const Hit& a, const Hit& b) {
+bool isSameSurface(const Model& scene, const Hit& a, const Hit& b) {
     const uint32_t ofKindAndPart = ~shared::kLeafFirstMask;
     if (a.instance != b.instance || ((a.primitive ^ b.primitive) & ofKindAndPart) != 0) return false;
     return visitHit(scene, a.primitive, [&]<class Kind>(const Kind& one) {
         const Kind* first = &one - (a.primitive & shared::kLeafFirstMask);
         const Kind shape = shapeOf(one), other = shapeOf(first[b.primitive & shared::kLeafFirstMask]);
-        return std::memcmp(&shape, &other, sizeof(Kind)) == 0;
+        return shape == other;
     });
 }
 
 // ---- Triangles
 
-void surfaceOf(const shared::Triangle& triangle, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surface) {
     const Hit& hit = place.hit;
-    const shared::TriangleSurface& data = place.scene.triangleSurfaces[place.index()];
+    const rows::TriangleSurface& data = place.scene.triangleSurfaces[place.index()];
     const dvec3 v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
     const double w = 1 - hit.u - hit.v;
     surface.object = data.object;
@@ -60,20 +59,20 @@ void surfaceOf(const shared::Triangle& triangle, const Place& place, Surface& su
     surface.shadingNormal = surface.geometricNormal;
 }
 
-double reachOf(const PackedScene&, const Methods&, const shared::Triangle& t) {
+double reachOf(const Model&, const Methods&, const rows::Triangle& t) {
     return std::max({greatest(t.v0), greatest(t.v1), greatest(t.v2)});
 }
 
 // ---- Spheres
 
-bool meets(const shared::Sphere& sphere, const Meeting& m, Root& root, uint32_t&) {
+bool meets(const rows::Sphere& sphere, const Meeting& m, Root& root, uint32_t&) {
     if (m.methods.spheres != SphereMethod::Robust)
         return textbookSphere(m.methods.spheres, sphere, m.ray, m.fromItself(), m.tMax, root);
     return intersectSphere(sphere, m.ray, m.fromItself(), m.tMax, root);
 }
 
 // The point is near the sphere: one step brings it onto the sphere, as far as double goes.
-void surfaceOf(const shared::Sphere& sphere, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface) {
     const dvec3 anchor(sphere.point);
     const double radius = sphere.radius;
     if (isAnchored(sphere)) {
@@ -92,69 +91,69 @@ void surfaceOf(const shared::Sphere& sphere, const Place& place, Surface& surfac
     surface.shadingNormal = surface.geometricNormal;
 }
 
-double reachOf(const PackedScene&, const Methods& methods, const shared::Sphere& s) {
+double reachOf(const Model&, const Methods& methods, const rows::Sphere& s) {
     return greatest(s.point) + (isAnchored(s) && methods.spheres == SphereMethod::Robust ? 0 : s.radius);
 }
 
 // ---- Planes
 
-bool meets(const shared::Plane& plane, const Meeting& m, Root& root, uint32_t&) {
+bool meets(const rows::Plane& plane, const Meeting& m, Root& root, uint32_t&) {
     return !m.fromItself() && intersectPlane(plane, m.ray, m.tMax, root);
 }
 
-void surfaceOf(const shared::Plane& plane, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
     flatSurface(plane, plane.point, place, surface);
 }
 
-double reachOf(const PackedScene&, const Methods&, const shared::Plane& plane) {
+double reachOf(const Model&, const Methods&, const rows::Plane& plane) {
     return greatest(plane.point);
 }
 
 // ---- Discs
 
-bool meets(const shared::Disc& disc, const Meeting& m, Root& root, uint32_t&) {
+bool meets(const rows::Disc& disc, const Meeting& m, Root& root, uint32_t&) {
     return !m.fromItself() && intersectDisc(disc, m.ray, m.tMax, root);
 }
 
-void surfaceOf(const shared::Disc& disc, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Disc& disc, const Place& place, Surface& surface) {
     flatSurface(disc, disc.center, place, surface);
 }
 
-double reachOf(const PackedScene&, const Methods&, const shared::Disc& disc) {
+double reachOf(const Model&, const Methods&, const rows::Disc& disc) {
     return greatest(disc.center) + disc.radius;
 }
 
 // ---- Polygons
 
-bool meets(const shared::Polygon& polygon, const Meeting& m, Root& root, uint32_t&) {
+bool meets(const rows::Polygon& polygon, const Meeting& m, Root& root, uint32_t&) {
     return !m.fromItself() && intersectPolygon(polygon, outlineOf(m.scene, polygon), m.ray, m.tMax, root);
 }
 
-void surfaceOf(const shared::Polygon& polygon, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Polygon& polygon, const Place& place, Surface& surface) {
     flatSurface(polygon, polygon.point, place, surface);
 }
 
-double reachOf(const PackedScene& scene, const Methods&, const shared::Polygon& polygon) {
+double reachOf(const Model& scene, const Methods&, const rows::Polygon& polygon) {
     double most = 0;
-    for (const shared::PolygonVertex& v : outlineOf(scene, polygon))
+    for (const rows::PolygonVertex& v : outlineOf(scene, polygon))
         most = std::max(most, greatest(v.position));
     return most;
 }
 
 // ---- Quadrics
 
-bool meets(const shared::Quadric& quadric, const Meeting& m, Root& root, uint32_t& part) {
+bool meets(const rows::Quadric& quadric, const Meeting& m, Root& root, uint32_t& part) {
     return intersectQuadric(quadric, m.ray, m.primitive, m.source, m.tMax, root, part);
 }
 
-void surfaceOf(const shared::Quadric& quadric, const Place& place, Surface& surface) {
+void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surface) {
     const QuadricPoint site = quadricPoint(quadric, place.part(), place.point, place.ray.direction);
     surface.position = site.position;
     surface.geometricNormal = surface.shadingNormal = site.normal;
     surface.bend = site.bend;
 }
 
-double reachOf(const PackedScene&, const Methods&, const shared::Quadric& quadric) {
+double reachOf(const Model&, const Methods&, const rows::Quadric& quadric) {
     return greatest(quadric.point) + quadricReach(quadric);
 }
 

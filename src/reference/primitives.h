@@ -11,7 +11,7 @@ namespace glint::reference {
 
 // One ray that may meet one primitive.
 struct Meeting {
-    const PackedScene& scene;
+    const Model& scene;
     const Methods& methods;
     const PreparedRay& ray;
     uint32_t primitive;  // kind and index
@@ -23,7 +23,7 @@ struct Meeting {
 
 // A hit in the coordinates of the primitive.
 struct Place {
-    const PackedScene& scene;
+    const Model& scene;
     const Ray& ray;
     const Hit& hit;
     glm::dvec3 point;  // origin + t direction
@@ -37,12 +37,12 @@ struct Place {
 #define GLINT_MEETS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
                     uv)                                                                                    \
     GLINT_MEETS_##ROLE(Kind)
-#define GLINT_MEETS_ALL(Kind)                                                                      \
-    bool meets(const shared::Kind& primitive, const Meeting& meeting, Root& root, uint32_t& part); \
-    /* Position, moved onto the surface, normals, and uv where they are the primitive's own. */    \
-    void surfaceOf(const shared::Kind& primitive, const Place& place, Surface& surface);           \
-    /* The greatest magnitude among the coordinates that a hit point on it is computed from. */    \
-    double reachOf(const PackedScene& scene, const Methods& methods, const shared::Kind& primitive);
+#define GLINT_MEETS_ALL(Kind)                                                                    \
+    bool meets(const rows::Kind& primitive, const Meeting& meeting, Root& root, uint32_t& part); \
+    /* Position, moved onto the surface, normals, and uv where they are the primitive's own. */  \
+    void surfaceOf(const rows::Kind& primitive, const Place& place, Surface& surface);           \
+    /* The greatest magnitude among the coordinates that a hit point on it is computed from. */  \
+    double reachOf(const Model& scene, const Methods& methods, const rows::Kind& primitive);
 #define GLINT_MEETS_TRIANGLES(Kind) GLINT_MEETS_ALL(Kind)
 #define GLINT_MEETS_PACKETS(Kind) GLINT_MEETS_ALL(Kind)
 #define GLINT_MEETS_LEAVES(Kind) GLINT_MEETS_ALL(Kind)
@@ -58,7 +58,7 @@ inline bool isOwnTriangle(const Meeting& m, uint32_t id) {
 }
 
 // Here, to be inlined: most of the time goes by in it.
-inline bool meets(const shared::Triangle& triangle, const Meeting& m, Root& root, uint32_t&) {
+inline bool meets(const rows::Triangle& triangle, const Meeting& m, Root& root, uint32_t&) {
     if (isOwnTriangle(m, triangle.id)) return false;
     if (m.methods.triangles != TriangleMethod::Watertight)
         return textbookTriangle(m.methods.triangles, triangle, m.ray, m.tMax, root);
@@ -77,11 +77,11 @@ constexpr bool hasOwnUv(shared::PrimitiveKind kind) {
 // Whether both are hits of the same part of two primitives of one kind that are stored with the same numbers,
 // in one instance: the same arithmetic then gives both the same t. Of outlines, which are arrays of their
 // own, never.
-bool isSameSurface(const PackedScene& scene, const Hit& a, const Hit& b);
+bool isSameSurface(const Model& scene, const Hit& a, const Hit& b);
 
 // Calls visit with primitive `index` of a kind that can be hit.
 template <class Visit>
-auto visitHit(const PackedScene& scene, uint32_t primitive, const Visit& visit) {
+auto visitHit(const Model& scene, uint32_t primitive, const Visit& visit) {
     using Result = decltype(visit(scene.planes[0]));
     return visitPrimitive(scene, kindOfPrimitive(primitive), primitive & shared::kLeafFirstMask,
                           [&](const auto& one) -> Result {

@@ -31,11 +31,11 @@ template <class T>
 struct HomogeneousForm {
     T s[4][4];
 
-    explicit HomogeneousForm(const shared::Quadric& q) {
-        const float upper[4][4] = {{q.squares.x, q.products.z, q.products.y, q.linear.x},
-                                   {q.products.z, q.squares.y, q.products.x, q.linear.y},
-                                   {q.products.y, q.products.x, q.squares.z, q.linear.z},
-                                   {q.linear.x, q.linear.y, q.linear.z, q.constant}};
+    explicit HomogeneousForm(const rows::Quadric& q) {
+        const double upper[4][4] = {{q.squares.x, q.products.z, q.products.y, q.linear.x},
+                                    {q.products.z, q.squares.y, q.products.x, q.linear.y},
+                                    {q.products.y, q.products.x, q.squares.z, q.linear.z},
+                                    {q.linear.x, q.linear.y, q.linear.z, q.constant}};
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) s[i][j] = static_cast<T>(upper[i][j]);
     }
@@ -60,11 +60,11 @@ struct LocalRay {
     Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
     Vec4<T> oTerms{0, 0, 0, 1}, dTerms{0, 0, 0, 0};
 
-    LocalRay(const shared::Quadric& q, const PreparedRay& ray) {
-        const glm::vec3 rows[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
+    LocalRay(const rows::Quadric& q, const PreparedRay& ray) {
+        const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
         for (int i = 0; i < 3; ++i) {
             for (int k = 0; k < 3; ++k) {
-                const T m = static_cast<T>(rows[i][k]);
+                const T m = static_cast<T>(turned[i][k]);
                 const T w = static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k]);
                 const T dk = static_cast<T>(ray.direction[k]);
                 o[i] += m * w;
@@ -107,7 +107,7 @@ constexpr double kClipSlack = 0x1p-44;
 
 class Search {
   public:
-    Search(const shared::Quadric& quadric, const PreparedRay& ray, double tMax)
+    Search(const rows::Quadric& quadric, const PreparedRay& ray, double tMax)
         : quadric_(quadric), ray_(ray), form_(quadric), local_(quadric, ray), tMax_(tMax) {}
 
     bool run(bool isSource, uint32_t ownPart, Root& root, uint32_t& part) {
@@ -180,7 +180,7 @@ class Search {
         found_ = true;
     }
 
-    const shared::Quadric& quadric_;
+    const rows::Quadric& quadric_;
     const PreparedRay& ray_;
     HomogeneousForm<Extended> form_;
     LocalRay<Extended> local_;
@@ -190,20 +190,20 @@ class Search {
     bool found_ = false;
 };
 
-dmat3 toLocal(const shared::Quadric& q) {
+dmat3 toLocal(const rows::Quadric& q) {
     return glm::transpose(dmat3(dvec3(q.toLocal0), dvec3(q.toLocal1), dvec3(q.toLocal2)));
 }
 
 }  // namespace
 
-bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
+bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
                       uint32_t source, double tMax, Root& root, uint32_t& part) {
     const uint32_t ownPart = source >> shared::kPartShift & shared::kPartMask;
     const bool isSource = (primitive | ownPart << shared::kPartShift) == source;
     return Search(quadric, ray, tMax).run(isSource, ownPart, root, part);
 }
 
-QuadricPoint quadricPoint(const shared::Quadric& quadric, uint32_t part, const dvec3& point,
+QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dvec3& point,
                           const dvec3& direction) {
     const dmat3 local = toLocal(quadric), transposed = glm::transpose(local);
     const dvec3 origin(quadric.point);
@@ -237,7 +237,7 @@ QuadricPoint quadricPoint(const shared::Quadric& quadric, uint32_t part, const d
     return site;
 }
 
-double quadricReach(const shared::Quadric& quadric) {
+double quadricReach(const rows::Quadric& quadric) {
     const dmat3 back = glm::inverse(toLocal(quadric));
     const dvec3 size = glm::max(glm::abs(dvec3(quadric.lo)), glm::abs(dvec3(quadric.hi)));
     const dvec3 reach = glm::abs(back[0]) * size.x + glm::abs(back[1]) * size.y + glm::abs(back[2]) * size.z;

@@ -36,7 +36,7 @@ int solveQuadratic(T a, T b, T c, T disc, T (&roots)[2]) {
 
 // `source`: the primitive that the ray starts on, and the part of it; `primitive`: this quadric. part: of the
 // hit, shared::kPart....
-bool intersectQuadric(const shared::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
+bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint32_t primitive,
                       uint32_t source, double tMax, Root& root, uint32_t& part);
 
 // The surface next to `point`, moved onto it; normal outward, of length 1. direction: of the ray, against
@@ -46,10 +46,10 @@ struct QuadricPoint {
     glm::dvec3 position, normal;
     double bend = 0;
 };
-QuadricPoint quadricPoint(const shared::Quadric& quadric, uint32_t part, const glm::dvec3& point,
+QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const glm::dvec3& point,
                           const glm::dvec3& direction);
 
 // How far its clipping box reaches from its point, in any coordinate.
-double quadricReach(const shared::Quadric& quadric);
+double quadricReach(const rows::Quadric& quadric);
 
 }  // namespace glint::reference

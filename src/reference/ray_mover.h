@@ -1,22 +1,42 @@
 // Random movements of the size of rounding, see struct Jitter.
 #pragma once
 
+#include <utility>
+
 #include "reference/tracer.h"
 
 namespace glint::reference {
 
-// Moves rays as struct Jitter says. splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom
-// Number Generators", OOPSLA 2014.
+// In [-1, 1). splitmix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators",
+// OOPSLA 2014.
+inline double uniform(uint64_t& state) {
+    state += 0x9e3779b97f4a7c15u;
+    uint64_t z = state;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+}
+
+// Moves rays as struct Jitter says.
 class RayMover {
   public:
     explicit RayMover(const Jitter& jitter)
         : state_(jitter.seed),
           nearbyState_(jitter.nearbySeed),
           step_(jitter.ulps * 0x1p-24),
-          nearby_(jitter.nearby) {}
+          nearby_(jitter.nearby),
+          formulas_(jitter.formulas),
+          laterSeed_(jitter.laterSeed) {}
+
+    // The camera ray has met what it meets.
+    void goOn() {
+        if (laterSeed_ != 0) state_ = std::exchange(laterSeed_, 0);
+    }
 
     void move(Ray& ray, double scale) {
         if (step_ == 0) return;
+        if (formulas_) ray.noise = {state_, nearbyState_, step_, nearby_};
         for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
         turn(ray.direction, ray.directionScale);
     }
@@ -44,17 +64,10 @@ class RayMover {
         return nearby_ == 0 ? moved : moved + nearby_ * uniform(nearbyState_);
     }
 
-    static double uniform(uint64_t& state) {
-        state += 0x9e3779b97f4a7c15u;
-        uint64_t z = state;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        z ^= z >> 31;
-        return static_cast<double>(z >> 11) * 0x1p-52 - 1;
-    }
-
     uint64_t state_, nearbyState_;
     double step_, nearby_;
+    bool formulas_;
+    uint64_t laterSeed_;
 };
 
 }  // namespace glint::reference

@@ -17,7 +17,7 @@ using glm::dvec3;
 constexpr int kPixelsPerPoll =
     64;  // between two looks at `cancelled`: 64 pixels take well below a tenth of a second
 
-PixelData dataOf(const PackedScene& scene, const PixelRecord& record) {
+PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     PixelData data;
     data.bounces = record.bounces;
     data.cost = static_cast<uint32_t>(
@@ -28,7 +28,7 @@ PixelData dataOf(const PackedScene& scene, const PixelRecord& record) {
     data.depth = record.hit->t;
     data.u = static_cast<float>(record.hit->u);
     data.v = static_cast<float>(record.hit->v);
-    data.position = scene.origin + record.surface->position;
+    data.position = origin + record.surface->position;
     data.normal = glm::vec3(record.surface->shadingNormal);
     data.geometricNormal = glm::vec3(record.surface->geometricNormal);
     data.object = record.surface->object;
@@ -58,13 +58,9 @@ TreeLosses lossesOf(const Losses& pixel, double taken) {
 // Fills the pictures' rows, which any thread may do.
 class RowRenderer {
   public:
-    RowRenderer(const PackedScene& scene, const shared::Camera& camera, const Request& request,
+    RowRenderer(const Tracer& tracer, const rows::Camera& camera, const PackedSamples& samples,
                 Picture& picture)
-        : scene_(scene),
-          tracer_(scene, request),
-          camera_(camera),
-          samples_(request.samples),
-          picture_(picture) {}
+        : tracer_(tracer), camera_(camera), samples_(samples), picture_(picture) {}
 
     // Everything but colour, alpha and the losses comes from the first sample.
     TreeLosses pixel(int x, int y) const {
@@ -82,7 +78,8 @@ class RowRenderer {
             color += s.weight * record.color;
             alpha += s.weight * record.alpha;
             addLosses(record.lost, lost);
-            if (taken == 0 && !picture_.data.empty()) picture_.data[index] = dataOf(scene_, record);
+            if (taken == 0 && !picture_.data.empty())
+                picture_.data[index] = dataOf(tracer_.model().origin, record);
             ++taken;
             if (!samples_.threshold) continue;
             colors.push_back(record.color);
@@ -97,9 +94,8 @@ class RowRenderer {
     }
 
   private:
-    const PackedScene& scene_;
-    Tracer tracer_;
-    const shared::Camera& camera_;
+    const Tracer& tracer_;
+    const rows::Camera& camera_;
     const PackedSamples& samples_;
     Picture& picture_;
 };
@@ -132,10 +128,14 @@ void sumUp(const std::vector<TreeLosses>& rows, Picture& picture) {
 
 Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
                unsigned threads) {
+    return render(Tracer(scene, request), camera, request, threads);
+}
+
+Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request, unsigned threads) {
     Picture picture = blankPicture(request);
     const Region region = picture.region;
     if (region.width() == 0) return picture;
-    const RowRenderer renderer(scene, camera, request, picture);
+    const RowRenderer renderer(tracer, camera, request.samples, picture);
     std::vector<TreeLosses> rows(static_cast<size_t>(region.height()));
     std::atomic<bool> stop{false};
     std::mutex progressMutex;

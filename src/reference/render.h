@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pack/packed_scene.h"
+#include "reference/tracer.h"
 #include "trace/picture.h"
 #include "trace/request.h"
 
@@ -10,6 +11,9 @@ namespace glint::reference {
 // The picture that is asked for. Does not depend on the number of threads (0: all). A cancelled render holds
 // the rows that were finished.
 Picture render(const PackedScene& scene, const shared::Camera& camera, const Request& request,
+               unsigned threads = 0);
+// The same by a tracer that was made for the request.
+Picture render(const Tracer& tracer, const rows::Camera& camera, const Request& request,
                unsigned threads = 0);
 
 }  // namespace glint::reference

@@ -43,7 +43,7 @@ dvec3 mirrored(const Interaction& at) {
     return glm::normalize(r);
 }
 
-Scattering scatteringAt(const PackedScene& scene, const Interaction& at) {
+Scattering scatteringAt(const Model& scene, const Interaction& at) {
     const bool dielectric = at.material.medium != 0;
     const double ratio = iorOf(scene, at.crossing.mediumBefore) / iorOf(scene, at.crossing.mediumAfter);
     const bool splits = dielectric && at.crossing.counts && ratio != 1;
@@ -52,7 +52,7 @@ Scattering scatteringAt(const PackedScene& scene, const Interaction& at) {
     split.refracted = d;
     if (splits) split = splitAt(d, at.n, at.s, ratio);
     Scattering s;
-    s.reflects = at.crossing.counts && (splits || at.material.mirror != glm::vec3(0));
+    s.reflects = at.crossing.counts && (splits || at.material.mirror != glm::dvec3(0));
     s.reflected = splits ? split.reflected : mirrored(at);
     s.reflectedWeight = glm::min(dvec3(at.material.mirror) + split.reflectance, dvec3(1));
     s.refracts = dielectric && !split.total;

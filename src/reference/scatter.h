@@ -19,15 +19,15 @@ inline double greatestCoordinate(const glm::dvec3& v) {
 struct Interaction {
     Source source;
     glm::dvec3 position;
-    glm::dvec3 n, s;            // geometric and shading normal, unit
-    glm::dvec3 view;            // towards where the ray came from, unit
-    double originScale;         // greatest coordinate of the ray's origin
-    double scale;               // greatest number that a coordinate of the position is a sum of
-    double offset;              // bound on the error of `position` along n
-    double normalError;         // see rounding.h
-    bool entering;              // the ray comes from the outer side
-    shared::Material material;  // times its textures
-    glm::dvec3 transmission;    // of a dielectric, times its texture
+    glm::dvec3 n, s;          // geometric and shading normal, unit
+    glm::dvec3 view;          // towards where the ray came from, unit
+    double originScale;       // greatest coordinate of the ray's origin
+    double scale;             // greatest number that a coordinate of the position is a sum of
+    double offset;            // bound on the error of `position` along n
+    double normalError;       // see rounding.h
+    bool entering;            // the ray comes from the outer side
+    rows::Material material;  // times its textures
+    glm::dvec3 transmission;  // of a dielectric, times its texture
     Crossing crossing;
 };
 
@@ -59,6 +59,6 @@ struct Scattering {
     glm::dvec3 reflectedWeight{0}, refractedWeight{0};
     double weightError = 0;  // absolute, beside kProductRoundings of a weight
 };
-Scattering scatteringAt(const PackedScene& scene, const Interaction& at);
+Scattering scatteringAt(const Model& scene, const Interaction& at);
 
 }  // namespace glint::reference

@@ -23,7 +23,7 @@ namespace {
 using glm::dvec3;
 
 // The greatest magnitude among the coordinates that the hit point is computed from.
-double geometryScale(const PackedScene& scene, const Methods& methods, const Hit& hit) {
+double geometryScale(const Model& scene, const Methods& methods, const Hit& hit) {
     const double own = visitHit(scene, hit.primitive,
                                 [&](const auto& primitive) { return reachOf(scene, methods, primitive); });
     if (hit.instance == shared::kNone) return own;
@@ -33,10 +33,11 @@ double geometryScale(const PackedScene& scene, const Methods& methods, const Hit
 // One camera ray followed to its end.
 class PathTracer {
   public:
-    PathTracer(const Tracer& tracer, const PackedScene& scene, const Jitter& jitter, bool keepPath)
+    PathTracer(const Tracer& tracer, const Model& scene, const Jitter& jitter, bool keepPath)
         : tracer_(tracer), scene_(scene), mover_(jitter), keepPath_(keepPath) {}
 
     PixelRecord run(const Ray& cameraRay);
+    std::optional<Hit> firstHit(const Ray& cameraRay);
 
   private:
     // A ray of the tree and what is known of its way.
@@ -62,6 +63,7 @@ class PathTracer {
         double fade = 0;
     };
 
+    Ray moved(const Ray& cameraRay);
     std::optional<Hit> closest(const Ray& ray, const Source& source, RayClass kind);
     void decide(uint32_t word) { record_.decisions = (record_.decisions ^ word) * shared::kHashPrime; }
     void decide(const Hit& hit);
@@ -84,7 +86,7 @@ class PathTracer {
     glm::dvec2 mapShift();
 
     const Tracer& tracer_;
-    const PackedScene& scene_;
+    const Model& scene_;
     RayMover mover_;
     bool keepPath_;
     PixelRecord record_;
@@ -169,7 +171,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
                                                            bool directional) {
     if (!tracer_.shadows()) return Passed();
     const uint64_t before = record_.cost;
-    if (!scene_.features.coloredShadows) {
+    if (!scene_.coloredShadows) {
         const bool occluded = tracer_.occluded(ray, at.source, &record_.cost);
         count(RayClass::Shadow, before);
         if (occluded && !scene_.instances.empty() && !record_.meetsInstance && mover_.tieWidth() > 0) {
@@ -216,7 +218,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
 
 // Nothing of a light that is occluded, nor of one that lies on the surface or shines elsewhere.
 std::optional<PathTracer::Light> PathTracer::shadeLight(const Interaction& at, size_t index, bool first) {
-    const shared::Light& light = tracer_.lights()[index];
+    const rows::Light& light = tracer_.lights()[index];
     const LightSample sample = sampleLight(light, at.position);
     decide(0);
     if (!sample.valid) return std::nullopt;
@@ -338,14 +340,16 @@ void PathTracer::followBranches(const Branch& branch, const Interaction& at, con
 }
 
 void PathTracer::follow(Branch branch) {
-    const shared::Environment& environment = tracer_.environment();
+    const rows::Environment& environment = tracer_.environment();
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
     const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
+    mover_.goOn();
     if (hit) decide(*hit);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * shared::kHashPrime;
     if (keepPath_)
-        record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size())});
+        record_.path.push_back({ray, hit, std::nullopt, std::vector<uint8_t>(tracer_.lights().size()),
+                                branch.kind, branch.depth});
     if (!hit) {
         const double endless = std::numeric_limits<double>::infinity();
         const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);
@@ -382,15 +386,26 @@ void PathTracer::follow(Branch branch) {
 
 void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Light& light) {
     record_.color += throughput * light.radiance;
+    // Called before the rays that follow from the one at hand.
+    if (keepPath_) record_.path.back().light += throughput * light.radiance;
     record_.rounding += throughput * light.error + slack * light.radiance;
     ++contributions_;
 }
 
+Ray PathTracer::moved(const Ray& cameraRay) {
+    Ray ray = cameraRay;
+    mover_.move(ray, std::max(greatestCoordinate(ray.origin), ray.originScale));
+    return ray;
+}
+
+std::optional<Hit> PathTracer::firstHit(const Ray& cameraRay) {
+    return closest(moved(cameraRay), {}, RayClass::Primary);
+}
+
 PixelRecord PathTracer::run(const Ray& cameraRay) {
     Branch branch;
-    branch.ray = cameraRay;
+    branch.ray = moved(cameraRay);
     branch.media = mediaAtEye(tracer_.environment());
-    mover_.move(branch.ray, std::max(greatestCoordinate(cameraRay.origin), cameraRay.originScale));
     record_.pathHash = shared::kHashStart;
     follow(std::move(branch));
     // Each contribution is added with a rounding of the sum so far.
@@ -403,6 +418,10 @@ PixelRecord PathTracer::run(const Ray& cameraRay) {
 
 PixelRecord Tracer::trace(const Ray& cameraRay, const Jitter& jitter, bool keepPath) const {
     return PathTracer(*this, scene_, jitter, keepPath).run(cameraRay);
+}
+
+std::optional<Hit> Tracer::firstHit(const Ray& cameraRay, const Jitter& jitter) const {
+    return PathTracer(*this, scene_, jitter, false).firstHit(cameraRay);
 }
 
 }  // namespace glint::reference

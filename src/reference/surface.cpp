@@ -20,13 +20,13 @@ uint32_t indexOf(uint32_t primitive) {
 }
 
 // The unit vertex normals are interpolated in the world.
-dvec3 vertexNormal(const PackedScene& scene, const Hit& hit, const glm::vec3& normal) {
+dvec3 vertexNormal(const Model& scene, const Hit& hit, const dvec3& normal) {
     if (hit.instance == shared::kNone) return dvec3(normal);
     return InstanceFrame(scene.instances[hit.instance]).normalInWorld(dvec3(normal));
 }
 
-void surfaceInWorld(const PackedScene& scene, const Hit& hit, Surface& surface) {
-    const shared::Instance& instance = scene.instances[hit.instance];
+void surfaceInWorld(const Model& scene, const Hit& hit, Surface& surface) {
+    const rows::Instance& instance = scene.instances[hit.instance];
     const InstanceFrame frame(instance);
     surface.position = frame.pointInWorld(surface.position);
     surface.geometricNormal = frame.normalInWorld(surface.geometricNormal);
@@ -37,11 +37,11 @@ void surfaceInWorld(const PackedScene& scene, const Hit& hit, Surface& surface) 
 }
 
 // Vertex normals make the shading normal another one.
-void smoothTriangle(const PackedScene& scene, const Hit& hit, Surface& surface) {
+void smoothTriangle(const Model& scene, const Hit& hit, Surface& surface) {
     if (kindOf(hit.primitive) != shared::kKindTriangle) return;
     const uint32_t index = scene.triangleSurfaces[indexOf(hit.primitive)].vertexNormals;
     if (index == shared::kNone) return;
-    const shared::VertexNormals& normals = scene.vertexNormals[index];
+    const rows::VertexNormals& normals = scene.vertexNormals[index];
     const dvec3 sum = (1 - hit.u - hit.v) * vertexNormal(scene, hit, normals.n0) +
                       hit.u * vertexNormal(scene, hit, normals.n1) +
                       hit.v * vertexNormal(scene, hit, normals.n2);

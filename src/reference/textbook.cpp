@@ -1,5 +1,7 @@
 #include "reference/textbook.h"
 
+#include "reference/ray_mover.h"
+
 namespace glint::reference {
 namespace {
 
@@ -76,7 +78,7 @@ bool triangleInSpace(const dvec3 (&v)[3], const PreparedRay& ray, Root& root) {
 
 }  // namespace
 
-bool textbookTriangle(TriangleMethod method, const shared::Triangle& triangle, const PreparedRay& ray,
+bool textbookTriangle(TriangleMethod method, const rows::Triangle& triangle, const PreparedRay& ray,
                       double tMax, Root& root) {
     const dvec3 v[3] = {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)};
     const bool inside = method == TriangleMethod::Barycentric  ? triangleByCramer(v, ray, root)
@@ -85,24 +87,59 @@ bool textbookTriangle(TriangleMethod method, const shared::Triangle& triangle, c
     return inside && inInterval(ray, root.t, tMax);
 }
 
-bool textbookSphere(SphereMethod method, const shared::Sphere& sphere, const PreparedRay& ray,
-                    bool fromSurface, double tMax, Root& root) {
+namespace {
+
+// What fp32 loses in either form, by what it sums, with u = 2^-24 and w the way from the ray's origin to the
+// centre; a = d.d.
+// - geometric, r^2 - (w.w - s^2 a) with s = w.d / a: w rounds once, w.w errs by gamma_5 |w|^2, s by gamma_8
+// |w| /
+//   |d|, s^2 a by gamma_21 |w|^2, each difference by one more: 29 u |w|^2 + 2 u r^2;
+// - algebraic, (b^2 - 4 a c) / 4 a with b = -2 w.d and c = w.w - r^2: b errs by gamma_4, its square by
+// gamma_9, c
+//   by gamma_5 |w|^2 and 2 u (|w|^2 + r^2), 4 a c by gamma_5 more: 21 u |w|^2 + 8 u r^2.
+// And s, the middle of the chord, by gamma_8 |w| / |d|.
+constexpr double kSquareRoundings = 30, kMiddleRoundings = 8;
+
+// Up to as many of so many roundings as the ray's noise has units, by the sphere: of rays that differ by
+// nearby noise alone nearly the same.
+struct Loss {
+    double square, middle;
+
+    Loss(const FormulaNoise& noise, uint32_t sphere) {
+        uint64_t state = noise.seed ^ sphere, nearbyState = noise.nearbySeed ^ sphere;
+        const auto next = [&] { return uniform(state) + noise.nearby * uniform(nearbyState); };
+        square = std::min(noise.step, kSquareRoundings * 0x1p-24) * next();
+        middle = std::min(noise.step, kMiddleRoundings * 0x1p-24) * next();
+    }
+};
+
+}  // namespace
+
+bool textbookSphere(SphereMethod method, const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface,
+                    double tMax, Root& root) {
     root.u = root.v = 0;
     const dvec3 d = vectorOf(ray.direction), o = vectorOf(ray.origin);
     const double r = sphere.radius;
     const dvec3 center = dvec3(sphere.point) - r * dvec3(sphere.anchorNormal);
-    const double a = glm::dot(d, d), middle = glm::dot(center - o, d) / a;
-    double half;  // of the chord
+    const double a = glm::dot(d, d), reach = glm::dot(o - center, o - center);
+    double middle = glm::dot(center - o, d) / a;
+    double half;      // of the chord
+    double lost = 0;  // of its square
+    if (ray.noise.step != 0) {
+        const Loss loss(ray.noise, sphere.id);
+        lost = loss.square * (reach + r * r);
+        middle += loss.middle * std::sqrt(reach / a);
+    }
     if (fromSurface) {
         half = std::abs(middle);
     } else if (method == SphereMethod::Geometric) {
         const dvec3 foot = o + middle * d;
-        const double square = r * r - glm::dot(foot - center, foot - center);
+        const double square = r * r - glm::dot(foot - center, foot - center) + lost;
         if (square < 0) return false;
         half = std::sqrt(square / a);
     } else {
-        const double b = -2 * a * middle, c = glm::dot(o - center, o - center) - r * r;
-        const double disc = b * b - 4 * a * c;
+        const double b = -2 * glm::dot(center - o, d), c = reach - r * r;
+        const double disc = b * b - 4 * a * (c - lost);
         if (disc < 0) return false;
         half = std::sqrt(disc) / (2 * a);
     }

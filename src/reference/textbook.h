@@ -8,11 +8,11 @@
 namespace glint::reference {
 
 // method: not Watertight.
-bool textbookTriangle(TriangleMethod method, const shared::Triangle& triangle, const PreparedRay& ray,
+bool textbookTriangle(TriangleMethod method, const rows::Triangle& triangle, const PreparedRay& ray,
                       double tMax, Root& root);
 
 // method: not Robust.
-bool textbookSphere(SphereMethod method, const shared::Sphere& sphere, const PreparedRay& ray,
-                    bool fromSurface, double tMax, Root& root);
+bool textbookSphere(SphereMethod method, const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface,
+                    double tMax, Root& root);
 
 }  // namespace glint::reference

@@ -32,7 +32,7 @@ double sound(double coordinate) {
 
 class ImageSampler {
   public:
-    ImageSampler(const PackedScene& scene, const shared::Texture& image) : scene_(scene), image_(image) {}
+    ImageSampler(const Model& scene, const rows::Texture& image) : scene_(scene), image_(image) {}
 
     dvec4 operator()(const dvec2& uv) const {
         const double x = sound(uv.x) * image_.width, y = (1 - sound(uv.y)) * image_.height;
@@ -57,12 +57,12 @@ class ImageSampler {
                                       image_.flags >> shared::kTextureWrapVShift & shared::kTextureWrapMask);
         const auto index =
             image_.firstTexel + static_cast<size_t>(row) * image_.width + static_cast<size_t>(column);
-        const shared::Texel& t = scene_.texels[index];
+        const shared::Texel& t = (*scene_.texels)[index];
         return {dvec3(t.color), t.alpha};
     }
 
-    const PackedScene& scene_;
-    const shared::Texture& image_;
+    const Model& scene_;
+    const rows::Texture& image_;
 };
 
 bool isOdd(double cell) {
@@ -71,13 +71,13 @@ bool isOdd(double cell) {
 
 }  // namespace
 
-dvec4 textureAt(const PackedScene& scene, const shared::Texture& texture, const dvec2& uv,
-                const dvec3& position, uint32_t object) {
+dvec4 textureAt(const Model& scene, const rows::Texture& texture, const dvec2& uv, const dvec3& position,
+                uint32_t object) {
     const dvec2 st = uv * dvec2(texture.scaleU, texture.scaleV) + dvec2(texture.place);
     if (!(texture.flags & shared::kTextureChecker)) return ImageSampler(scene, texture)(st);
     bool odd = isOdd(st.x) != isOdd(st.y);
     if (texture.flags & shared::kTextureSolid) {
-        const shared::ObjectFrame& f = scene.objectFrames[object];
+        const rows::ObjectFrame& f = scene.objectFrames[object];
         const dvec3 own(glm::dot(dvec3(f.toObjectX), position) + f.offsetX,
                         glm::dot(dvec3(f.toObjectY), position) + f.offsetY,
                         glm::dot(dvec3(f.toObjectZ), position) + f.offsetZ);

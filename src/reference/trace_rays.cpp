@@ -12,7 +12,7 @@ constexpr size_t kRaysPerTurn = 256;  // that a thread takes at a time
 
 }  // namespace
 
-WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray, HitDetail detail) {
+WorldHit trace(const Tracer& tracer, const Ray& ray, HitDetail detail) {
     WorldHit found;
     if (detail == HitDetail::Any) {
         found.hit = tracer.occluded(ray, {}, &found.cost);
@@ -27,7 +27,7 @@ WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray, H
     const Surface surface = tracer.surfaceAt(ray, *hit);
     found.u = hit->u;
     found.v = hit->v;
-    found.point = scene.origin + surface.position;
+    found.point = tracer.model().origin + surface.position;
     found.normal = surface.geometricNormal;
     found.object = surface.object;
     found.face = surface.primitive;
@@ -36,11 +36,15 @@ WorldHit trace(const Tracer& tracer, const PackedScene& scene, const Ray& ray, H
 }
 
 std::vector<WorldHit> trace(const PackedScene& scene, const RayBatch& batch, unsigned threads) {
-    const Tracer tracer(scene, {.methods = batch.methods});
+    return trace(Tracer(scene, {.methods = batch.methods}), batch, threads);
+}
+
+std::vector<WorldHit> trace(const Tracer& tracer, const RayBatch& batch, unsigned threads) {
+    const glm::dvec3 origin = tracer.model().origin;
     std::vector<WorldHit> hits(batch.rays.size());
     const auto one = [&](size_t i) {
-        const LocalRay local = localRay(batch.rays[i], scene.origin);
-        hits[i] = trace(tracer, scene, {local.origin, local.direction, local.tMin, local.tMax}, batch.detail);
+        const LocalRay local = localRay(batch.rays[i], origin);
+        hits[i] = trace(tracer, {local.origin, local.direction, local.tMin, local.tMax}, batch.detail);
         if (hits[i].hit) hits[i].t = local.worldT(hits[i].t);
     };
     parallelFor((hits.size() + kRaysPerTurn - 1) / kRaysPerTurn,

@@ -1,20 +1,29 @@
 // The CPU reference: double precision, its own traversal and intersection code, written independently of the
-// shaders from the same formulas. It reads the rounded inputs that the device reads, so the two differ by
-// arithmetic alone.
+// shaders from the same formulas. Of the rounded inputs that the device reads it differs by arithmetic alone;
+// of the scene as it was read (truth/truth.h) it is the truth.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/enum_names.h"
 #include "pack/packed_scene.h"
 #include "pack/request_environment.h"
+#include "reference/model.h"
 
 namespace glint::reference {
+
+// What a textbook's test of spheres may lose of a ray by its own formula, at random (textbook.cpp); nothing
+// for step 0.
+struct FormulaNoise {
+    uint64_t seed = 0, nearbySeed = 0;
+    double step = 0, nearby = 0;
+};
 
 // Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
 // length. Local coordinates.
@@ -28,6 +37,7 @@ struct Ray {
     // camera; rounding, and hence Jitter, goes with them.
     double originScale = 0;
     double directionScale = 1;
+    FormulaNoise noise = {};
 };
 
 struct Hit {
@@ -72,12 +82,26 @@ struct Surface {
 // and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps`
 // * 2^-24 * t, either may be taken.
 // `nearby`: each movement is changed by up to this part of the greatest, at random by `nearbySeed`.
+// `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
+// than fp32 does (FormulaNoise). `laterSeed`, if not 0: of all that comes after the camera ray's first hit.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
     uint64_t nearbySeed = 0;
     double nearby = 0;
+    bool formulas = false;
+    uint64_t laterSeed = 0;
 };
+
+// From the eye, to a light, or reflected and refracted by a surface.
+enum class RayClass { Primary, Shadow, Mirrored, Refracted };
+constexpr auto entriesOf(RayClass) {
+    return std::to_array<EnumEntry<RayClass>>({{RayClass::Primary, "primary"},
+                                               {RayClass::Shadow, "shadow"},
+                                               {RayClass::Mirrored, "mirrored"},
+                                               {RayClass::Refracted, "refracted"}});
+}
+constexpr size_t kRayClasses = kEnumNames<RayClass>.size();
 
 // One ray of a path's tree, in the order they are followed, for `verify` and for picking.
 struct Bounce {
@@ -85,6 +109,9 @@ struct Bounce {
     std::optional<Hit> hit;
     std::optional<Surface> surface;
     std::vector<uint8_t> occluded;  // per light: 1 if it faces the surface and its shadow ray is blocked
+    RayClass kind = RayClass::Primary;
+    uint32_t depth = 0;   // rays before it; it comes from the last one listed of a depth one less
+    glm::dvec3 light{0};  // what it adds to the pixel's colour itself, without the rays that follow from it
 };
 
 // Branches of one kind that were not followed, and the sum of what they could have brought.
@@ -98,15 +125,6 @@ struct Losses {
     Lost cut, depth, room;
     uint32_t crowdedMedia = 0;
 };
-
-enum class RayClass { Primary, Shadow, Mirrored, Refracted };
-constexpr auto entriesOf(RayClass) {
-    return std::to_array<EnumEntry<RayClass>>({{RayClass::Primary, "primary"},
-                                               {RayClass::Shadow, "shadow"},
-                                               {RayClass::Mirrored, "mirrored"},
-                                               {RayClass::Refracted, "refracted"}});
-}
-constexpr size_t kRayClasses = kEnumNames<RayClass>.size();
 
 // Rays of one class, and the boxes and primitives that they tested.
 struct RayTally {
@@ -137,15 +155,19 @@ struct PixelRecord {
 
 class Tracer {
   public:
-    // Keeps a reference to the scene, which must outlive the tracer, and what it is asked for. Of
-    // Tracing::methods, those of slabs and offsets are the device's.
+    // Of the rounded scene, whose arrays are widened here: one tracer for many rays. The scene must outlive
+    // the tracer. Of Tracing::methods, those of slabs and offsets are the device's.
     explicit Tracer(const PackedScene& scene, const Tracing& tracing = {});
+    // Of any model. radianceBound: by which branches are cut (radianceBoundOf).
+    Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, double radianceBound);
+
+    const Model& model() const { return scene_; }
 
     // What it obeys: as asked for, or the scene's own.
     const Methods& methods() const { return tracing_.methods; }
     bool shadows() const { return tracing_.shadows; }
-    const std::vector<shared::Light>& lights() const { return lightsOf(scene_, tracing_); }
-    const shared::Environment& environment() const { return environment_; }
+    const std::vector<rows::Light>& lights() const { return lights_; }
+    const rows::Environment& environment() const { return environment_; }
 
     // The closest hit; equal t goes to the lowest id. A ray that is not finite, or has no direction, misses.
     // `source`: the primitive that the ray starts on (kind|index), or none; a plane or triangle never hits
@@ -167,16 +189,20 @@ class Tracer {
 
     // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at
     // +0.5), and, of a camera with a lens, point `lens` of the unit disc.
-    Ray cameraRay(const shared::Camera& camera, double x, double y, const glm::dvec2& lens = {0, 0}) const;
+    Ray cameraRay(const rows::Camera& camera, double x, double y, const glm::dvec2& lens = {0, 0}) const;
 
     // Follows a camera ray through at most environment.maxDepth reflections and refractions in a row.
     // keepPath fills PixelRecord::path.
     PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
+    // The first hit of that path alone.
+    std::optional<Hit> firstHit(const Ray& cameraRay, const Jitter& jitter) const;
 
   private:
-    const PackedScene& scene_;
+    std::shared_ptr<const Model> model_;
+    const Model& scene_;  // *model_
     Tracing tracing_;
-    shared::Environment environment_;
+    rows::Environment environment_;
+    std::vector<rows::Light> lights_;
 };
 
 }  // namespace glint::reference

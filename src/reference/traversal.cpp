@@ -9,6 +9,7 @@
 #include "reference/material.h"
 #include "reference/primitives.h"
 #include "reference/tracer.h"
+#include "reference/widened.h"
 
 namespace glint::reference {
 namespace {
@@ -41,7 +42,7 @@ struct Search {
 
 // The world, as a ray was given to it.
 struct World {
-    const PackedScene& scene;
+    const Model& scene;
     const Ray& ray;
     const Source& source;
 };
@@ -49,8 +50,8 @@ struct World {
 // Where the ray is inside the box of a child (0 or 1) of a node: from the returned t on; NaN-free. > limit:
 // not within [0, limit]. A comparison with NaN is false, so a plane that a parallel ray runs in (0 * inf)
 // constrains nothing: boxes are closed.
-inline double enterBox(const float* node, int child, const PreparedRay& ray, double limit) {
-    const float* box = node + 8 * child;
+inline double enterBox(const double* node, int child, const PreparedRay& ray, double limit) {
+    const double* box = node + 8 * child;
     double tNear = ray.tMin * (2 - kCullPad), tFar = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
         const double t0 = (box[ray.nearPlane[i]] - ray.origin[i]) * ray.inverse[i];
@@ -66,14 +67,14 @@ inline double cullLimit(double t) {
     return std::min(t * kCullPad, std::numeric_limits<double>::max());
 }
 
-bool isHole(const PackedScene& scene, const Search& search, const Hit& hit) {
-    return scene.features.alphaMask && holeAt(scene, search.tracer->surfaceAt(*search.world, hit));
+bool isHole(const Model& scene, const Search& search, const Hit& hit) {
+    return scene.alphaMask && holeAt(scene, search.tracer->surfaceAt(*search.world, hit));
 }
 
 // The hits of one primitive that count for the search: the first that is no hole of the surface, or all of
 // them. True if there is one.
 template <class Primitive>
-bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
+bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
                    uint32_t source, Search& search, Hit& hit) {
     Root root;
     uint32_t part = 0;
@@ -81,7 +82,7 @@ bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, const Primi
     if (!meets(one, {scene, methods, ray, primitive, source, search.best.t}, root, part)) return false;
     PreparedRay further = ray;
     do {
-        if (std::is_same_v<Primitive, shared::Triangle> && isMirrored(scene, search.instance))
+        if (std::is_same_v<Primitive, rows::Triangle> && isMirrored(scene, search.instance))
             std::swap(root.u, root.v);
         hit = {root.t,         root.u, root.v, primitive | part << shared::kPartShift, one.id + search.idBase,
                search.instance};
@@ -96,8 +97,8 @@ bool testPrimitive(const PackedScene& scene, const PreparedRay& ray, const Primi
 
 // Tests `count` primitives of a kind. True if an any-hit search is over.
 template <bool kAny, class Primitive>
-bool testArray(const PackedScene& scene, const PreparedRay& ray, const std::vector<Primitive>& array,
-               uint32_t kind, uint32_t first, uint32_t count, uint32_t source, Search& search) {
+bool testArray(const Model& scene, const PreparedRay& ray, const std::vector<Primitive>& array, uint32_t kind,
+               uint32_t first, uint32_t count, uint32_t source, Search& search) {
     for (uint32_t i = first; i < first + count; ++i) {
         Hit hit;
         ++search.cost;
@@ -114,8 +115,8 @@ bool testArray(const PackedScene& scene, const PreparedRay& ray, const std::vect
 }
 
 template <bool kAny>
-bool testPrimitives(const PackedScene& scene, const PreparedRay& ray, shared::PrimitiveKind kind,
-                    uint32_t first, uint32_t count, uint32_t source, Search& search) {
+bool testPrimitives(const Model& scene, const PreparedRay& ray, shared::PrimitiveKind kind, uint32_t first,
+                    uint32_t count, uint32_t source, Search& search) {
     switch (kind) {
 #define GLINT_TEST(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
                    uv)                                                                                    \
@@ -141,7 +142,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
 // Everything of an instance that the ray may hit. True if an any-hit search is over.
 template <bool kAny>
 bool searchInstance(const World& world, uint32_t index, Search& search) {
-    const shared::Instance& instance = world.scene.instances[index];
+    const rows::Instance& instance = world.scene.instances[index];
     const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
     if (!inside.valid) return false;
     search.instance = index;
@@ -168,20 +169,21 @@ bool testLeaf(const World& world, const PreparedRay& ray, uint32_t leaf, uint32_
 // search.best.t holds the end of the ray's interval on entry.
 template <bool kAny>
 void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search) {
-    const PackedScene& scene = world.scene;
+    const Model& scene = world.scene;
+    const rows::Node* nodes = scene.nodes->data();
     struct Entry {
         double t;
         uint32_t child;
     };
-    std::array<Entry, shared::kMaxBvhDepth + 1> stack;
+    std::array<Entry, kMaxTreeDepth + 1> stack;
     size_t size = 0;
     uint32_t child = root;
     for (;;) {
         if (child & shared::kLeafFlag) {
             if (testLeaf<kAny>(world, ray, child, source, search)) return;
         } else {
-            const shared::Node& node = scene.nodes[child];
-            const auto* planes = reinterpret_cast<const float*>(&node);
+            const rows::Node& node = nodes[child];
+            const auto* planes = reinterpret_cast<const double*>(&node);
             const double limit = cullLimit(search.best.t);
             const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
             const double t0 =
@@ -210,7 +212,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
     }
 }
 
-void testAll(const PackedScene& scene, const PreparedRay& ray, uint32_t source, Search& search) {
+void testAll(const Model& scene, const PreparedRay& ray, uint32_t source, Search& search) {
     visitPrimitiveArrays(scene, [&](shared::PrimitiveKind kind, const auto& array) {
         testPrimitives<false>(scene, ray, kind, 0, static_cast<uint32_t>(array.size()), source, search);
     });
@@ -226,8 +228,8 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
         pending.pop_back();
         if (child == kNone) continue;
         if (!(child & shared::kLeafFlag)) {
-            pending.push_back(world.scene.nodes[child].child0);
-            pending.push_back(world.scene.nodes[child].child1);
+            pending.push_back((*world.scene.nodes)[child].child0);
+            pending.push_back((*world.scene.nodes)[child].child1);
             continue;
         }
         const shared::PrimitiveKind kind = kindOfLeaf(child);
@@ -238,7 +240,7 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
             continue;
         }
         for (uint32_t i = first; inWorld && i < first + count; ++i) {
-            const shared::Instance& instance = world.scene.instances[i];
+            const rows::Instance& instance = world.scene.instances[i];
             search.instance = i;
             search.idBase = instance.idBase;
             const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
@@ -250,7 +252,7 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
 }
 
 template <bool kAny>
-Search searchScene(const Tracer& tracer, const PackedScene& scene, const Ray& ray, const Source& from,
+Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, const Source& from,
                    uint64_t* cost, std::vector<Hit>* all = nullptr) {
     Search search;
     search.tracer = &tracer;
@@ -272,10 +274,34 @@ Search searchScene(const Tracer& tracer, const PackedScene& scene, const Ray& ra
 
 }  // namespace
 
-Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
-    : scene_(scene), tracing_(tracing), environment_(environmentOf(scene, tracing)) {
-    environment_.radianceBound = radianceBoundOf(scene, tracing);
+namespace {
+
+// The device's least contribution is a float.
+Tracing roundedTracing(const Tracing& tracing) {
+    Tracing rounded = tracing;
+    rounded.minContribution = static_cast<double>(static_cast<float>(tracing.minContribution));
+    return rounded;
 }
+
+}  // namespace
+
+Tracer::Tracer(std::shared_ptr<const Model> model, const Tracing& tracing, double radianceBound)
+    : model_(std::move(model)),
+      scene_(*model_),
+      tracing_(tracing),
+      environment_(scene_.environment),
+      lights_(scene_.lights) {
+    environment_.radianceBound = radianceBound;
+    environment_.minContribution = tracing.minContribution;
+    if (tracing.maxDepth) environment_.maxDepth = *tracing.maxDepth;
+    if (!tracing.lighting) return;
+    environment_.background = glm::dvec3(tracing.lighting->background);
+    lights_.assign(tracing.lighting->lights.begin(), tracing.lighting->lights.end());
+}
+
+Tracer::Tracer(const PackedScene& scene, const Tracing& tracing)
+    : Tracer(std::make_shared<const Model>(widened(scene)), roundedTracing(tracing),
+             radianceBoundOf(scene, tracing)) {}
 
 std::optional<Hit> Tracer::closest(const Ray& ray, const Source& source, uint64_t* cost) const {
     const Search search = searchScene<false>(*this, scene_, ray, source, cost);

@@ -17,7 +17,6 @@ uint32_t LivePaths::groups() const {
 void LivePaths::writeTo(shared::Dispatch& dispatch) const {
     dispatch.listed = listed_ ? running_ : 0;
     dispatch.listRead = list_;
-    dispatch.listWritten = list_ ^ 1u;
 }
 
 }  // namespace glint::render

@@ -16,17 +16,20 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 // keep.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
-// See deriveTripBudget.
+// See deriveTripBudget: the loop of the nodes, those of the kinds that a pipeline knows, and one for the
+// compiler's own.
+uint32_t loopsOf(const SceneFeatures& features) {
 #define GLINT_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
                     uv)                                                                                    \
-    +loops
-constexpr uint32_t kLoops = 1 GLINT_PRIMITIVES(GLINT_LOOPS, 0);
+    +(features.kinds ? loops : 0)
+    return 2 GLINT_PRIMITIVES(GLINT_LOOPS, 0);
 #undef GLINT_LOOPS
-#define GLINT_MASK_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
-                         loops, uv)                                                                      \
-    +(loops == 0 ? 0 : 3 * std::min(crossings, 2))
-constexpr uint32_t kMaskLoops = 0 GLINT_PRIMITIVES(GLINT_MASK_LOOPS, 0);
-#undef GLINT_MASK_LOOPS
+}
+
+// kPacketTurns packets, one after the other, have the trips of a subgroup together.
+constexpr uint32_t kMostTrips = 3000;
+// Of one dispatch; more save no time.
+constexpr uint32_t kMostLightsAtOnce = 8;
 
 }  // namespace
 
@@ -48,32 +51,35 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
     return gpu::Access::StorageBuffer;
 }
 
-bool looksUpTextures(const SceneFeatures& features) {
-    return features.alphaMask || (features.coloredShadows && (features.textures || features.checkers));
-}
-
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
-// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = (1 +
+// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 (1 +
 // kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
 // last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
-// once in every trip of the one around it even with no lane live, and the outer loop's trips are those of its
-// longest lane: L (B + 2) more, where L counts the loop of the nodes, those of each kind in leaves (of
-// polygons also their edges', of quadrics their further hits') and the way into an instance. The planes' loop
-// comes on top. So S (B + slack)
-// + L (B + 2) + kMaxPlanes <= 65535, and one more beside L leaves room for the compiler's own. With alpha
-// masks each test, of a plane too, holds loops of kMaskTrips trips at most, which each lane counts; those in
-// the leaves' loops, three for each hit that is asked about (two places in the code where a line may meet a
-// primitive more than once), are entered once more in every trip of the outer loop.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf, bool alphaMask) {
+// once in every trip of the one around it even with no lane live. In scenes without instances the loops of
+// the nodes and of each kind in leaves stand in the outer loop, whose trips are those of its longest lane: L
+// (B + 2) more, where L counts them (of polygons also their edges', of quadrics their further hits'). With
+// instances they stand in a middle loop, whose trips, each with a live lane, may be S (B + 2) in all; these
+// enter all of them. The loop of the lights enters each once more for each of its trips, kMostLightsAtOnce at
+// most. The planes' loop comes on top, for all lights together kMaxPlanes (lightsAtOnce). So S (B + slack) +
+// L (B + 2 + lights) + lights + kMaxPlanes <= 65535, with S (B + 2) for B + 2 where there are instances, and
+// one more beside L leaves room for the compiler's own.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                          uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return 1u << 16;
     const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint32_t mask = alphaMask ? shared::kMaskTrips : 0;
-    const uint32_t slack =
-        (1 + shared::kQuadricHits) * (1 + mask) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
-    const uint32_t entered = kLoops + 1 + (alphaMask ? kMaskLoops : 0);
+    const uint32_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
+    const uint32_t entering = features.instances ? lanes : 1, loops = loopsOf(features);
     const uint32_t fixed =
-        shared::kMaxPlanes * (1 + mask) + shared::kTextureTrips + lanes * slack + 2 * entered;
-    return fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entered) : 1;
+        shared::kMaxPlanes + lanes * slack + (2 * entering + kMostLightsAtOnce) * loops + kMostLightsAtOnce;
+    const uint32_t budget =
+        fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entering * loops) : 1;
+    return std::min(budget, kMostTrips);
+}
+
+uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {
+    constexpr uint32_t kTripsOfARay = 256;  // seldom more
+    const uint32_t lights = std::min(tripBudget / kTripsOfARay, shared::kMaxPlanes / (planeCount + 1));
+    return std::clamp(lights, 1u, kMostLightsAtOnce);
 }
 
 uint32_t commonRows(const TraceModes& modes) {

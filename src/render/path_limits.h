@@ -17,9 +17,9 @@ bool goesOnAfterHits(const SceneFeatures& features);
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
 
-// Whether primitive tests have loops within: holes in surfaces, and dielectrics with textures in the way of
-// shadow rays.
-bool looksUpTextures(const SceneFeatures& features);
+// Lights that a dispatch of light.comp may go through: few enough that most paths finish in the trips of one
+// ray, and that its planes are not met more often than once each is allowed.
+uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount);
 
 // Rows of the path state that every picture of these modes has; where those of the tree (kTreeRow...) begin,
 // behind the instances' and the lists'; and all of them.

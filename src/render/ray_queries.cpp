@@ -134,8 +134,7 @@ struct RayQueries::State {
           access(chooseAccess(dev.info(), largestArray(packed))),
           inPlace(dev.info().software),
           traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
-          tripBudget(
-              deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf, looksUpTextures(packed.features))),
+          tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
           buffers(dev, packed, access, traversal) {

@@ -53,10 +53,9 @@ struct Renderer::State {
     StageTimes times;
     RayCounts rayCounts;
     std::set<std::pair<KernelId, TraceModes>> compiled;
-    shared::Environment environment;    // as it is on the device
-    std::vector<shared::Light> lights;  // the same
-    uint32_t sliceTiles =
-        kFirstSliceTiles;  // of the next slice; a picture goes on with what the last one had come to
+    shared::Environment environment;         // as it is on the device
+    std::vector<shared::Light> lights;       // the same
+    uint32_t sliceTiles = kFirstSliceTiles;  // of the next slice, of the next picture too
     // Of the submissions of the slice at hand.
     double longestInSlice = 0;
 
@@ -69,8 +68,7 @@ struct Renderer::State {
           traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
                                     dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
-                                     : deriveTripBudget(dev.info(), packed.polygonTripsPerLeaf,
-                                                        looksUpTextures(features))),
+                                     : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           pipelines(dev, kernelsFor(opts, access), access, features, opts.stack, opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),
@@ -302,7 +300,9 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
-        for (dispatch.lightIndex = 0; dispatch.lightIndex < environment.lightCount; ++dispatch.lightIndex) {
+        const uint32_t atOnce = lightsAtOnce(tripBudget, environment.planeCount);
+        for (uint32_t& first = dispatch.lightIndex = 0; first < environment.lightCount; first += atOnce) {
+            dispatch.lightEnd = std::min(first + atOnce, environment.lightCount);
             traceRays(KernelId::Light, modes, dispatch, groups, packets, &KernelTimes::shadow);
             if (cancelled()) return false;
         }

@@ -50,9 +50,9 @@ struct Options {
 // device's storage buffer range but not its texel buffer range; storage buffers everywhere else.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
-// Loop trips that one ray may make in a dispatch. alphaMask: materials are asked for holes.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device, uint32_t polygonTripsPerLeaf = 0,
-                          bool alphaMask = false);
+// Loop trips that the rays of a path may make in a dispatch of a pipeline with these features.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                          uint32_t polygonTripsPerLeaf = 0);
 
 // Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless

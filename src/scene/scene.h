@@ -308,6 +308,21 @@ constexpr auto entriesOf(TransmissiveShadows) {
         {{TransmissiveShadows::Colored, "colored"}, {TransmissiveShadows::Full, "full"}});
 }
 
+// A file that a scene was read from: its name relative to the scene's folder, and its content's hash
+// (core/content_hash.h); of pictures that of the samples that were read.
+struct SourceFile {
+    std::string name;
+    uint64_t hash = 0;
+    auto operator<=>(const SourceFile&) const = default;
+};
+
+// When the file's animation moves something, in seconds (docs/reference/scene-format.md).
+struct AnimationSpan {
+    double framesPerSecond = 24;
+    size_t tracks = 0;
+    double start = 0, end = 0;  // of the first keyframe and the last one
+};
+
 struct Scene {
     ImageSettings image;
     Camera camera;
@@ -321,6 +336,8 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Object> objects;
     std::vector<std::string> warnings;  // one line each: what was ignored or mended while loading
+    std::optional<AnimationSpan> animation;
+    std::vector<SourceFile> sources;  // by name, each once; empty for a scene that came from no file
 };
 
 }  // namespace glint

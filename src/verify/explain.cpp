@@ -14,10 +14,11 @@ constexpr size_t kEnoughMembers = 8;
 constexpr int kJittersForOneLookedAround = 21;
 constexpr double kHullStretch = 1;
 constexpr int kJittersPerLevel = 64;
-// A textbook's sphere test takes rays for hits that pass far outside: few jitters meet the limb as it saw it.
-constexpr int kJittersOfTextbooks = 1024;
 // Behind half a dozen bounces between curved mirrors and facets one jitter in hundreds takes the same path.
 constexpr int kJittersOfThePersistent = 4096;
+// Of so many jitters of the camera ray alone the few that come nearest to the device's first hit are
+// followed, each with so many of what comes after it.
+constexpr uint64_t kAimed = 4096, kKept = 16, kJittersForOneKept = 64;
 
 double maxComponent(const glm::dvec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -35,29 +36,13 @@ bool isTie(const DifferingPixel& pixel) {
 }
 
 // Jitters that are tried, up to the bound. Steps of 8 at most: of much wider ones hardly any jitter is as
-// small as what happened, and the bound of a textbook's sphere test goes up to 1e7.
+// small as what happened.
 std::vector<double> levelsTo(double bound) {
     std::vector<double> levels = {1.0};
     const double first = std::min(8.0, bound);
     const int steps = std::max(2, static_cast<int>(std::ceil(std::log(bound / first) / std::log(8.0))));
     for (int i = 0; i <= steps; ++i) levels.push_back(first * std::pow(bound / first, 1.0 * i / steps));
     return levels;
-}
-
-// See roundingBound.
-double boundOfMissedSpheres(const PackedScene& scene, const reference::PixelRecord& record) {
-    double bound = 0;
-    for (const reference::Bounce& bounce : record.path) {
-        if (bounce.hit) continue;
-        for (const shared::Sphere& sphere : scene.spheres) {
-            const double radius = sphere.radius;
-            const glm::dvec3 w =
-                glm::dvec3(sphere.point) - radius * glm::dvec3(sphere.anchorNormal) - bounce.ray.origin;
-            const double square = glm::dot(w, w), way = std::sqrt(square - radius * radius);
-            if (way > 1e-3 * radius) bound = std::max(bound, 2 * square / (radius * way));
-        }
-    }
-    return bound;
 }
 
 }  // namespace
@@ -77,12 +62,9 @@ double boundOfMissedSpheres(const PackedScene& scene, const reference::PixelReco
 //   greatest row sum of |A| |A^-1|; and the ray is off by gamma_4 |A^-1| |o - T| at its origin and by
 //   gamma_3 |A^-1| |d| t at the hit, together no more than 10 K C (pack/instances.cpp), and its next origin
 //   by as much.
-// - a textbook's sphere test: w.w - r^2, or w.w less the square of the way along the ray, errs by 4 units of
-//   w.w, as if the ray passed the centre by 2 |w|^2 / r units more or less: 2 |w|^2 / (r t), |w| at most
-//   twice the greater of the extent and r. Of a ray that misses, w is the way to the sphere, and t that to
-//   its limb, the root of w.w - r^2.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances,
-                     const Methods& methods) {
+// What a textbook's sphere test loses is no turn of a ray: the formula itself errs, and with it every jitter
+// here (Jitter::formulas).
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances) {
     double extent = std::max(maxComponent(scene.boundsLo), maxComponent(scene.boundsHi));
     double shortest = std::numeric_limits<double>::infinity();
     for (const reference::Bounce& bounce : record.path) {
@@ -90,23 +72,16 @@ double roundingBound(const PackedScene& scene, const reference::PixelRecord& rec
         if (bounce.surface) extent = std::max(extent, maxComponent(bounce.surface->position));
         if (bounce.hit) shortest = std::min(shortest, bounce.hit->t);
     }
-    const bool textbook = methods.spheres != SphereMethod::Robust;
-    const double missed = textbook ? boundOfMissedSpheres(scene, record) : 0;
-    if (!std::isfinite(shortest) || shortest <= 0) return std::max(8.0, missed);
+    if (!std::isfinite(shortest) || shortest <= 0) return 8;
     double bound = 8 + (10 * 2 + 14) * extent / shortest;
     if (instances) bound = 8 + (10 * 2 + 14 + 2 * 10) * std::max(scene.instanceGain, 1.0) * extent / shortest;
-    if (!textbook) return bound;
-    bound = std::max(bound, missed);
-    for (const shared::Sphere& sphere : scene.spheres) {
-        const double radius = sphere.radius, far = 2 * std::max(extent, radius);
-        bound = std::max(bound, 2 * far * far / (radius * shortest));
-    }
     return bound;
 }
 
 namespace {
 
-// Whether the answer lies within the predicted error of the path that `moved` took under `jitter`.
+// Whether the answer lies within the predicted error of the path that `moved` took under `jitter`. What is
+// predicted without one knows nothing of what a textbook's formula loses: that has to be explained.
 bool isNear(const reference::Tracer& tracer, const reference::Ray& cameraRay, const reference::Jitter& jitter,
             const reference::PixelRecord& moved, const PackedScene& scene, const Quantities& device) {
     const Quantities floors = floorsOf(scene, moved, cameraRay);
@@ -119,7 +94,8 @@ bool isNear(const reference::Tracer& tracer, const reference::Ray& cameraRay, co
         for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
             const reference::Jitter near =
                 jitter.ulps == 0 ? reference::Jitter{seed, units}
-                                 : reference::Jitter{jitter.seed, jitter.ulps, seed, units / jitter.ulps};
+                                 : reference::Jitter{jitter.seed,         jitter.ulps, seed,
+                                                     units / jitter.ulps, true,        jitter.laterSeed};
             const reference::PixelRecord next = tracer.trace(cameraRay, near);
             if (next.decisions != moved.decisions) continue;
             ++members;
@@ -146,8 +122,14 @@ namespace {
 class Search {
   public:
     Search(const reference::Tracer& tracer, const reference::Ray& ray, const PackedScene& scene,
-           const Quantities& device, DifferingPixel& pixel, int jitters)
-        : tracer_(tracer), ray_(ray), scene_(scene), device_(device), pixel_(pixel), jitters_(jitters) {}
+           const Quantities& device, DifferingPixel& pixel, bool persistently)
+        : tracer_(tracer),
+          ray_(ray),
+          scene_(scene),
+          device_(device),
+          pixel_(pixel),
+          persistently_(persistently),
+          jitters_(persistently ? kJittersOfThePersistent : kJittersPerLevel) {}
 
     // Tries jitters from more than `from` units up to the bound of `record`. True once one explains the
     // pixel.
@@ -162,7 +144,8 @@ class Search {
         size_t members;
         Hull hull;
     };
-    bool tryOne(double ulps, bool beyondPlain);
+    bool tryOne(const reference::Jitter& jitter, bool beyondPlain);
+    bool tryAimed(double ulps, bool beyondPlain);
     Class& classOf(const reference::PixelRecord& moved, const Quantities& q);
 
     const reference::Tracer& tracer_;
@@ -170,6 +153,7 @@ class Search {
     const PackedScene& scene_;
     const Quantities& device_;
     DifferingPixel& pixel_;
+    bool persistently_;
     int jitters_;  // for each level
     std::vector<Class> classes_;
     std::optional<reference::PixelRecord> likeDevice_;
@@ -184,8 +168,7 @@ Search::Class& Search::classOf(const reference::PixelRecord& moved, const Quanti
 }
 
 // beyondPlain: more than the bound of paths that meet no instance.
-bool Search::tryOne(double ulps, bool beyondPlain) {
-    const reference::Jitter jitter = {seed_++, ulps};
+bool Search::tryOne(const reference::Jitter& jitter, bool beyondPlain) {
     const reference::PixelRecord moved = tracer_.trace(ray_, jitter, false);
     if (moved.pathHash != pixel_.device.pathHash) return false;
     if (beyondPlain && !moved.meetsInstance && !pixel_.reference.meetsInstance) return false;
@@ -202,23 +185,47 @@ bool Search::tryOne(double ulps, bool beyondPlain) {
     if (!within && !(alone && isNear(tracer_, ray_, jitter, moved, scene_, device_))) return false;
     const bool same = moved.decisions == pixel_.reference.decisions;
     pixel_.reason = isTie(pixel_) ? Reason::Tie : same ? Reason::Rounding : Reason::Edge;
-    pixel_.ulps = ulps;
+    pixel_.ulps = jitter.ulps;
     return true;
 }
 
+// At a limb one jitter in a thousand hits where the device does, and of those one in a hundred goes on as it
+// does; the device says where it hits.
+bool Search::tryAimed(double ulps, bool beyondPlain) {
+    if (pixel_.device.object == PixelData::kNoIndex) return false;
+    std::vector<std::pair<double, reference::Jitter>> nearest;
+    for (uint64_t i = 0; i < kAimed; ++i) {
+        const reference::Jitter jitter = {seed_++, ulps, 0, 0, true};
+        const std::optional<reference::Hit> hit = tracer_.firstHit(ray_, jitter);
+        if (hit) nearest.emplace_back(std::abs(hit->t - pixel_.device.depth), jitter);
+    }
+    const auto kept = nearest.begin() + static_cast<std::ptrdiff_t>(std::min(nearest.size(), size_t{kKept}));
+    std::partial_sort(nearest.begin(), kept, nearest.end(),
+                      [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto at = nearest.begin(); at != kept; ++at) {
+        for (uint64_t i = 0; i < kJittersForOneKept; ++i) {
+            at->second.laterSeed = seed_++;
+            if (tryOne(at->second, beyondPlain)) return true;
+        }
+    }
+    return false;
+}
+
 bool Search::upTo(const reference::PixelRecord& record, double from) {
-    const double plain = roundingBound(scene_, record, false, tracer_.methods());
-    const double bound =
-        scene_.instances.empty() ? plain : roundingBound(scene_, record, true, tracer_.methods());
+    const double plain = roundingBound(scene_, record, false);
+    const double bound = scene_.instances.empty() ? plain : roundingBound(scene_, record, true);
     pixel_.ulps = std::max(pixel_.ulps, record.meetsInstance ? bound : plain);
     std::vector<double> levels = levelsTo(plain);
     if (bound > plain)
         for (const double ulps : levelsTo(bound))
             if (ulps > plain) levels.push_back(ulps);
+    // Between them, too.
+    if (persistently_) levels.insert(levels.begin() + 1, {2.0, 4.0});
     for (const double ulps : levels) {
         if (ulps <= from) continue;
         for (int i = 0; i < jitters_; ++i)
-            if (tryOne(ulps, ulps > plain)) return true;
+            if (tryOne({seed_++, ulps, 0, 0, true}, ulps > plain)) return true;
+        if (persistently_ && tryAimed(ulps, ulps > plain)) return true;
     }
     return false;
 }
@@ -227,10 +234,7 @@ bool Search::upTo(const reference::PixelRecord& record, double from) {
 
 void explain(const reference::Tracer& tracer, const reference::Ray& cameraRay, const PackedScene& scene,
              const Quantities& device, DifferingPixel& pixel, bool persistently) {
-    const bool textbook = tracer.methods().spheres != SphereMethod::Robust;
-    const int jitters = textbook ? kJittersOfTextbooks : kJittersPerLevel;
-    Search search(tracer, cameraRay, scene, device, pixel,
-                  persistently ? std::max(jitters, kJittersOfThePersistent) : jitters);
+    Search search(tracer, cameraRay, scene, device, pixel, persistently);
     pixel.ulps = 0;
     if (search.upTo(pixel.reference, 0)) return;
     // Where a jitter within the bound takes the device's path, that path has a bound of its own: it may be

@@ -8,8 +8,7 @@ namespace glint::verify {
 
 // The jitter, in units of 2^-24, that a float path of the device may have gone through where the reference
 // took the path of `record`: see explain.cpp. instances: of a path that meets one.
-double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances,
-                     const Methods& methods = {});
+double roundingBound(const PackedScene& scene, const reference::PixelRecord& record, bool instances);
 
 // Whether the device's answer, of the reference's path, lies within the pixel's predicted error: the floors,
 // and kResponseGain times what the reference's answer changes by for rays moved by one unit.

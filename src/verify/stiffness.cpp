@@ -76,6 +76,8 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
     return change;
 }
 
+}  // namespace
+
 // A pixel of a cell of `step` x `step` at random: what hangs on rounding often lies along one row or column
 // of the picture (a symmetric object's axis, a horizon), which a regular grid meets always or never.
 // splitmix64 (Steele, Lea, Flood 2014).
@@ -87,8 +89,6 @@ glm::ivec2 placeInCell(size_t cell, int step) {
     const auto side = static_cast<uint64_t>(step);
     return {static_cast<int>(z % side), static_cast<int>((z >> 32) % side)};
 }
-
-}  // namespace
 
 double Sensitivity::changedShare() const {
     if (tried == 0) return 0;

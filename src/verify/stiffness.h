@@ -37,6 +37,9 @@ struct Sensitivity {
     double tieShare() const;
 };
 inline constexpr double kWideUnits = 32;
+// A pixel of cell number `cell` of step x step pixels, at random.
+glm::ivec2 placeInCell(size_t cell, int step);
+
 // Of the pixels' samples in turns.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
                           int height, const PackedSamples& samples, int seeds = 3);

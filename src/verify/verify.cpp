@@ -27,14 +27,16 @@ constexpr float kDifferenceGain = 64;
 class Comparison {
   public:
     Comparison(const PackedScene& scene, const shared::Camera& camera, const Options& options,
-               const Picture& device, const PackedSamples& samples, uint32_t sample)
-        : tracer_(scene, options),
+               const Picture& device, const PackedSamples& samples, uint32_t sample,
+               const reference::Tracer& tracer, RepresentationCheck* representation)
+        : tracer_(tracer),
           scene_(scene),
           camera_(camera),
           options_(options),
           device_(device),
           samples_(samples),
-          sample_(sample) {}
+          sample_(sample),
+          representation_(representation) {}
 
     // Searches on for what explains a pixel of this sample.
     void explainPersistently(DifferingPixel& pixel) const {
@@ -60,6 +62,7 @@ class Comparison {
         const reference::FilmSample s = filmSampleAt(x, y);
         const reference::Ray ray = rayThrough(x, y, s);
         const reference::PixelRecord expected = tracer_.trace(ray);
+        if (representation_ != nullptr) representation_->compare(x, y, sample_, s, expected);
         const PixelData& data = device_.at(x, y);
         const glm::vec3 weighted(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
                                  device_.color.at(x, y, 2));
@@ -113,13 +116,14 @@ class Comparison {
                data.material == surface.material;
     }
 
-    reference::Tracer tracer_;
+    const reference::Tracer& tracer_;
     const PackedScene& scene_;
     const shared::Camera& camera_;
     const Options& options_;
     const Picture& device_;
     const PackedSamples& samples_;
     uint32_t sample_;
+    RepresentationCheck* representation_;  // or null
 };
 
 void paint(Image& image, const DifferingPixel& pixel) {
@@ -240,13 +244,15 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
 }  // namespace
 
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
-              const Options& options) {
+              const Options& options, const Scene* read) {
     Report report;
     report.difference = Image(options.width, options.height, 3);
     const PackedSamples& samples = options.samples;
     report.pixels = static_cast<uint64_t>(options.width) * options.height * samples.round;
-    report.sensitivity =
-        sensitivityOf(reference::Tracer(scene, options), camera, options.width, options.height, samples);
+    const reference::Tracer tracer(scene, options);
+    report.sensitivity = sensitivityOf(tracer, camera, options.width, options.height, samples);
+    std::optional<RepresentationCheck> representation;
+    if (read != nullptr) representation.emplace(*read, scene, tracer, camera, options);
     Gathered all;
     for (uint32_t sample = 0; sample < samples.round; ++sample) {
         Request request = options;
@@ -255,12 +261,14 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         request.data = true;
         request.progress = {};
         const Picture device = renderer.render(camera, request);
-        const Comparison comparison(scene, camera, options, device, samples, sample);
+        const Comparison comparison(scene, camera, options, device, samples, sample, tracer,
+                                    representation ? &*representation : nullptr);
         if (!addSample(comparison, device, options, sample, report, all)) {
             report.interrupted = true;
             return report;
         }
     }
+    if (representation) report.representation = representation->judge(report.sensitivity, options.worstCount);
     report.p99 = percentile99(std::move(all.differences));
     report.floorP99 = percentile99(std::move(all.floors));
     report.rmse = std::sqrt(report.rmse / (3.0 * static_cast<double>(report.pixels)));

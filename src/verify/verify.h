@@ -17,6 +17,7 @@
 #include "render/renderer.h"
 #include "trace/picture.h"
 #include "trace/request.h"
+#include "verify/representation.h"
 #include "verify/stiffness.h"
 
 namespace glint::verify {
@@ -77,6 +78,8 @@ struct Report {
     Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie, green
                        // rounding; of the first sample
     bool interrupted = false;
+    // Of the rounding of the scene; absent if nobody said what it was made from.
+    std::optional<Representation> representation;
 
     uint64_t explained() const { return ties + edges + roundings; }
     // The greatest numbers of pixels that may be explained, with kConfidence (ceiling.h).
@@ -86,12 +89,14 @@ struct Report {
     double allowedP99() const;
     bool passed() const {
         return !interrupted && unexplained == 0 && ties <= allowedTies() &&
-               edges + roundings <= allowedOthers() && p99 <= allowedP99();
+               edges + roundings <= allowedOthers() && p99 <= allowedP99() &&
+               (!representation || representation->passed());
     }
 };
 
-// `scene` must be the one that `renderer` was made from.
+// `scene` must be the one that `renderer` was made from. read: what that was packed from, if its rounding is
+// to be judged too, with the camera of the picture.
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
-              const Options& options);
+              const Options& options, const Scene* read = nullptr);
 
 }  // namespace glint::verify

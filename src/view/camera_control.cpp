@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
 
+#include "scene/camera_frame.h"
+
 namespace glint::view {
 
 namespace {
@@ -25,6 +27,54 @@ glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
 }
 
 }  // namespace
+
+bool sameCamera(const Camera& a, const Camera& b) {
+    const auto sameWindow = [&] {
+        if (a.window.has_value() != b.window.has_value()) return false;
+        if (!a.window) return true;
+        return a.window->left == b.window->left && a.window->right == b.window->right &&
+               a.window->bottom == b.window->bottom && a.window->top == b.window->top;
+    };
+    return a.projection == b.projection && a.planeNormal == b.planeNormal && a.height == b.height &&
+           a.eye == b.eye && a.target == b.target && a.up == b.up && a.fovY == b.fovY && a.nearT == b.nearT &&
+           a.farT == b.farT && a.lensRadius == b.lensRadius && a.focusDistance == b.focusDistance &&
+           sameWindow();
+}
+
+void CameraControl::follow(const Camera& home, double radius) {
+    Camera mine = camera_;
+    const bool lensMoved = mine.lensRadius != home_.lensRadius || mine.focusDistance != home_.focusDistance;
+    mine.lensRadius = home_.lensRadius;
+    mine.focusDistance = home_.focusDistance;
+    const double lens = camera_.lensRadius, focus = camera_.focusDistance;
+    if (sameCamera(mine, home_)) camera_ = home;
+    camera_.lensRadius = lensMoved ? lens : home.lensRadius;
+    camera_.focusDistance = lensMoved ? focus : home.focusDistance;
+    home_ = home;
+    radius_ = radius;
+}
+
+void CameraControl::setLens(double radius, double focusDistance) {
+    camera_.lensRadius = std::clamp(radius, 0.0, kGreatestReach * radius_);
+    camera_.focusDistance = std::clamp(focusDistance, 0.0, kGreatestReach * radius_);
+}
+
+// The film lies at unit distance along the view direction, and what it shows is sharp at focusDistance times
+// as far from the eye (scene.h): so many times the film's own distance along its normal.
+bool CameraControl::focusAt(const glm::dvec3& point) {
+    const CameraFrame frame = cameraFrame(camera_);
+    const double distance = glm::dot(point - camera_.eye, frame.w) / glm::dot(frame.view, frame.w);
+    if (!(distance > 0) || !std::isfinite(distance)) return false;
+    camera_.focusDistance = distance;
+    return true;
+}
+
+// `wanted`, but no nearer or farther than the scene's size makes sense of; who is farther out already may
+// stay.
+double CameraControl::reachable(double from, double wanted) const {
+    return std::clamp(wanted, std::min(from, kLeastReach * radius_),
+                      std::max(from, kGreatestReach * radius_));
+}
 
 glm::dvec3 CameraControl::right() const {
     return glm::normalize(glm::cross(camera_.target - camera_.eye, camera_.up));
@@ -105,7 +155,8 @@ void CameraControl::dolly(double factor) {
         zoom(factor);
         return;
     }
-    camera_.eye = camera_.target + (camera_.eye - camera_.target) * factor;
+    const double from = distance();
+    camera_.eye = camera_.target + (camera_.eye - camera_.target) * (reachable(from, from * factor) / from);
 }
 
 void CameraControl::move(const glm::dvec3& distance) {
@@ -116,11 +167,16 @@ void CameraControl::move(const glm::dvec3& distance) {
 }
 
 void CameraControl::zoom(double factor) {
+    // Half the picture's height: a tangent, or with parallel rays a length.
+    const double from = halfHeight();
+    const double least = std::tan(0.5 * kLeastFov * kRadian), most = std::tan(0.5 * kGreatestFov * kRadian);
+    const double to = parallel() ? reachable(from, from * factor)
+                                 : std::clamp(from * factor, std::min(from, least), std::max(from, most));
     if (camera_.window) {
         ViewWindow& w = *camera_.window;
-        for (double* side : {&w.left, &w.right, &w.bottom, &w.top}) *side *= factor;
+        for (double* side : {&w.left, &w.right, &w.bottom, &w.top}) *side *= to / from;
     } else if (parallel()) {
-        camera_.height *= factor;
+        camera_.height = 2 * to;
     } else {
         camera_.fovY = std::clamp(camera_.fovY * factor, kLeastFov, kGreatestFov);
     }
@@ -174,6 +230,8 @@ std::string cameraJson(const Camera& camera) {
     } else {
         json["fovY"] = camera.fovY;
     }
+    if (!parallel && camera.lensRadius > 0) json["lensRadius"] = camera.lensRadius;
+    if (!parallel && camera.focusDistance > 0) json["focusDistance"] = camera.focusDistance;
     if (camera.nearT > 0) json["near"] = camera.nearT;
     if (std::isfinite(camera.farT)) json["far"] = camera.farT;
     return "\"camera\": " + json.dump();

@@ -18,21 +18,27 @@ enum class Side { Front, Right, Back, Left, Top, Bottom };
 
 class CameraControl {
   public:
-    explicit CameraControl(const Camera& home) : camera_(home), home_(home) {}
+    // `radius`: of the scene; it bounds how near and how far dolly, zoom and frame may go.
+    explicit CameraControl(const Camera& home, double radius = 1)
+        : camera_(home), home_(home), radius_(radius) {}
 
     const Camera& camera() const { return camera_; }
-    void setHome(const Camera& home) { home_ = home; }  // the camera itself stays
-    void reset() {
-        camera_ = home_;
+    const Camera& home() const { return home_; }
+    void set(const Camera& camera) {
+        camera_ = camera;
         upright_ = false;
     }
+    // The camera of a scene that has been loaded again. What the user has moved stays: the view as a whole,
+    // and apart from it the lens.
+    void follow(const Camera& home, double radius);
+    void reset() { set(home_); }
 
     // Radians; x to the right, y down, as the hand moves. The target stays, or with look the eye.
     void orbit(double x, double y);
     void look(double x, double y);
     // Parts of the picture's height: what is at the target's distance follows the hand.
     void pan(double x, double y);
-    // Distance to the target times `factor`.
+    // Distance to the target times `factor`, within kLeastReach..kGreatestReach of the scene's radius.
     void dolly(double factor);
     // Eye and target together, in units of the camera's frame: right, up, forward.
     void move(const glm::dvec3& distance);
@@ -44,6 +50,12 @@ class CameraControl {
     // All of `ball` in view, from the direction at hand or from a side.
     void frame(const Ball& ball);
     void view(Side side, const Ball& ball);
+    // A thin lens (scene.h): radius >= 0, 0 for a pinhole; focus distance >= 0, 0 for the target's.
+    void setLens(double radius, double focusDistance);
+    // Sharp at `point` (world). False where that is not before the eye.
+    bool focusAt(const glm::dvec3& point);
+
+    static constexpr double kLeastReach = 1e-5, kGreatestReach = 1e4;  // radii of the scene
 
     double distance() const { return glm::length(camera_.target - camera_.eye); }
 
@@ -56,9 +68,18 @@ class CameraControl {
     void mendPlane();  // after a turn: keeps an oblique camera's plane where it can be
     glm::dvec3 turned(const glm::dvec3& arm, double x, double y) const;
 
+    double reachable(double from, double wanted) const;
+
     Camera camera_, home_;
+    double radius_ = 1;
     bool upright_ = false;  // the image plane follows the view direction
 };
+
+bool sameCamera(const Camera& a, const Camera& b);
+// Whether rays start on a disc: parallel ones never do.
+inline bool hasLens(const Camera& camera) {
+    return camera.lensRadius > 0 && camera.projection == Projection::Perspective;
+}
 
 // The camera as a scene file writes it: "camera": {...}
 std::string cameraJson(const Camera& camera);

@@ -6,9 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "view/fonts.h"
+
 namespace glint::view {
 
 namespace {
+
+constexpr float kFontPixels = 14;  // height of a line at scale 1
 
 struct Font {
     const unsigned char* texels;
@@ -144,6 +148,7 @@ void mapKeys(ImGuiIO& io) {
     io.KeyMap[ImGuiKey_Delete] = key::kDelete;
     io.KeyMap[ImGuiKey_Backspace] = key::kBackspace;
     io.KeyMap[ImGuiKey_Enter] = key::kEnter;
+    io.KeyMap[ImGuiKey_KeyPadEnter] = key::kKeypadEnter;
     io.KeyMap[ImGuiKey_Escape] = key::kEscape;
     io.KeyMap[ImGuiKey_A] = 'A';
     io.KeyMap[ImGuiKey_C] = 'C';
@@ -153,21 +158,39 @@ void mapKeys(ImGuiIO& io) {
 
 }  // namespace
 
-Gui::Gui(float scale) {
+Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move(clipboard)) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // no file appears where the program runs
     io.BackendPlatformName = "glint";
     mapKeys(io);
+    io.ClipboardUserData = this;
+    io.GetClipboardTextFn = [](void* self) {
+        auto* gui = static_cast<Gui*>(self);
+        gui->pasted_ = gui->clipboard_.read();
+        return gui->pasted_.c_str();
+    };
+    io.SetClipboardTextFn = [](void* self, const char* text) {
+        static_cast<Gui*>(self)->clipboard_.write(text);
+    };
     ImFontConfig font;
-    font.SizePixels = 13 * std::round(scale);  // the built-in font is made of pixels
-    io.Fonts->AddFontDefault(&font);
+    font.OversampleH = font.OversampleV = 1;  // glyphs are drawn texel for pixel
+    font.PixelSnapH = true;
+    font.SizePixels = std::round(kFontPixels * scale);
+    const std::optional<std::filesystem::path> file = findFont();
+    if (!file || io.Fonts->AddFontFromFileTTF(file->c_str(), font.SizePixels, &font) == nullptr) {
+        font.SizePixels = 13 * std::round(scale);  // the built-in font is made of pixels
+        io.Fonts->AddFontDefault(&font);
+    }
     unsigned char* texels = nullptr;
     io.Fonts->GetTexDataAsAlpha8(&texels, &fontWidth_, &fontHeight_);
     font_.assign(texels, texels + static_cast<size_t>(fontWidth_) * static_cast<size_t>(fontHeight_));
     io.Fonts->ClearTexData();
     ImGuiStyle& style = ImGui::GetStyle();
     ImGui::StyleColorsDark();
+    style.WindowPadding = ImVec2(6, 6);
+    style.ItemSpacing = ImVec2(6, 3);
+    style.FramePadding = ImVec2(4, 2);
     style.ScaleAllSizes(scale);
     style.WindowRounding = style.FrameRounding = style.GrabRounding = 0;
     style.AntiAliasedLinesUseTex = false;
@@ -194,24 +217,49 @@ void Gui::feed(const Event& event) {
             break;
         case Event::Type::Key:
             if (event.code < key::kCount) io.KeysDown[event.code] = event.down;
-            io.KeyCtrl = (event.mods & kControl) != 0;
-            io.KeyShift = (event.mods & kShift) != 0;
-            io.KeyAlt = (event.mods & kAlt) != 0;
+            // Under X11 the event of a modifier's own press does not have it among its modifiers yet.
+            io.KeyCtrl = held(key::kLeftControl, key::kRightControl);
+            io.KeyShift = held(key::kLeftShift, key::kRightShift);
+            io.KeyAlt = held(key::kLeftAlt, key::kRightAlt);
             break;
         default:
             break;
     }
 }
 
-bool Gui::covers(double x, double y) const {
-    return std::any_of(windows_.begin(), windows_.end(), [&](const Rectangle& r) {
-        return x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
-               y >= static_cast<double>(r.y0) && y < static_cast<double>(r.y1);
-    });
+bool Gui::held(int first, int second) const {
+    const ImGuiIO& io = ImGui::GetIO();
+    return io.KeysDown[first] || io.KeysDown[second];
 }
 
+bool Gui::covers(double x, double y) const {
+    return anyPopup_ || std::any_of(windows_.begin(), windows_.end(), [&](const Rectangle& r) {
+               return x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
+                      y >= static_cast<double>(r.y0) && y < static_cast<double>(r.y1);
+           });
+}
+
+// An item is active from the frame on that has seen the click, one before ImGui says that it wants text.
 bool Gui::wantsKeys() const {
-    return ImGui::GetIO().WantTextInput;
+    return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive();
+}
+
+double Gui::covered(int width, int height) const {
+    std::vector<bool> hidden(static_cast<size_t>(width) * static_cast<size_t>(height));
+    for (const Rectangle& r : windows_) {
+        for (int y = std::max(0, static_cast<int>(r.y0)); y < std::min(height, static_cast<int>(r.y1)); ++y)
+            for (int x = std::max(0, static_cast<int>(r.x0)); x < std::min(width, static_cast<int>(r.x1));
+                 ++x)
+                hidden[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = true;
+    }
+    return static_cast<double>(std::count(hidden.begin(), hidden.end(), true)) /
+           static_cast<double>(std::max<size_t>(hidden.size(), 1));
+}
+
+std::optional<Gui::Place> Gui::controlAt(const std::string& label) const {
+    const auto found = controls_.find(label);
+    if (found == controls_.end()) return std::nullopt;
+    return found->second;
 }
 
 void Gui::begin(int width, int height, double seconds) {
@@ -219,6 +267,7 @@ void Gui::begin(int width, int height, double seconds) {
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
     nextWindows_.clear();
+    nextControls_.clear();
     ImGui::NewFrame();
 }
 
@@ -227,12 +276,19 @@ void Gui::noteWindow() {
     nextWindows_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
 }
 
+void Gui::noteControl(const char* label) {
+    const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+    // A slider's rectangle has its label behind it; its left part is always the control.
+    nextControls_[label] = {static_cast<double>(lo.x + 0.25f * (hi.x - lo.x)),
+                            static_cast<double>(0.5f * (lo.y + hi.y))};
+}
+
 void Gui::end(Canvas& target) {
     ImGui::Render();
     windows_ = nextWindows_;
+    controls_ = nextControls_;
     // Open lists and menus reach beyond their windows.
-    if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel))
-        windows_.push_back({0, 0, static_cast<float>(target.width), static_cast<float>(target.height)});
+    anyPopup_ = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     const ImDrawData* data = ImGui::GetDrawData();
     const Font font = {font_.data(), fontWidth_, fontHeight_};
     for (int i = 0; i < data->CmdListsCount; ++i) {

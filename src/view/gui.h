@@ -2,7 +2,11 @@
 // no graphics queue and no shader, and looks the same on every device.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "view/canvas.h"
@@ -12,7 +16,12 @@ namespace glint::view {
 
 class Gui {
   public:
-    explicit Gui(float scale);
+    // `scale` of text and controls; `clipboard` is read by Ctrl+V, `toClipboard` written by Ctrl+C.
+    struct Clipboard {
+        std::function<std::string()> read;
+        std::function<void(const std::string&)> write;
+    };
+    Gui(float scale, Clipboard clipboard);
     ~Gui();
     Gui(const Gui&) = delete;
     Gui& operator=(const Gui&) = delete;
@@ -21,20 +30,36 @@ class Gui {
     // True if a press at this place is the panel's (as of the last frame), or a drag that began there goes
     // on.
     bool covers(double x, double y) const;
-    bool wantsKeys() const;  // a number is being typed
+    bool wantsKeys() const;  // something is being typed, or a control is held
+    // The part of the picture that windows hide, 0..1; of the last frame.
+    double covered(int width, int height) const;
+    // The middle of a control of the last frame, by its label.
+    struct Place {
+        double x, y;
+    };
+    std::optional<Place> controlAt(const std::string& label) const;
+    float scale() const { return scale_; }
 
     // Between the two, ImGui's functions describe the panel; end() draws it over the picture.
     void begin(int width, int height, double seconds);
     void end(Canvas& target);
 
-    // To be called inside each window.
+    // To be called inside each window, and after each control.
     void noteWindow();
+    void noteControl(const char* label);
 
   private:
     struct Rectangle {
         float x0, y0, x1, y1;
     };
+    bool held(int first, int second) const;
+
+    float scale_;
+    Clipboard clipboard_;
+    std::string pasted_;  // what ImGui was given last
     std::vector<Rectangle> windows_, nextWindows_;
+    std::map<std::string, Place> controls_, nextControls_;
+    bool anyPopup_ = false;
     std::vector<unsigned char> font_;  // coverage, a byte for each texel
     int fontWidth_ = 0, fontHeight_ = 0;
 };

@@ -1,11 +1,14 @@
 #include "view/jobs.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "core/error.h"
 #include "core/image_io.h"
 #include "pack/pack_samples.h"
+#include "reference/render.h"
 #include "scene/sampling.h"
 #include "verify/verify.h"
 
@@ -17,59 +20,139 @@ bool isExr(const std::filesystem::path& file) {
     return file.extension() == ".exr" || file.extension() == ".EXR";
 }
 
+// A claimed file that nothing was written to goes away with this.
+class Claim {
+  public:
+    explicit Claim(const std::filesystem::path& file) : file_(file) {}
+    ~Claim() {
+        std::error_code error;
+        if (std::filesystem::file_size(file_, error) == 0 && !error) std::filesystem::remove(file_, error);
+    }
+    Claim(const Claim&) = delete;
+    Claim& operator=(const Claim&) = delete;
+
+  private:
+    std::filesystem::path file_;
+};
+
+// Every layer that a picture of the window can have: the number of samples is the same for all pixels, and
+// nobody has judged their error.
+std::vector<Aov> allLayers() {
+    std::vector<Aov> layers;
+    for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>)
+        if (entry.value != Aov::Error && entry.value != Aov::Samples) layers.push_back(entry.value);
+    return layers;
+}
+
+void applyDisplay(Image& color, const Display& display) {
+    if (display == Display{}) return;
+    const auto gain = static_cast<float>(std::exp2(display.exposure));
+    for (size_t i = 0; i < color.pixels.size(); i += 4) {
+        const glm::dvec3 c(gain * glm::vec3(color.pixels[i], color.pixels[i + 1], color.pixels[i + 2]));
+        const glm::dvec3 shown = display.toneMap == ToneMap::False ? heatLinear(falseColorOf(luminance(c)))
+                                                                   : toneMapped(c, display.toneMap);
+        for (int k = 0; k < 3; ++k) color.pixels[i + static_cast<size_t>(k)] = static_cast<float>(shown[k]);
+    }
+}
+
+std::string line(const std::filesystem::path& file, const ViewRequest& view, const std::string& how) {
+    return "saved " + file.string() + " (" + std::to_string(view.width) + "x" + std::to_string(view.height) +
+           ", " + how + ")";
+}
+
 }  // namespace
 
-SaveRequest saveRequest(const Session& session, const std::filesystem::path& file, int samplesPerPixel,
-                        double exposure) {
-    SaveRequest request;
-    request.file = file;
+ViewRequest viewRequest(const Session& session) {
+    ViewRequest request;
     request.scene = session.sharedScene();
     request.tracing = session.tracing();
     request.camera = session.packedCamera();
+    request.lens = hasLens(session.camera());
+    request.traversal = session.traversal();
     request.width = session.width();
     request.height = session.height();
-    request.samplesPerPixel = samplesPerPixel;
-    request.exposure = exposure;
     return request;
 }
 
-std::string save(const gpu::Device& device, SaveRequest request, JobControl& control) {
-    ImageSettings image = request.scene->scene.image;
-    image.samplesPerPixel = request.samplesPerPixel;
+SeenRequest seenRequest(const Session& session, const std::filesystem::path& file, const Display& display) {
+    SeenRequest request;
+    request.view = viewRequest(session);
+    request.file = file;
+    request.layer = session.settings().layer;
+    request.display = display;
+    request.samples = session.samples();
+    request.hasData = session.hasData();
+    if (isExr(file)) {
+        request.picture = session.picture();
+    } else if (session.ready()) {
+        request.canvas = session.canvas(display);
+    }
+    return request;
+}
+
+std::string save(const gpu::Device& device, const RenderRequest& request, JobControl& control) {
+    const Claim claim(request.file);
+    const ImageSettings image = request.sampling.image(request.view.width, request.view.height);
     const std::string conflict = samplingConflict(image);
-    if (!conflict.empty()) return "not saved: " + conflict;
-    image.width = request.width;
-    image.height = request.height;
-    Request wanted = requestOf(image, false);  // the window's camera is a pinhole
-    static_cast<Tracing&>(wanted) = request.tracing;
+    if (!conflict.empty()) throw Error(ErrorKind::Failed, "not saved: " + conflict);
+    Request wanted = requestOf(image, request.view.lens);
+    static_cast<Tracing&>(wanted) = request.view.tracing;
     wanted.data = wanted.cost = isExr(request.file);
     wanted.progress = [&](double fraction) { control.progress = fraction; };
     wanted.cancelled = [&] { return control.cancelled.load(); };
-    render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
-    Picture picture = renderer.render(request.camera, wanted);
-    if (!picture.complete) return "saving stopped";
-    if (!isExr(request.file) && request.exposure != 0) {
-        const auto gain = static_cast<float>(std::exp2(request.exposure));
-        for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
-            if (i % 4 != 3) picture.color.pixels[i] *= gain;
-        }
-    }
-    std::vector<Aov> layers = {Aov::Radiance};
-    if (isExr(request.file)) {
-        layers.clear();
-        for (const EnumEntry<Aov>& entry : kEnumEntries<Aov>) {
-            // The number of samples is the same for all pixels, and nobody has judged their error.
-            if (entry.value != Aov::Error && entry.value != Aov::Samples) layers.push_back(entry.value);
-        }
-    }
-    writeLayers(request.file, makeLayers(picture, layers));
-    return "saved " + request.file.string() + " (" + std::to_string(request.width) + "x" +
-           std::to_string(request.height) +
-           ", samples per pixel: " + std::to_string(request.samplesPerPixel) + ")";
+    const ViewScene& scene = *request.view.scene;
+    render::Renderer renderer(device, scene.packed, windowOptions(scene, request.view.traversal));
+    Picture picture = renderer.render(request.view.camera, wanted);
+    if (!picture.complete) throw Error(ErrorKind::Failed, "saving stopped: " + request.file.string());
+    if (!isExr(request.file)) applyDisplay(picture.color, request.display);
+    const std::vector<Aov> one = {Aov::Radiance};
+    writeLayers(request.file, makeLayers(picture, isExr(request.file) ? allLayers() : one));
+    return line(request.file, request.view,
+                "samples per pixel: " + std::to_string(request.sampling.samplesPerPixel));
 }
 
-VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobControl& control) {
-    render::Renderer renderer(device, request.scene->packed, windowOptions(*request.scene));
+std::string save(const gpu::Device& device, SeenRequest request, JobControl& control) {
+    const Claim claim(request.file);
+    const bool exr = isExr(request.file);
+    const bool lacksColor = request.samples == 0 && (exr || !needsData(request.layer));
+    const bool lacksData = !request.hasData && (exr || needsData(request.layer));
+    if (!request.canvas && (lacksColor || lacksData)) {
+        Request wanted;
+        static_cast<Tracing&>(wanted) = request.view.tracing;
+        wanted.width = request.view.width;
+        wanted.height = request.view.height;
+        wanted.data = wanted.cost = lacksData;
+        wanted.progress = [&](double fraction) { control.progress = fraction; };
+        wanted.cancelled = [&] { return control.cancelled.load(); };
+        const ViewScene& scene = *request.view.scene;
+        render::Renderer renderer(device, scene.packed, windowOptions(scene, request.view.traversal));
+        Picture traced = renderer.render(request.view.camera, wanted);
+        if (!traced.complete) throw Error(ErrorKind::Failed, "saving stopped: " + request.file.string());
+        request.picture.region = traced.region;
+        if (lacksColor) {
+            request.picture.color = std::move(traced.color);
+            request.samples = 1;
+        }
+        if (lacksData) request.picture.data = std::move(traced.data);
+    }
+    if (exr) {
+        writeLayers(request.file, makeLayers(request.picture, allLayers()));
+    } else {
+        if (!request.canvas)
+            request.canvas = colorize(request.picture, request.layer, request.display,
+                                      rangeOf(request.picture, request.layer));
+        writeImage(request.file, toImage(*request.canvas));
+    }
+    const bool data = !exr && needsData(request.layer);
+    return line(request.file, request.view,
+                "as seen: " + (data ? std::string(nameOf(request.layer))
+                                    : std::to_string(request.samples) +
+                                          (request.samples == 1 ? " sample" : " samples")));
+}
+
+VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, JobControl& control) {
+    render::Renderer renderer(device, request.scene->packed,
+                              windowOptions(*request.scene, request.traversal));
     verify::Options options;
     static_cast<Tracing&>(options) = request.tracing;
     options.width = request.width;
@@ -94,14 +177,31 @@ VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobContr
     return result;
 }
 
-std::filesystem::path freeName(const std::filesystem::path& folder, const std::string& stem,
-                               const std::string& extension) {
+Image traceReference(const ViewRequest& request, const PackedSamples& samples, JobControl& control) {
+    Request wanted;
+    static_cast<Tracing&>(wanted) = request.tracing;
+    wanted.width = request.width;
+    wanted.height = request.height;
+    wanted.samples = samples;
+    wanted.progress = [&](double fraction) { control.progress = fraction; };
+    wanted.cancelled = [&] { return control.cancelled.load(); };
+    Picture picture = reference::render(request.scene->packed, request.camera, wanted);
+    if (!picture.complete) throw Error(ErrorKind::Failed, "the reference was stopped");
+    return std::move(picture.color);
+}
+
+std::filesystem::path claimName(const std::filesystem::path& folder, const std::string& stem,
+                                const std::string& extension) {
     for (int i = 1; i < 10000; ++i) {
         char number[24];
         std::snprintf(number, sizeof(number), "-view-%03d", i);
         const std::filesystem::path candidate = folder / (stem + number + extension);
-        std::error_code error;
-        if (!std::filesystem::exists(candidate, error)) return candidate;
+        // "x": fails if the file is there, and nobody can come in between.
+        if (std::FILE* file = std::fopen(candidate.c_str(), "wx")) {
+            std::fclose(file);
+            return candidate;
+        }
+        if (errno != EEXIST) throw Error(ErrorKind::Failed, candidate.string() + ": " + std::strerror(errno));
     }
     throw Error(ErrorKind::Failed, folder.string() + ": holds 9999 saved views of this scene; remove some");
 }

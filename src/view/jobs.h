@@ -7,6 +7,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/image.h"
@@ -52,22 +53,43 @@ class Job {
     std::future<Result> future_;
 };
 
-struct SaveRequest {
-    std::filesystem::path file;  // .png: colour; .exr: every layer
+// A view as it is when something is asked about it.
+struct ViewRequest {
     std::shared_ptr<const ViewScene> scene;
     Tracing tracing;
     shared::Camera camera;
+    bool lens = false;  // the camera has one
+    render::Traversal traversal = render::Traversal::Auto;
     int width = 0, height = 0;
-    int samplesPerPixel = 1;
-    double exposure = 0;  // stops, of a PNG
+};
+ViewRequest viewRequest(const Session& session);
+
+// A picture as `glint render` would draw it of the view, with the sampling that is set.
+struct RenderRequest {
+    ViewRequest view;
+    std::filesystem::path file;  // .exr: every layer; else colour, by `display`
+    SamplingSettings sampling;
+    Display display;
 };
 
-// A request for the session's view.
-SaveRequest saveRequest(const Session& session, const std::filesystem::path& file, int samplesPerPixel,
-                        double exposure);
+// The picture that is on the screen.
+struct SeenRequest {
+    ViewRequest view;
+    std::filesystem::path file;  // .exr: every layer, colour as radiance; else what is seen
+    ViewLayer layer = ViewLayer::Color;
+    Display display;
+    // What is there already; the rest is traced, one sample in the middle of each pixel.
+    std::optional<Canvas> canvas;  // as seen
+    Picture picture;               // colour if samples > 0, data if hasData
+    int samples = 0;
+    bool hasData = false;
+};
+SeenRequest seenRequest(const Session& session, const std::filesystem::path& file, const Display& display);
 
-// Renders as `glint render` does and writes. Returns a line about it.
-std::string save(const gpu::Device& device, SaveRequest request, JobControl& control);
+// Draw and write. Return a line about it. A file that was claimed and could not be written is taken away
+// again.
+std::string save(const gpu::Device& device, const RenderRequest& request, JobControl& control);
+std::string save(const gpu::Device& device, SeenRequest request, JobControl& control);
 
 struct VerifyResult {
     bool passed = false;
@@ -76,10 +98,14 @@ struct VerifyResult {
 };
 
 // `glint verify` of the session's view.
-VerifyResult verifyView(const gpu::Device& device, SaveRequest request, JobControl& control);
+VerifyResult verifyView(const gpu::Device& device, const ViewRequest& request, JobControl& control);
 
-// STEM-view-001.png in `folder`, or the first number that is free.
-std::filesystem::path freeName(const std::filesystem::path& folder, const std::string& stem,
-                               const std::string& extension);
+// The view's colours by the reference, of these samples. Throws Error(Failed) if it is stopped.
+Image traceReference(const ViewRequest& request, const PackedSamples& samples, JobControl& control);
+
+// STEM-view-001.png in `folder`, or the first number that is free; the file is there from now on, empty, so
+// that nobody else takes the name. Throws Error(Failed) where no file can be made.
+std::filesystem::path claimName(const std::filesystem::path& folder, const std::string& stem,
+                                const std::string& extension);
 
 }  // namespace glint::view

@@ -35,10 +35,23 @@ enum class Action {
     TurnDown,
     Nearer,
     Farther,
+    Undo,
+    Redo,
+    Bookmark,
+    NextBookmark,
+    ToneMapping,
+    Inspect,
+    Keep,
+    CompareMode,
     PrintCamera,
     Verify,
     SavePng,
     SaveExr,
+    RenderPng,
+    RenderExr,
+    SaveAs,
+    Open,
+    Fullscreen,
     Reload
 };
 

@@ -35,48 +35,51 @@ uint32_t idColor(uint32_t id) {
                      64 + (h >> 16 & 127u) + (h >> 20 & 63u));
 }
 
-// Blue, cyan, green, yellow, red for 0 to 1.
 uint32_t heat(double x) {
-    const double at = 4 * std::clamp(x, 0.0, 1.0);
-    const auto ramp = [](double v) { return std::clamp(v, 0.0, 1.0); };
-    return packUnit(ramp(at - 2), at < 2 ? ramp(at) : ramp(4 - at), ramp(2 - at));
+    const glm::dvec3 color = heatOf(x);
+    return packUnit(color.x, color.y, color.z);
 }
 
 using PixelColor = std::function<uint32_t(const PixelData&)>;
 
-PixelColor depthColor(const Picture& picture) {
+// A floor reaches to the horizon; its last pixels would leave one grey to all the rest.
+LayerRange depthRange(const Picture& picture) {
     std::vector<double> depths;
     depths.reserve(picture.data.size());
     for (const PixelData& d : picture.data) {
         if (std::isfinite(d.depth)) depths.push_back(d.depth);
     }
-    if (depths.empty()) return [](const PixelData&) { return kNothing; };
-    // A floor reaches to the horizon; its last pixels would leave one grey to all the rest.
+    if (depths.empty()) return {};
     const auto last =
         depths.begin() + static_cast<long>(std::min(depths.size() - 1, depths.size() * 95 / 100));
     std::nth_element(depths.begin(), last, depths.end());
-    const double lo = *std::min_element(depths.begin(), last + 1);
-    const double range = *last > lo ? *last - lo : 1;
-    return [lo, range](const PixelData& d) {
+    return {*std::min_element(depths.begin(), last + 1), *last};
+}
+
+PixelColor depthColor(const LayerRange& range, const Display& display) {
+    const double width = range.hi > range.lo ? range.hi - range.lo : 1;
+    const bool colored = display.toneMap == ToneMap::False;
+    return [lo = range.lo, width, colored](const PixelData& d) {
         if (!std::isfinite(d.depth)) return kNothing;
-        const double grey = 1 - 0.85 * std::min((d.depth - lo) / range, 1.0);
+        const double at = std::clamp((d.depth - lo) / width, 0.0, 1.0);
+        if (colored) return heat(at);
+        const double grey = 1 - 0.85 * at;
         return packUnit(grey, grey, grey);
     };
 }
 
-PixelColor heatColor(const Picture& picture, uint32_t PixelData::*field) {
-    uint32_t most = 1;
-    for (const PixelData& d : picture.data) most = std::max(most, d.*field);
-    return [field, most](const PixelData& d) { return heat(static_cast<double>(d.*field) / most); };
+PixelColor heatColor(const LayerRange& range, uint32_t PixelData::*field) {
+    return
+        [field, most = range.hi](const PixelData& d) { return heat(static_cast<double>(d.*field) / most); };
 }
 
-PixelColor colorOf(const Picture& picture, ViewLayer layer) {
+PixelColor colorOf(ViewLayer layer, const Display& display, const LayerRange& range) {
     const auto id = [](uint32_t PixelData::*field) {
         return [field](const PixelData& d) { return idColor(d.*field); };
     };
     switch (layer) {
         case ViewLayer::Depth:
-            return depthColor(picture);
+            return depthColor(range, display);
         case ViewLayer::Normal:
             return [](const PixelData& d) {
                 if (d.object == PixelData::kNoIndex) return kNothing;
@@ -98,9 +101,9 @@ PixelColor colorOf(const Picture& picture, ViewLayer layer) {
         case ViewLayer::Material:
             return id(&PixelData::material);
         case ViewLayer::Bounces:
-            return heatColor(picture, &PixelData::bounces);
+            return heatColor(range, &PixelData::bounces);
         default:
-            return heatColor(picture, &PixelData::cost);
+            return heatColor(range, &PixelData::cost);
     }
 }
 
@@ -112,26 +115,42 @@ void forRows(int height, const std::function<void(int)>& body) {
     });
 }
 
+uint32_t shown(const glm::vec3& color, ToneMap toneMap) {
+    if (toneMap == ToneMap::False) return heat(falseColorOf(luminance(glm::dvec3(color))));
+    const glm::vec3 mapped =
+        toneMap == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap));
+    return packColor(srgbByte(mapped.x), srgbByte(mapped.y), srgbByte(mapped.z));
+}
+
 }  // namespace
 
-Canvas colorize(const Picture& picture, ViewLayer layer, double exposure) {
+LayerRange rangeOf(const Picture& picture, ViewLayer layer) {
+    if (layer == ViewLayer::Depth) return depthRange(picture);
+    if (layer != ViewLayer::Bounces && layer != ViewLayer::Cost) return {};
+    uint32_t most = 1;
+    for (const PixelData& d : picture.data)
+        most = std::max(most, layer == ViewLayer::Cost ? d.cost : d.bounces);
+    return {0, static_cast<double>(most)};
+}
+
+Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range) {
     Canvas canvas(picture.region.width(), picture.region.height());
     const size_t width = static_cast<size_t>(canvas.width);
     if (needsData(layer) && picture.data.size() != canvas.pixels.size()) return canvas;
     if (needsData(layer)) {
-        const PixelColor color = colorOf(picture, layer);
+        const PixelColor color = colorOf(layer, display, range);
         forRows(canvas.height, [&](int y) {
             const PixelData* data = picture.data.data() + static_cast<size_t>(y) * width;
             std::transform(data, data + width, canvas.row(y), color);
         });
         return canvas;
     }
-    const auto gain = static_cast<float>(std::exp2(exposure));
+    const auto gain = static_cast<float>(std::exp2(display.exposure));
     forRows(canvas.height, [&](int y) {
         const float* in = picture.color.pixels.data() + static_cast<size_t>(y) * width * 4;
         uint32_t* out = canvas.row(y);
         for (size_t x = 0; x < width; ++x, in += 4)
-            out[x] = packColor(srgbByte(in[0] * gain), srgbByte(in[1] * gain), srgbByte(in[2] * gain));
+            out[x] = shown(gain * glm::vec3(in[0], in[1], in[2]), display.toneMap);
     });
     return canvas;
 }

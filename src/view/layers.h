@@ -7,6 +7,7 @@
 #include "core/enum_names.h"
 #include "trace/picture.h"
 #include "view/canvas.h"
+#include "view/tone.h"
 
 namespace glint::view {
 
@@ -33,7 +34,21 @@ inline bool needsData(ViewLayer layer) {
     return layer != ViewLayer::Color;
 }
 
-// exposure: in stops, of Color alone; 0 gives the bytes that a PNG of the picture holds.
-Canvas colorize(const Picture& picture, ViewLayer layer, double exposure);
+// What a layer's colours span: one range for all of a picture, whatever parts it is shown in.
+struct LayerRange {
+    double lo = 0, hi = 1;
+};
+
+// Depth: from the nearest to the farthest but a twentieth; Bounces, Cost: from 0 to the most; else nothing.
+LayerRange rangeOf(const Picture& picture, ViewLayer layer);
+
+// Whether colours stand for numbers of a range, which a legend should show.
+inline bool hasLegend(ViewLayer layer, const Display& display) {
+    return layer == ViewLayer::Bounces || layer == ViewLayer::Cost || layer == ViewLayer::Depth ||
+           (layer == ViewLayer::Color && display.toneMap == ToneMap::False);
+}
+
+// By default Color gives the bytes that a PNG of the picture holds.
+Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 
 }  // namespace glint::view

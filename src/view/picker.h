@@ -4,10 +4,21 @@
 #include <string>
 #include <vector>
 
+#include "reference/tracer.h"
 #include "trace/picture.h"
 #include "view/session.h"
 
 namespace glint::view {
+
+// One ray of the tree that makes a pixel's colour, as the reference follows it.
+struct PickRay {
+    reference::RayClass kind = reference::RayClass::Primary;
+    uint32_t depth = 0;         // rays before it
+    glm::dvec3 from{0}, to{0};  // world; of a ray that hits nothing, `to` is a little way off
+    bool hit = false;
+    double share = 0;  // of the pixel's colour that it brings itself, 0..1 (luminance, Rec. 709)
+    std::string text;  // "reflected: /objects/3 (sphere) face 0, t = 2.5, chrome"
+};
 
 struct Pick {
     int x = 0, y = 0;           // of the picture
@@ -15,7 +26,7 @@ struct Pick {
     PixelData data;             // from the device
     std::string object;         // its name and kind: "/objects/3 (sphere)"
     std::string material;
-    std::vector<std::string> path;  // one line for each ray, from the reference
+    std::vector<PickRay> rays;  // in the order they are followed: each after the one that it comes from
 
     bool hit() const { return data.object != PixelData::kNoIndex; }
 };
@@ -24,5 +35,8 @@ Pick pickPixel(Session& session, int x, int y);
 
 // The two lines that `glint trace --pixel` prints.
 std::string pickCsv(const Pick& pick);
+
+// One line for each ray, indented by its depth.
+std::string pickTree(const Pick& pick);
 
 }  // namespace glint::view

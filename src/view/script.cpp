@@ -22,13 +22,22 @@ constexpr ScriptWord kWords[] = {
     {"hold", "K N", 2, 2, "hold a key for N frames"},
     {"click", "X Y", 2, 2,
      "click there: pixels from the top left corner; prints what `glint trace --pixel` prints"},
+    {"press", "CONTROL", 1, 1, "click on a control of the panel, by its label"},
+    {"hand", "ARGUMENTS...", 1, kAny,
+     "the real mouse and keys: runs `xdotool ARGUMENTS`, where `@X,Y` is a pixel of the picture and `@LABEL` "
+     "a "
+     "control of the panel, and waits for it"},
+    {"drop", "FILE", 1, 1, "drop a file onto the window"},
     {"resize", "W H", 2, 2, "the window's picture"},
     {"minimise", "N", 1, 1, "minimise the window for N rounds, then restore it"},
     {"aov", "NAME", 1, 1, "show a layer: color depth normal uv object primitive material bounces cost"},
-    {"set", "WHAT VALUE...", 2, 4,
-     "depth N, shadows on|off, reflections on|off, samples N, exposure STOPS, fov DEGREES, background R G B, "
-     "light I FACTOR"},
-    {"screenshot", "FILE", 1, 1, "save the view at full quality, as S does, and wait for it; .png or .exr"},
+    {"set", "WHAT VALUE...", 2, 5,
+     "depth N, shadows on|off, reflections on|off, samples N, exposure STOPS, tonemap NAME, fov DEGREES, "
+     "lens RADIUS, focus DISTANCE, background R G B, light I FACTOR, diffuse MATERIAL R G B, "
+     "glass colored|full"},
+    {"screenshot", "FILE", 1, 1,
+     "render the view at the scene's own sampling, as Alt+S does, and wait for it; .png or .exr"},
+    {"save", "FILE", 1, 1, "save what is seen, as S does, and wait for it; .png or .exr"},
     {"window", "FILE", 1, 1, "save what the window shows, panel and all, as PNG"},
     {"copy", "FROM TO", 2, 2, "copy a file, to change a scene on disk"},
     {"reload", "", 0, 0, "until a changed file has been noticed and loaded, or found to be at fault"},
@@ -38,6 +47,12 @@ constexpr ScriptWord kWords[] = {
      "do nothing for a while, and print how many frames and how much processor time that took"},
     {"lose-device", "", 0, 0, "behave as if the device had been lost"},
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
+    {"print", "WHAT", 1, 2,
+     "print something that `expect` knows: aim, camera, control LABEL, covered, difference, exposure, "
+     "figures, "
+     "focus, fov, layer, lens, limit, panel, pick, pixel, samples, scroll, submissions, toast, tonemap, "
+     "tree, depth"},
+    {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},
     {"expect-object", "N|none", 1, 1, "the last click picked this object"},
     {"expect-size", "W H", 2, 2, "the window's picture has this size"},
     {"expect-layer", "NAME", 1, 1, "this layer is shown"},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "pack/pack_shading.h"
 
 namespace glint::view {
 
@@ -30,22 +31,23 @@ render::StageTimes since(const render::StageTimes& now, const render::StageTimes
     return d;
 }
 
-bool sameCamera(const Camera& a, const Camera& b) {
-    const auto sameWindow = [&] {
-        if (a.window.has_value() != b.window.has_value()) return false;
-        if (!a.window) return true;
-        return a.window->left == b.window->left && a.window->right == b.window->right &&
-               a.window->bottom == b.window->bottom && a.window->top == b.window->top;
-    };
-    return a.projection == b.projection && a.planeNormal == b.planeNormal && a.height == b.height &&
-           a.eye == b.eye && a.target == b.target && a.up == b.up && a.fovY == b.fovY && a.nearT == b.nearT &&
-           a.farT == b.farT && sameWindow();
+// Everything but what is shown of the picture, and how much of it.
+bool tracesAlike(const PictureSettings& a, const PictureSettings& b) {
+    PictureSettings same = a;
+    same.layer = b.layer;
+    same.sampleLimit = b.sampleLimit;
+    same.sampling.samplesPerPixel = b.sampling.samplesPerPixel;
+    same.sampling.adaptive = b.sampling.adaptive;
+    same.sampling.maxSamples = b.sampling.maxSamples;
+    same.sampling.threshold = b.sampling.threshold;
+    return same == b;
 }
 
 }  // namespace
 
-render::Options windowOptions(const ViewScene& scene) {
+render::Options windowOptions(const ViewScene& scene, render::Traversal traversal) {
     render::Options options;
+    options.traversal = traversal;
     options.sliceSeconds = kSliceSeconds;
     options.also = scene.also;
     return options;
@@ -55,28 +57,20 @@ glm::dvec2 progressiveOffset(int k) {
     return k == 0 ? glm::dvec2(0.5) : glm::dvec2(radicalInverse(k, 2), radicalInverse(k, 3));
 }
 
-PictureSettings PictureSettings::of(const Scene& scene) {
-    PictureSettings s;
-    s.maxDepth = scene.maxDepth;
-    s.lights.resize(scene.lights.size());
-    s.background = glm::vec3(scene.environment ? scene.environment->intensity : scene.background);
-    return s;
-}
-
-Session::Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene)
+Session::Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene,
+                 render::Traversal traversal)
     : device_(device),
       scene_(std::move(scene)),
-      renderer_(device, scene_->packed, windowOptions(*scene_)),
+      traversal_(traversal),
+      renderer_(device, scene_->packed, windowOptions(*scene_, traversal)),
       settings_(PictureSettings::of(scene_->scene)),
       camera_(scene_->scene.camera) {}
 
 void Session::apply(const PictureSettings& settings) {
     if (settings == settings_) return;
-    PictureSettings kept = settings;
-    kept.sampleLimit = settings_.sampleLimit;
-    const bool onlyLimit = kept == settings_;
+    const bool kept = tracesAlike(settings, settings_);
     settings_ = settings;
-    if (onlyLimit) {
+    if (kept) {
         ++version_;
         return;
     }
@@ -88,12 +82,15 @@ Tracing Session::tracing() const {
     Tracing tracing;
     tracing.maxDepth = settings_.depth();
     tracing.shadows = settings_.shadows;
+    tracing.methods = settings_.methods;
     Lighting& lighting = tracing.lighting.emplace();
     lighting.background = settings_.background;
     for (size_t i = 0; i < scene_->packed.lights.size(); ++i) {
-        shared::Light light = scene_->packed.lights[i];
-        const LightSetting setting = i < settings_.lights.size() ? settings_.lights[i] : LightSetting{};
+        const Light& own = scene_->scene.lights[i];
+        const LightSetting setting =
+            i < settings_.lights.size() ? settings_.lights[i] : LightSetting::of(own);
         if (!setting.on || setting.dim <= 0) continue;
+        shared::Light light = packLight(setting.applied(own), scene_->packed.origin);
         light.intensity *= setting.dim;
         lighting.lights.push_back(light);
     }
@@ -109,35 +106,47 @@ void Session::setView(const Camera& camera, int width, int height) {
 }
 
 void Session::restart() {
-    samples_ = 0;
-    nextRow_ = 0;
-    coarseCurrent_ = false;
+    samples_ = nextRow_ = dataRow_ = 0;
+    hasData_ = false;
+    coarseContent_ = Content::Nothing;
     ++version_;
+}
+
+Session::Content Session::contentOf(ViewLayer layer) {
+    if (layer == ViewLayer::Color) return Content::Color;
+    return layer == ViewLayer::Cost ? Content::Cost : Content::Data;
+}
+
+// A lens needs samples that differ from pixel to pixel, and so does a filter that is wider than the pixel.
+bool Session::scattered() const {
+    const SamplingSettings& s = settings_.sampling;
+    return hasLens(camera_) || s.filter != Filter::Box || s.filterRadius != 0.5 ||
+           s.sampler == Sampler::Jittered;
 }
 
 shared::Camera Session::packedCamera() const {
     return packCamera(camera_, width_, height_, scene_->packed.origin);
 }
 
-Picture Session::render(int width, int height, const Region& region, const glm::dvec2& offset, int depth,
-                        const std::function<bool()>& cancelled) {
+Picture Session::render(const Piece& piece) {
     const Stopwatch watch;
     const render::StageTimes before = renderer_.times();
     Request wanted;
     static_cast<Tracing&>(wanted) = tracing();
-    wanted.width = width;
-    wanted.height = height;
-    wanted.region = region;
-    wanted.samples = PackedSamples::fixed({offset});
-    wanted.data = needsData(settings_.layer);
-    wanted.cost = settings_.layer == ViewLayer::Cost;
-    wanted.maxDepth = static_cast<uint32_t>(depth);
-    wanted.cancelled = cancelled;
-    Picture picture = renderer_.render(packCamera(camera_, width, height, scene_->packed.origin), wanted);
+    wanted.width = piece.width;
+    wanted.height = piece.height;
+    wanted.region = piece.region;
+    wanted.samples = piece.samples;
+    wanted.data = piece.content >= Content::Data;
+    wanted.cost = piece.content == Content::Cost;
+    wanted.maxDepth = static_cast<uint32_t>(piece.depth);
+    wanted.cancelled = piece.cancelled;
+    const shared::Camera camera = packCamera(camera_, piece.width, piece.height, scene_->packed.origin);
+    Picture picture = renderer_.render(camera, wanted);
     facts_.times = since(renderer_.times(), before);
-    facts_.width = width;
-    facts_.height = height;
-    facts_.depth = depth;
+    facts_.width = piece.width;
+    facts_.height = piece.height;
+    facts_.depth = piece.depth;
     facts_.renderSeconds = watch.seconds() - facts_.times.compile;
     if (facts_.times.trace > 0) {
         facts_.raysPerSecond = static_cast<double>(facts_.times.pathRays) / facts_.times.trace;
@@ -145,78 +154,159 @@ Picture Session::render(int width, int height, const Region& region, const glm::
     return picture;
 }
 
+// Pinhole and pixel centres: a moving picture must be clear.
 bool Session::renderMoving(double scale, int depth) {
-    if (coarseCurrent_ || width_ == 0 || height_ == 0) return false;
-    const int width = std::max(1, static_cast<int>(std::lround(width_ * scale)));
-    const int height = std::max(1, static_cast<int>(std::lround(height_ * scale)));
-    coarse_ = render(width, height, {0, 0, width, height}, glm::dvec2(0.5),
-                     std::min(depth, static_cast<int>(settings_.depth())), {});
-    coarseCurrent_ = true;
+    const Content wanted = contentOf(settings_.layer);
+    if (coarseContent_ >= wanted || ready() || width_ == 0 || height_ == 0) return false;
+    Piece piece;
+    piece.width = std::max(1, static_cast<int>(std::lround(width_ * scale)));
+    piece.height = std::max(1, static_cast<int>(std::lround(height_ * scale)));
+    piece.region = {0, 0, piece.width, piece.height};
+    piece.samples = PackedSamples::fixed({glm::dvec2(0.5)});
+    piece.depth = std::min(depth, static_cast<int>(settings_.depth()));
+    piece.content = wanted;
+    coarse_ = render(piece);
+    coarseContent_ = wanted;
     ++version_;
     return true;
 }
 
+bool Session::ready() const {
+    return needsData(settings_.layer) ? hasData_ : samples_ > 0;
+}
+
 bool Session::finished() const {
-    // Other layers come from the first sample alone.
-    const int wanted = needsData(settings_.layer) ? 1 : std::max(settings_.sampleLimit, 1);
-    return width_ == 0 || height_ == 0 || samples_ >= wanted;
+    if (width_ == 0 || height_ == 0) return true;
+    if (needsData(settings_.layer)) return hasData_;
+    return samples_ >= std::max(settings_.sampleLimit, 1) && (hasData_ || !wantsData_);
+}
+
+bool Session::rested() const {
+    return width_ == 0 || height_ == 0 || nextPass() == Content::Nothing;
+}
+
+// The data of the other layers come from one sample, in the middle of the pixel.
+Session::Content Session::nextPass() const {
+    if (needsData(settings_.layer)) {
+        if (!hasData_) return Content::Cost;
+        return samples_ == 0 ? Content::Color : Content::Nothing;
+    }
+    if (samples_ > 0 && wantsData_ && !hasData_) return Content::Cost;
+    if (samples_ < std::max(settings_.sampleLimit, 1)) return Content::Color;
+    return hasData_ ? Content::Nothing : Content::Cost;
 }
 
 double Session::progress() const {
-    return height_ > 0 ? static_cast<double>(nextRow_) / height_ : 0;
+    if (height_ == 0) return 0;
+    return static_cast<double>(nextPass() == Content::Cost ? dataRow_ : nextRow_) / height_;
 }
 
-bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
-    if (finished()) return false;
-    if (samples_ == 0 && nextRow_ == 0) {
+void Session::beginPass(Content pass) {
+    if (full_.region.width() != width_ || full_.region.height() != height_ || full_.data.empty()) {
         full_ = Picture();
         full_.region = {0, 0, width_, height_};
         full_.color = Image(width_, height_, 4);
-        sum_.assign(full_.color.pixels.size(), 0);
-        if (needsData(settings_.layer)) full_.data.resize(sum_.size() / 4);
+        full_.data.resize(full_.color.pixels.size() / 4);
     }
+    if (pass != Content::Color) return;
+    if (samples_ == 0) {
+        sum_.assign(full_.color.pixels.size(), 0);
+        sequence_ = sequence();
+    }
+    colorPass_ = sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
+                           : PackedSamples::fixed({progressiveOffset(samples_)});
+}
+
+std::optional<SampleSequence> Session::sequence() const {
+    if (!scattered()) return std::nullopt;
+    ImageSettings image = settings_.sampling.image(width_, height_);
+    if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;
+    return SampleSequence(image);
+}
+
+PackedSamples Session::taken() const {
+    if (std::optional<SampleSequence> all = sequence())
+        return all->next(std::max(static_cast<uint32_t>(samples_), leastSamples(settings_.sampling.filter)));
+    std::vector<glm::dvec2> offsets;
+    for (int k = 0; k < std::max(samples_, 1); ++k) offsets.push_back(progressiveOffset(k));
+    return PackedSamples::fixed(offsets);
+}
+
+Session::Piece Session::nextPiece(Content pass, double seconds) const {
     int rows = kBandRows;
     if (secondsPerPixel_ > 0) {
         const double wanted = seconds / (secondsPerPixel_ * width_ * kBandRows);
         rows = kBandRows * static_cast<int>(std::clamp(wanted, 1.0, 4096.0));
     }
-    const Region band = {0, nextRow_, width_, std::min(nextRow_ + rows, height_)};
-    const Picture picture = render(width_, height_, band, progressiveOffset(samples_),
-                                   static_cast<int>(settings_.depth()), cancelled);
-    secondsPerPixel_ = facts_.renderSeconds / (static_cast<double>(band.width()) * band.height());
+    const int row = pass == Content::Color ? nextRow_ : dataRow_;
+    Piece piece;
+    piece.width = width_;
+    piece.height = height_;
+    piece.region = {0, row, width_, std::min(row + rows, height_)};
+    piece.samples = pass == Content::Color ? colorPass_ : PackedSamples::fixed({glm::dvec2(0.5)});
+    piece.depth = static_cast<int>(settings_.depth());
+    piece.content = pass;
+    return piece;
+}
+
+bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
+    if (rested()) return false;
+    const Content pass = nextPass();
+    int& row = pass == Content::Color ? nextRow_ : dataRow_;
+    if (row == 0) beginPass(pass);
+    Piece piece = nextPiece(pass, seconds);
+    piece.cancelled = cancelled;
+    const Picture picture = render(piece);
+    secondsPerPixel_ =
+        facts_.renderSeconds / (static_cast<double>(piece.region.width()) * piece.region.height());
     if (!picture.complete) return true;
-    addBand(picture);
-    nextRow_ = band.y1;
-    if (nextRow_ == height_) {
-        nextRow_ = 0;
-        ++samples_;
+    pass == Content::Color ? addBand(picture) : keepData(picture);
+    row = piece.region.y1;
+    if (row == height_) {
+        row = 0;
+        if (pass == Content::Color)
+            samples_ += static_cast<int>(colorPass_.count());
+        else
+            hasData_ = true;
     }
-    ++version_;
+    if ((pass != Content::Color) == needsData(settings_.layer)) ++version_;
     return true;
 }
 
 // One sample alone keeps the bits that the device gave it.
 void Session::addBand(const Picture& band) {
     const size_t first = static_cast<size_t>(band.region.y0) * static_cast<size_t>(width_) * 4;
-    const float scale = 1.0f / static_cast<float>(samples_ + 1);
+    const auto count = static_cast<float>(colorPass_.count());
+    const float scale = 1.0f / (static_cast<float>(samples_) + count);
     for (size_t i = 0; i < band.color.pixels.size(); ++i) {
-        sum_[first + i] += band.color.pixels[i];
+        sum_[first + i] += count * band.color.pixels[i];
         full_.color.pixels[first + i] = sum_[first + i] * scale;
     }
-    if (samples_ == 0)
-        std::copy(band.data.begin(), band.data.end(), full_.data.begin() + static_cast<long>(first / 4));
 }
 
-Canvas Session::canvas(double exposure) const {
+void Session::keepData(const Picture& band) {
+    const auto first = static_cast<long>(band.region.y0) * width_;
+    std::copy(band.data.begin(), band.data.end(), full_.data.begin() + first);
+}
+
+// All rows by one range, also where the lower ones are still coarse.
+LayerRange Session::range() const {
+    const bool coarse = !hasData_ && coarseContent_ >= contentOf(settings_.layer);
+    return rangeOf(coarse ? coarse_ : full_, settings_.layer);
+}
+
+Canvas Session::canvas(const Display& display) const {
     Canvas target(width_, height_);
-    const bool anyFull = samples_ > 0 || nextRow_ > 0;
-    if (samples_ == 0 && !coarse_.color.pixels.empty()) {
-        const bool smooth = settings_.layer == ViewLayer::Color || settings_.layer == ViewLayer::Depth;
-        stretch(colorize(coarse_, settings_.layer, exposure), target, smooth);
+    const ViewLayer layer = settings_.layer;
+    const LayerRange together = range();
+    const bool whole = ready();
+    if (!whole && !coarse_.color.pixels.empty()) {
+        const bool smooth = layer == ViewLayer::Color || layer == ViewLayer::Depth;
+        stretch(colorize(coarse_, layer, display, together), target, smooth);
     }
-    if (!anyFull) return target;
-    const Canvas full = colorize(full_, settings_.layer, exposure);
-    const int rows = samples_ > 0 ? height_ : nextRow_;
+    const int rows = whole ? height_ : needsData(layer) ? dataRow_ : nextRow_;
+    if (rows == 0) return target;
+    const Canvas full = colorize(full_, layer, display, together);
     std::copy_n(full.pixels.begin(), static_cast<long>(rows) * width_, target.pixels.begin());
     return target;
 }

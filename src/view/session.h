@@ -1,6 +1,7 @@
 // The picture of the window: what must be traced next, in pieces short enough for the window to stay alive,
 // and what there is to show by now. While the camera moves, whole coarse pictures; at rest the full picture
-// band by band, then more samples, then nothing.
+// band by band, then more samples, then what the other layers show, then nothing. All layers are kept, so
+// that switching between them traces nothing.
 #pragma once
 
 #include <functional>
@@ -8,34 +9,15 @@
 #include <optional>
 
 #include "gpu/device.h"
+#include "pack/pack_samples.h"
 #include "render/renderer.h"
 #include "view/canvas.h"
 #include "view/layers.h"
 #include "view/pace.h"
+#include "view/settings.h"
 #include "view/view_scene.h"
 
 namespace glint::view {
-
-struct LightSetting {
-    bool on = true;
-    float dim = 1;  // times the scene's intensity
-    bool operator==(const LightSetting&) const = default;
-};
-
-// What the panel changes and the picture depends on.
-struct PictureSettings {
-    ViewLayer layer = ViewLayer::Color;
-    int maxDepth = 5;
-    bool shadows = true;
-    bool reflections = true;
-    std::vector<LightSetting> lights;
-    glm::vec3 background{0};
-    int sampleLimit = 64;
-    bool operator==(const PictureSettings&) const = default;
-
-    static PictureSettings of(const Scene& scene);
-    uint32_t depth() const { return reflections ? static_cast<uint32_t>(maxDepth) : 0u; }
-};
 
 struct FrameFacts {
     int width = 0, height = 0;  // traced
@@ -47,17 +29,21 @@ struct FrameFacts {
 
 // Submissions of the window are short, so that a click waits for no more than one, and the work beside it
 // takes turns with it on the device's queue.
-render::Options windowOptions(const ViewScene& scene);
+render::Options windowOptions(const ViewScene& scene, render::Traversal traversal);
 
 class Session {
   public:
     // Keeps a reference to `device`.
-    Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene);
+    Session(const gpu::Device& device, std::shared_ptr<const ViewScene> scene,
+            render::Traversal traversal = render::Traversal::Auto);
 
     const ViewScene& scene() const { return *scene_; }
     std::shared_ptr<const ViewScene> sharedScene() const { return scene_; }
     const PictureSettings& settings() const { return settings_; }
+    // Keeps what is traced already where the change does not concern it.
     void apply(const PictureSettings& settings);
+    // All layers' data soon, not only when there is nothing else to do.
+    void wantData(bool wanted) { wantsData_ = wanted; }
     void setView(const Camera& camera, int width, int height);
 
     // What the panel's settings are to a tracer.
@@ -66,20 +52,29 @@ class Session {
     int width() const { return width_; }
     int height() const { return height_; }
 
-    // A coarse picture of the whole view at `scale` of its size. False if it was there already.
+    // A coarse picture of the whole view at `scale` of its size. False if it was there already, or the full
+    // one is.
     bool renderMoving(double scale, int depth);
     // The next piece of the full picture, `seconds` long or so; `cancelled` as in Request. False if
     // there is nothing left to do.
     bool refine(double seconds, const std::function<bool()>& cancelled);
-    bool finished() const;
-    int samples() const { return samples_; }  // complete ones, of the full picture
-    double progress() const;                  // of the sample at hand, 0..1
+    bool finished() const;                     // the layer that is shown
+    bool rested() const;                       // and all else
+    bool ready() const;                        // the layer's first full picture
+    bool hasData() const { return hasData_; }  // of every pixel, for all layers but Color
+    int samples() const { return samples_; }   // complete ones, of the full picture
+    double progress() const;                   // of the sample at hand, 0..1
 
     // What there is to show, of the view's size. `version` grows whenever that changes.
-    Canvas canvas(double exposure) const;
+    Canvas canvas(const Display& display) const;
+    LayerRange range() const;  // that its colours stand for
     uint64_t version() const { return version_; }
-    // The full picture, once its first sample is there.
-    const Picture* picture() const { return samples_ > 0 ? &full_ : nullptr; }
+    // The full picture: its colour once samples() > 0, its data once hasData().
+    const Picture& picture() const { return full_; }
+    const Camera& camera() const { return camera_; }
+    render::Traversal traversal() const { return traversal_; }  // that was asked for
+    // The samples that its colour is the mean of; before the first, that one.
+    PackedSamples taken() const;
     const FrameFacts& facts() const { return facts_; }
     const render::StageTimes& times() const { return renderer_.times(); }
 
@@ -87,24 +82,43 @@ class Session {
     PixelData pixel(int x, int y);
 
   private:
+    enum class Content { Nothing, Color, Data, Cost };  // each with what stands before it
+    struct Piece {
+        int width = 0, height = 0;  // of the whole picture
+        Region region;
+        PackedSamples samples;
+        int depth = 0;
+        Content content = Content::Color;
+        std::function<bool()> cancelled;
+    };
+
+    static Content contentOf(ViewLayer layer);
     void restart();
-    Picture render(int width, int height, const Region& region, const glm::dvec2& offset, int depth,
-                   const std::function<bool()>& cancelled);
+    bool scattered() const;
+    Content nextPass() const;
+    Picture render(const Piece& piece);
+    std::optional<SampleSequence> sequence() const;  // empty: progressiveOffset does
+    void beginPass(Content pass);
+    Piece nextPiece(Content pass, double seconds) const;
     void addBand(const Picture& band);
+    void keepData(const Picture& band);
 
     const gpu::Device& device_;
     std::shared_ptr<const ViewScene> scene_;
+    render::Traversal traversal_;
     render::Renderer renderer_;
     PictureSettings settings_;
     Camera camera_;
     int width_ = 0, height_ = 0;
 
     Picture coarse_;  // the last moving picture; stands in for rows that are not there yet
-    bool coarseCurrent_ = false;
-    Picture full_;  // mean of `samples_` samples, of one more above nextRow_
+    Content coarseContent_ = Content::Nothing;  // of this view
+    Picture full_;  // mean of `samples_` samples, of those at hand too above nextRow_
     std::vector<float> sum_;
-    int samples_ = 0;
-    int nextRow_ = 0;
+    std::optional<SampleSequence> sequence_;  // of samples that differ from pixel to pixel
+    PackedSamples colorPass_;                 // samples of the colour's pass at hand
+    int samples_ = 0, nextRow_ = 0, dataRow_ = 0;
+    bool hasData_ = false, wantsData_ = false;
     double secondsPerPixel_ = 0;  // of refine()
     uint64_t version_ = 0;
     FrameFacts facts_;

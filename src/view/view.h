@@ -8,16 +8,24 @@
 #include <optional>
 #include <string>
 
+#include "bvh/builder.h"
 #include "gpu/swapchain.h"
 
 namespace glint::view {
 
+// How scenes are loaded, the first one and all later.
+struct Loading {
+    bool allowOutside = false;  // files outside the scene's folder may be read
+    std::optional<int> maxDepth, samplesPerPixel;
+    BuildQuality quality = BuildQuality::Default;
+};
+
 struct Options {
     std::filesystem::path scene;
-    bool allowOutside = false;  // files outside the scene's folder may be read
+    Loading loading;
     int width = 0, height = 0;  // of the window's picture; 0: the scene's
-    std::optional<int> maxDepth, samplesPerPixel;
-    std::string device;  // selector, see gpu::chooseDevice
+    double scale = 0;           // of text and controls; 0: the screen's
+    std::string device;         // selector, see gpu::chooseDevice
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
     std::filesystem::path script;

@@ -49,17 +49,22 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
 
 }  // namespace
 
-std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
-                                               std::optional<int> samplesPerPixel, bool allowOutside) {
+std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, const Loading& loading) {
+    Scene scene = loadScene(path, {loading.allowOutside, availableMemory()});
+    if (loading.maxDepth) scene.maxDepth = *loading.maxDepth;
+    if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
+    return packViewScene(path, std::move(scene), loading);
+}
+
+std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
+                                               const Loading& loading) {
     auto loaded = std::make_shared<ViewScene>();
     loaded->path = path;
-    loaded->scene = loadScene(path, {allowOutside, availableMemory()});
-    if (maxDepth) loaded->scene.maxDepth = *maxDepth;
-    if (samplesPerPixel) loaded->scene.image.samplesPerPixel = *samplesPerPixel;
-    loaded->packed = packScene(loaded->scene);
+    loaded->scene = std::move(scene);
+    loaded->packed = packScene(loaded->scene, 0, loading.quality);
     const auto& materials = loaded->packed.materials;
     loaded->also.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
-    loaded->also.parallelCamera = true;  // P may ask for it
+    loaded->also.parallelCamera = loaded->also.thinLens = true;  // the panel may ask for them
     return loaded;
 }
 

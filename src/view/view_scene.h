@@ -3,12 +3,12 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
 #include "view/camera_control.h"
+#include "view/view.h"
 
 namespace glint::view {
 
@@ -16,14 +16,17 @@ struct ViewScene {
     std::filesystem::path path;
     Scene scene;
     PackedScene packed;  // as loaded: every light on
-    // What the panel may switch on though the scene does without: mirrors, if a material reflects, and
-    // cameras with parallel rays.
+    // What the panel may switch on though the scene does without: mirrors, if a material reflects, cameras
+    // with parallel rays, and a lens.
     SceneFeatures also;
 };
 
 // Loads and packs. Throws Error(Scene) as loadScene does.
-std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, std::optional<int> maxDepth,
-                                               std::optional<int> samplesPerPixel, bool allowOutside);
+std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, const Loading& loading);
+
+// A scene that is in memory already.
+std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
+                                               const Loading& loading);
 
 // Around everything that is finite; around eye and target if nothing is.
 Ball boundsOf(const ViewScene& scene);

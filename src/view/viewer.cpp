@@ -1,6 +1,7 @@
 #include "view/viewer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 #include <utility>
 
@@ -16,9 +17,11 @@ constexpr double kSoftwareTarget =
     0.066;                             // 15 frames/s, so that 10 are left where others use the processor too
 constexpr double kWorkSeconds = 0.03;  // of a piece of refining, between two looks at the events
 constexpr double kRestFrameSeconds = 0.04;  // between frames at rest, which all but repeat each other
-constexpr double kFileSeconds = 0.25;       // between looks at the scene's files
 constexpr double kBreathSeconds = 0.005;    // while a frame is not due yet, or the camera may still be moving
+constexpr double kFlickerSeconds = 0.5;     // that each of two pictures is seen
 constexpr size_t kFrameTimes = 120;
+constexpr const char* kFirstHint =
+    "Drag: turn. Wheel: nearer. Click: what is there. S: save. K, then B: compare. F1: every key.";
 
 PixelSize sizeOf(const Options& options, const Scene& scene) {
     if (options.width > 0) return {options.width, options.height};
@@ -31,23 +34,34 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     : options_(options),
       out_(out),
       err_(err),
-      scene_(loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel, options.allowOutside)),
+      scene_(loadViewScene(options.scene, options.loading)),
+      fileScene_(scene_),
       window_(sizeOf(options, scene_->scene), "glint: " + options.scene.filename().string()),
-      gui_(window_.scale()),
-      control_(scene_->scene.camera),
-      pace_(kGpuTarget) {
+      gui_(options.scale > 0 ? static_cast<float>(options.scale) : window_.scale(),
+           {[this] { return window_.clipboard(); },
+            [this](const std::string& text) { window_.setClipboard(text); }}),
+      control_(scene_->scene.camera, boundsOf(*scene_).radius),
+      pace_(kGpuTarget),
+      seenCamera_(scene_->scene.camera) {
     if (!options_.script.empty()) script_ = readScript(options_.script);
     for (const std::string& w : scene_->scene.warnings) err_ << "glint: warning: " << w << '\n';
     for (const std::string& w : scene_->packed.warnings)
         err_ << "glint: warning: " << options_.scene.string() << ": " << w << '\n';
-    model_.settings = PictureSettings::of(scene_->scene);
+    model_.settings = model_.fileSettings = PictureSettings::of(scene_->scene);
+    model_.edits = model_.fileEdits = editsAtWork_ = SceneEdits::of(scene_->scene);
     model_.mode = options_.presentMode;
+    model_.comparison = &comparison_;
+    model_.toasts = &toasts_.shown();
+    // Twice as long as other messages. A script knows its way.
+    if (script_.empty()) toasts_.add(kFirstHint, ToastKind::Info, clock_.seconds() + Toasts::kSeconds);
+    model_.openFolder = std::filesystem::absolute(options_.scene).parent_path();
     files_.watch(sceneFiles(options_.scene));
 }
 
 Viewer::~Viewer() = default;
 
 void Viewer::openDevice() {
+    if (saving_.running()) err_ << "glint: warning: the picture that was being saved is lost\n";
     saving_.stop();
     verifying_.stop();
     if (device_) {
@@ -69,7 +83,7 @@ void Viewer::openDevice() {
     pace_.setTarget(options_.targetSeconds > 0 ? options_.targetSeconds
                     : device_->info().software ? kSoftwareTarget
                                                : kGpuTarget);
-    useScene(scene_);
+    showScene(scene_);
     fillModel();
 }
 
@@ -79,24 +93,12 @@ void Viewer::recover(const gpu::DeviceLost& lost) {
     wasLost_ = true;
     err_ << "glint: warning: " << lost.what() << "; opening it again\n";
     openDevice();
-    say("the device was lost and opened again");
+    say("the device was lost and opened again", ToastKind::Error);
 }
 
-void Viewer::useScene(std::shared_ptr<const ViewScene> scene) {
-    scene_ = std::move(scene);
-    session_.reset();
-    session_ = std::make_unique<Session>(*device_, scene_);
-    if (model_.settings.lights.size() != scene_->scene.lights.size())
-        model_.settings.lights.assign(scene_->scene.lights.size(), {});
-    session_->apply(model_.settings);
-    shownVersion_ = ~uint64_t{0};
-    control_.setHome(scene_->scene.camera);
-    touchMotion();
-    dirty_ = 3;
-}
-
-void Viewer::say(const std::string& text) {
-    model_.message = text;
+void Viewer::say(const std::string& text, ToastKind kind) {
+    lastSaid_ = text;
+    toasts_.add(text, kind, clock_.seconds());
     dirty_ = 3;
 }
 
@@ -118,12 +120,23 @@ bool Viewer::inputWaits() const {
 
 bool Viewer::hasWork() const {
     const bool driven = !scriptIdles_ && (scripted() || options_.frames > 0);
-    return driven || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || !session_->finished();
+    return driven || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || !session_->rested();
+}
+
+double Viewer::restSeconds() const {
+    const bool busy = saving_.running() || verifying_.running() || referring_.running();
+    double seconds = busy ? 0.1 : kFileSeconds;
+    const double toast = toasts_.next(clock_.seconds());
+    if (toast >= 0) seconds = std::min(seconds, toast);
+    return seconds;
 }
 
 bool Viewer::work() {
     const PixelSize size = window_.size();
-    if (size.width != session_->width() || size.height != session_->height()) touchMotion();
+    if (size.width != session_->width() || size.height != session_->height()) {
+        touchMotion();
+        forgetPick(false);
+    }
     session_->setView(control_.camera(), size.width, size.height);
     const double pixels = static_cast<double>(size.width) * size.height;
     const bool before = std::exchange(traced_, false);
@@ -144,133 +157,11 @@ bool Viewer::work() {
         gatherEvents();
         return inputWaits();
     };
+    const uint64_t version = session_->version();
     const bool refined = session_->refine(kWorkSeconds, cancelled);
-    if (refined) dirty_ = std::max(dirty_, 1);
+    // What is traced ahead for other layers changes nothing on the screen.
+    if (refined && (session_->version() != version || model_.inspects)) dirty_ = std::max(dirty_, 1);
     return refined;
-}
-
-void Viewer::startLoading() {
-    const Options options = options_;
-    loading_.start([options](JobControl&) {
-        auto scene =
-            loadViewScene(options.scene, options.maxDepth, options.samplesPerPixel, options.allowOutside);
-        Window::wake();
-        return scene;
-    });
-    dirty_ = 3;
-}
-
-void Viewer::pollFiles() {
-    if (loading_.running() || fileWatch_.seconds() < kFileSeconds) return;
-    fileWatch_.restart();
-    if (files_.changed()) startLoading();
-}
-
-// A failed job is a message in the window; a lost device is everybody's.
-void Viewer::pollJobs() {
-    const auto collect = [&](auto& job, auto use) {
-        if (job.running()) dirty_ = std::max(dirty_, 1);
-        if (!job.finished()) return;
-        dirty_ = 3;
-        try {
-            use(job.take());
-        } catch (const gpu::DeviceLost&) {
-            throw;
-        } catch (const std::exception& e) {
-            say(e.what());
-            err_ << "glint: " << e.what() << '\n';
-        }
-    };
-    collect(saving_, [&](const std::string& line) {
-        say(line);
-        out_ << line << std::endl;
-    });
-    collect(verifying_, [&](VerifyResult result) {
-        model_.verdict = result.text;
-        model_.verdictPassed = result.passed;
-        out_ << "verify " << result.text << std::endl;
-        Picture picture;
-        picture.region = {0, 0, result.difference.width, result.difference.height};
-        picture.color = Image(result.difference.width, result.difference.height, 4, 1.0f);
-        for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
-            if (i % 4 < 3) picture.color.pixels[i] = result.difference.pixels[i / 4 * 3 + i % 4];
-        }
-        difference_ = colorize(picture, ViewLayer::Color, 0);
-    });
-    if (!loading_.finished()) return;
-    dirty_ = 3;
-    ++reloads_;
-    try {
-        useScene(loading_.take());
-        model_.sceneError.clear();
-        say("loaded " + options_.scene.string() + " again");
-    } catch (const Error& e) {
-        if (e.kind() != ErrorKind::Scene && e.kind() != ErrorKind::Failed) throw;
-        model_.sceneError = e.what();
-        err_ << "glint: " << e.what() << '\n';
-    }
-    // A mended file may name others than before; those that changed meanwhile are caught by the next look.
-    files_.watch(sceneFiles(options_.scene));
-}
-
-void Viewer::fillModel() {
-    model_.scene = &scene_->scene;
-    model_.facts = session_->facts();
-    model_.moving = moving();
-    model_.samples = session_->samples();
-    model_.progress = session_->progress();
-    model_.finished = session_->finished();
-    model_.frameTimes = &frameTimes_;
-    model_.saveProgress = saving_.running() ? saving_.progress() : -1;
-    model_.verifyProgress = verifying_.running() ? verifying_.progress() : -1;
-    model_.loading = loading_.running();
-    model_.pick = &pick_;
-    model_.targetSeconds = pace_.target();
-    model_.hasFov = !control_.camera().window && control_.camera().projection == Projection::Perspective;
-    model_.fovY = control_.camera().fovY;
-}
-
-void Viewer::takeSettings() {
-    if (!(model_.settings == session_->settings())) {
-        const bool retraces = model_.settings.sampleLimit == session_->settings().sampleLimit;
-        session_->apply(model_.settings);
-        if (retraces) touchMotion();
-        dirty_ = 3;
-    }
-}
-
-// What the user has changed in the panel.
-void Viewer::takeModel() {
-    takeSettings();
-    if (model_.exposure != shownExposure_) dirty_ = std::max(dirty_, 1);
-    if (model_.hasFov && model_.fovY != control_.camera().fovY) {
-        control_.zoom(model_.fovY / control_.camera().fovY);
-        touchMotion();
-    }
-    pace_.setTarget(model_.targetSeconds);
-    if (model_.mode != swapchain_->presentMode()) {
-        const PixelSize size = window_.size();
-        swapchain_.reset();
-        swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, model_.mode);
-        model_.mode = swapchain_->presentMode();
-    }
-}
-
-const Canvas& Viewer::background() {
-    const bool wantsDifference = difference_.has_value();
-    const bool same = session_->version() == shownVersion_ && model_.exposure == shownExposure_ &&
-                      wantsDifference == showsDifference_;
-    if (same) return background_;
-    shownVersion_ = session_->version();
-    shownExposure_ = model_.exposure;
-    showsDifference_ = wantsDifference;
-    if (wantsDifference) {
-        background_ = Canvas(session_->width(), session_->height());
-        stretch(*difference_, background_, false);
-    } else {
-        background_ = session_->canvas(model_.exposure);
-    }
-    return background_;
 }
 
 void Viewer::drawFrame() {
@@ -296,21 +187,39 @@ void Viewer::drawFrame() {
     takeModel();
 }
 
+bool Viewer::flash() const {
+    return std::fmod(clock_.seconds(), 2 * kFlickerSeconds) >= kFlickerSeconds;
+}
+
+// A picture that is being saved is finished first; who asks twice does not want it.
+void Viewer::askToClose() {
+    if (!saving_.running() || closingAsked_) {
+        closing_ = true;
+        return;
+    }
+    closingAsked_ = true;
+    say("closing once the picture is saved; again: at once");
+}
+
 void Viewer::round() {
-    if (!hasWork()) window_.wait(saving_.running() || verifying_.running() ? 0.1 : kFileSeconds);
+    if (!hasWork()) window_.wait(restSeconds());
     gatherEvents();
     runScript();
     handleEvents();
     flyOn(roundWatch_.seconds());
+    noteCamera();
     roundWatch_.restart();
     pollJobs();
     pollFiles();
-    if (interrupted()) closing_ = true;
+    if (interrupted() || (closingAsked_ && !saving_.running())) closing_ = true;
     if (closing_) return;
     if (window_.minimised()) {
         window_.wait(0.1);
         return;
     }
+    if (toasts_.expire(clock_.seconds())) dirty_ = std::max(dirty_, 2);
+    if (comparison_.mode == CompareMode::Flicker && comparison_.any() && flash() != shown_.flash)
+        dirty_ = std::max(dirty_, 1);
     const bool worked = work();
     const bool forced = !scriptIdles_ && (options_.frames > 0 || scripted());
     const bool due = moving() || !queue_.empty() || frameWatch_.seconds() > kRestFrameSeconds;
@@ -318,8 +227,8 @@ void Viewer::round() {
     if (draws) drawFrame();
     if (!draws && !worked) window_.wait(kBreathSeconds);
     if (scripted()) return;
-    if (options_.frames > 0 && frames_ >= options_.frames) closing_ = true;
-    if (options_.frames == 0 && !script_.empty() && !scriptStays_) closing_ = true;
+    const bool over = options_.frames > 0 ? frames_ >= options_.frames : !script_.empty() && !scriptStays_;
+    if (over && !closingAsked_) askToClose();
 }
 
 void Viewer::reportValidation() {
@@ -335,6 +244,22 @@ void Viewer::reportValidation() {
         throw Error(ErrorKind::Device, "the validation layer found faults (listed above)");
 }
 
+// Who closes the window while a picture is being saved is told if it is lost.
+void Viewer::finish() {
+    const bool cut = saving_.running();
+    saving_.stop();
+    verifying_.stop();
+    referring_.stop();
+    loading_.stop();
+    editing_.stop();
+    session_.reset();
+    swapchain_.reset();
+    reportValidation();
+    if (cut && !interrupted())
+        throw Error(ErrorKind::Failed, "the window was closed before the picture was saved");
+    if (closingAsked_ && !lostPicture_.empty()) throw Error(ErrorKind::Failed, lostPicture_);
+}
+
 void Viewer::run() {
     installInterruptHandler();
     openDevice();
@@ -345,12 +270,7 @@ void Viewer::run() {
             recover(lost);
         }
     }
-    saving_.stop();
-    verifying_.stop();
-    loading_.stop();
-    session_.reset();
-    swapchain_.reset();
-    reportValidation();
+    finish();
 }
 
 void view(const Options& options, std::ostream& out, std::ostream& err) {

@@ -13,13 +13,17 @@
 #include "gpu/device.h"
 #include "gpu/swapchain.h"
 #include "view/camera_control.h"
+#include "view/compare.h"
 #include "view/gui.h"
+#include "view/hand.h"
+#include "view/history.h"
 #include "view/jobs.h"
 #include "view/keys.h"
 #include "view/panel.h"
 #include "view/scene_files.h"
 #include "view/script.h"
 #include "view/session.h"
+#include "view/toasts.h"
 #include "view/view.h"
 #include "view/window.h"
 
@@ -38,21 +42,45 @@ class Viewer {
     void round();
     void gatherEvents();
     bool hasWork() const;
+    double restSeconds() const;  // how long nothing will happen by itself
     bool inputWaits() const;
     bool work();  // false: there was nothing to trace
-    void useScene(std::shared_ptr<const ViewScene> scene);
-    void pollJobs();
-    void pollFiles();
-    void startLoading();
     void drawFrame();
-    void fillModel();
-    void takeModel();
-    void takeSettings();
-    const Canvas& background();
     void reportValidation();
+    void finish();
+    void askToClose();
+    bool flash() const;  // of flicker, whether it is the other picture's turn
     bool moving() const { return motion_.seconds() < kRestSeconds; }
     void touchMotion() { motion_.restart(); }
-    void say(const std::string& text);
+    void say(const std::string& text, ToastKind kind = ToastKind::Info);
+
+    // viewer_jobs.cpp
+    void useScene(std::shared_ptr<const ViewScene> scene);
+    void pollJobs();
+    void pollLoading();
+    void pollEditing();
+    void showScene(std::shared_ptr<const ViewScene> scene);
+    void pollFiles();
+    void startLoading();
+    void open(const std::filesystem::path& scene);
+    void startSaving(const std::filesystem::path& file, bool seen);
+    void saveAs();
+    void startVerifying();
+    void startReference();
+    void keepPicture();
+    void compareWith(const std::filesystem::path& picture);
+    void drop(const std::vector<std::string>& files);
+    const Image* comparable() const;  // the window's linear colours; null: not there
+
+    // viewer_model.cpp
+    void fillModel();
+    void fillPixel();
+    void fillPick();
+    void takeModel();
+    void takeSettings();
+    void takeCamera();
+    void grant(Wish wish);
+    const Canvas& background();
 
     // viewer_input.cpp
     void handleEvents();
@@ -61,36 +89,47 @@ class Viewer {
     void handleKey(const Event& event);
     void drag(double dx, double dy);
     void perform(Action action);
+    bool performView(Action action);
+    bool performFile(Action action);
     bool performCamera(Action action);
     void flyOn(double seconds);
+    void noteCamera();
+    void forgetPick(bool evenPinned);
+    void travel(const std::optional<Camera>& camera, const char* otherwise);
+    void goToBookmark(size_t index);
     void pick(int x, int y);
+    void focusAt(int x, int y);
     void framePicked();
     void printCamera();
-    void startSaving(const std::filesystem::path& file);
-    void startVerifying();
     void changeLayer(int step);
 
-    // viewer_script.cpp
+    // viewer_script.cpp, viewer_expect.cpp
     void runScript();
     void start(const ScriptCommand& command);
     bool startInput(const ScriptCommand& command);
     bool startExpectation(const ScriptCommand& command);
     void startFile(const ScriptCommand& command);
+    void startHand(const ScriptCommand& command);
     void set(const ScriptCommand& command);
     void startPace(int frames);
     void startIdling(double seconds);
+    std::string stateOf(const ScriptCommand& command) const;
+    Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;
     bool scripted() const { return nextCommand_ < script_.size() || scriptWait_; }
     void push(const Event& event) { queue_.push_back(event); }
     void waitFrames(int frames);
     [[noreturn]] static void failScript(const ScriptCommand& command, const std::string& what);
     bool settled() const;
 
-    static constexpr double kRestSeconds = 0.2;  // without motion, after which the picture sharpens
+    static constexpr double kRestSeconds = 0.2;   // without motion, after which the picture sharpens
+    static constexpr double kFileSeconds = 0.25;  // between looks at the scene's files
 
     Options options_;
     std::ostream& out_;
     std::ostream& err_;
-    std::shared_ptr<const ViewScene> scene_;
+    std::shared_ptr<const ViewScene> scene_;      // that is shown
+    std::shared_ptr<const ViewScene> fileScene_;  // without the panel's edits
+    SceneEdits editsAtWork_;                      // of editing_, or of scene_
     Window window_;
     // Destroyed from the last to the first.
     std::unique_ptr<gpu::Device> device_;
@@ -98,32 +137,51 @@ class Viewer {
     std::unique_ptr<Session> session_;
     Job<std::string> saving_;
     Job<VerifyResult> verifying_;
-    Job<std::shared_ptr<const ViewScene>> loading_;
+    Job<Image> referring_;
+    Job<std::shared_ptr<const ViewScene>> loading_, editing_;
     Gui gui_;
     CameraControl control_;
+    CameraHistory history_;
+    std::vector<Camera> bookmarks_;
     Pace pace_;
     FileWatch files_;
     PanelModel model_;
+    Toasts toasts_;
+    Comparison comparison_;
+    Stopwatch clock_;  // of toasts and flicker
 
     std::deque<Event> queue_;
     std::optional<Button> dragging_;
-    bool dragged_ = false;
+    bool dragged_ = false, draggingWipe_ = false;
     int dragMods_ = 0;
-    double cursorX_ = 0, cursorY_ = 0, pressX_ = 0, pressY_ = 0;
+    double cursorX_ = -1, cursorY_ = -1, pressX_ = 0, pressY_ = 0;
     std::set<int> held_;
     bool fastFlight_ = false;
+    Camera seenCamera_;         // of the last round
+    bool gestureEnded_ = true;  // the next movement is another one to undo
+    Stopwatch sinceMove_;
 
     std::optional<Pick> pick_;
+    bool pickIsOld_ = false;
     std::optional<Canvas> difference_;  // of the last verify, while it is shown
     std::vector<std::string> validation_;
     Canvas background_, frame_;
-    uint64_t shownVersion_ = ~uint64_t{0};
-    double shownExposure_ = 0;
-    bool showsDifference_ = false;
+    struct Shown {
+        uint64_t version = ~uint64_t{0};
+        Display display;
+        bool difference = false, flash = false;
+        CompareMode mode = CompareMode::Off;
+        double wipe = 0, gain = 0;
+        uint64_t compared = 0;
+        bool operator==(const Shown&) const = default;
+    } shown_;
+    uint64_t compared_ = 0;  // grows with each other picture, and each time that it is measured
+    uint64_t measured_ = ~uint64_t{0};
     std::vector<float> frameTimes_;
     Stopwatch motion_, frameWatch_, roundWatch_, fileWatch_;
     int dirty_ = 3;  // frames to draw even if nothing happens
-    bool closing_ = false, wasLost_ = false;
+    bool closing_ = false, closingAsked_ = false, wasLost_ = false, opensAnother_ = false;
+    std::string lastSaid_, lostPicture_;
     bool traced_ = false, follows_ = false;  // a new coarse picture in this round; in the one before too
     uint64_t frames_ = 0, reloads_ = 0;
 
@@ -131,6 +189,7 @@ class Viewer {
     size_t nextCommand_ = 0;
     std::function<bool()> scriptWait_;  // true: go on
     bool scriptStays_ = false, scriptIdles_ = false;
+    Hand hand_;
 };
 
 }  // namespace glint::view

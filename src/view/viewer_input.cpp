@@ -1,8 +1,11 @@
 // What the user does.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ostream>
+#include <utility>
 
+#include "core/error.h"
 #include "view/viewer.h"
 
 namespace glint::view {
@@ -14,7 +17,14 @@ constexpr double kTurnPerHeight = 3.14159;  // radians for a drag across the win
 constexpr double kKeyTurn = 0.0873;         // 5 degrees
 constexpr double kWheelStep = 0.9;
 constexpr double kFovStep = 1.1;
-constexpr double kFlySeconds = 3;  // to cross the scene's radius
+constexpr double kFlySeconds = 3;        // to cross the scene's radius
+constexpr double kGestureSeconds = 0.5;  // movements nearer than this are undone together
+constexpr double kWipePixels = 6;        // from the wipe's line, where the mouse takes hold of it
+
+template <NamedEnum E>
+E nextOf(E value) {
+    return static_cast<E>((static_cast<size_t>(value) + 1) % kEnumNames<E>.size());
+}
 
 std::optional<Side> sideOf(Action action) {
     const int index = static_cast<int>(action) - static_cast<int>(Action::ViewFront);
@@ -36,7 +46,10 @@ void Viewer::handleEvents() {
 bool Viewer::handle(const Event& event) {
     switch (event.type) {
         case Event::Type::Close:
-            closing_ = true;
+            askToClose();
+            return true;
+        case Event::Type::Drop:
+            drop(event.files);
             return true;
         case Event::Type::Resize:
             touchMotion();
@@ -46,7 +59,10 @@ bool Viewer::handle(const Event& event) {
             cursorX_ = event.x;
             cursorY_ = event.y;
             gui_.feed(event);
-            if (dragging_) drag(dx, dy);
+            if (draggingWipe_)
+                comparison_.wipe = std::clamp(cursorX_ / std::max(session_->width(), 1), 0.0, 1.0);
+            else if (dragging_)
+                drag(dx, dy);
             return true;
         }
         case Event::Type::Button:
@@ -82,13 +98,19 @@ void Viewer::handleButton(const Event& event) {
         dragging_ = button;
         dragMods_ = event.mods;
         dragged_ = false;
+        gestureEnded_ = true;
         pressX_ = cursorX_;
         pressY_ = cursorY_;
+        const double line = comparison_.wipe * session_->width();
+        draggingWipe_ = button == Button::Left && comparison_.any() &&
+                        comparison_.mode == CompareMode::Wipe && std::abs(cursorX_ - line) <= kWipePixels;
         return;
     }
     if (dragging_ != button) return;
     dragging_.reset();
-    if (button == Button::Left && !dragged_) pick(static_cast<int>(pressX_), static_cast<int>(pressY_));
+    if (std::exchange(draggingWipe_, false) || button != Button::Left || dragged_) return;
+    const int x = static_cast<int>(pressX_), y = static_cast<int>(pressY_);
+    (dragMods_ & kControl) != 0 ? focusAt(x, y) : pick(x, y);
 }
 
 void Viewer::drag(double dx, double dy) {
@@ -124,7 +146,9 @@ void Viewer::handleKey(const Event& event) {
         return;
     }
     const std::optional<Action> action = actionOf(event.code, event.mods, model_.flying);
-    if (action) perform(*action);
+    if (!action) return;
+    if (!event.repeat) gestureEnded_ = true;
+    perform(*action);
 }
 
 void Viewer::flyOn(double seconds) {
@@ -132,7 +156,7 @@ void Viewer::flyOn(double seconds) {
     const auto axis = [&](int plus, int minus) {
         return static_cast<double>(held_.count(plus)) - static_cast<double>(held_.count(minus));
     };
-    const double speed = boundsOf(*scene_).radius / kFlySeconds * (fastFlight_ ? 4 : 1);
+    const double speed = model_.flySpeed * model_.reach / kFlySeconds * (fastFlight_ ? 4 : 1);
     const double step = speed * std::min(seconds, 0.25);
     control_.move(step * glm::dvec3(axis('D', 'A'), axis('E', 'Q'), axis('W', 'S')));
     touchMotion();
@@ -144,56 +168,124 @@ void Viewer::perform(Action action) {
         touchMotion();
         return;
     }
+    if (performView(action) || performFile(action)) return;
     switch (action) {
-        case Action::Help:
-            model_.helpVisible = !model_.helpVisible;
-            break;
-        case Action::HidePanel:
-            model_.panelVisible = !model_.panelVisible;
-            break;
-        case Action::Close:
-            model_.helpVisible = false;
-            model_.message.clear();
-            model_.verdict.clear();
-            difference_.reset();
-            pick_.reset();
-            break;
         case Action::Quit:
-            closing_ = true;
+            askToClose();
             break;
-        case Action::NextLayer:
-            changeLayer(1);
+        case Action::Undo:
+            travel(history_.undo(control_.camera()), "nothing to undo");
             break;
-        case Action::PreviousLayer:
-            changeLayer(-1);
+        case Action::Redo:
+            travel(history_.redo(control_.camera()), "nothing to redo");
             break;
-        case Action::ExposureDown:
-            model_.exposure = std::max(model_.exposure - 0.5, -8.0);
+        case Action::Bookmark:
+            bookmarks_.push_back(control_.camera());
+            say("bookmark " + std::to_string(bookmarks_.size()) + "; N goes to the next one");
             break;
-        case Action::ExposureUp:
-            model_.exposure = std::min(model_.exposure + 0.5, 8.0);
-            break;
-        case Action::ToggleFly:
-            model_.flying = !model_.flying;
-            held_.clear();
+        case Action::NextBookmark:
+            goToBookmark(model_.bookmark + 1);
             break;
         case Action::PrintCamera:
             printCamera();
             break;
+        case Action::Keep:
+            keepPicture();
+            break;
         case Action::Verify:
             startVerifying();
-            break;
-        case Action::SavePng:
-            startSaving(freeName(".", scene_->path.stem().string(), ".png"));
-            break;
-        case Action::SaveExr:
-            startSaving(freeName(".", scene_->path.stem().string(), ".exr"));
             break;
         case Action::Reload:
             startLoading();
             break;
         default:
             break;
+    }
+}
+
+bool Viewer::performView(Action action) {
+    switch (action) {
+        case Action::Help:
+            model_.helpVisible = !model_.helpVisible;
+            return true;
+        case Action::HidePanel:
+            model_.panelVisible = !model_.panelVisible;
+            return true;
+        case Action::Close:
+            model_.helpVisible = model_.saveAsVisible = model_.openVisible = false;
+            model_.sceneError.clear();
+            toasts_.clear();
+            model_.verdict.clear();
+            difference_.reset();
+            comparison_.mode = CompareMode::Off;
+            forgetPick(true);
+            return true;
+        case Action::NextLayer:
+            changeLayer(1);
+            return true;
+        case Action::PreviousLayer:
+            changeLayer(-1);
+            return true;
+        case Action::ExposureDown:
+            model_.display.exposure = steppedExposure(model_.display.exposure, -0.5);
+            return true;
+        case Action::ExposureUp:
+            model_.display.exposure = steppedExposure(model_.display.exposure, 0.5);
+            return true;
+        case Action::ToneMapping:
+            model_.display.toneMap = nextOf(model_.display.toneMap);
+            say("tone map: " + std::string(nameOf(model_.display.toneMap)));
+            return true;
+        case Action::CompareMode:
+            if (!comparison_.any()) {
+                say("K keeps a picture to compare with; or drop one here", ToastKind::Error);
+                return true;
+            }
+            comparison_.mode = nextOf(comparison_.mode);
+            say("compare: " + std::string(nameOf(comparison_.mode)));
+            return true;
+        case Action::Inspect:
+            model_.inspects = !model_.inspects;
+            return true;
+        case Action::Fullscreen:
+            window_.setFullscreen(!window_.fullscreen());
+            return true;
+        case Action::ToggleFly:
+            model_.flying = !model_.flying;
+            held_.clear();
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool Viewer::performFile(Action action) {
+    const bool exr = action == Action::SaveExr || action == Action::RenderExr;
+    const bool seen = action == Action::SavePng || action == Action::SaveExr;
+    switch (action) {
+        case Action::SavePng:
+        case Action::SaveExr:
+        case Action::RenderPng:
+        case Action::RenderExr:
+            if (saving_.running()) {
+                say("still saving; one picture at a time", ToastKind::Error);
+                return true;
+            }
+            try {
+                startSaving(claimName(".", scene_->path.stem().string(), exr ? ".exr" : ".png"), seen);
+            } catch (const Error& e) {
+                say(e.what(), ToastKind::Error);
+                err_ << "glint: " << e.what() << '\n';
+            }
+            return true;
+        case Action::SaveAs:
+            model_.saveAsVisible = !model_.saveAsVisible;
+            return true;
+        case Action::Open:
+            model_.openVisible = !model_.openVisible;
+            return true;
+        default:
+            return false;
     }
 }
 
@@ -248,10 +340,77 @@ void Viewer::changeLayer(int step) {
     takeSettings();
 }
 
+// After all events of a round: what the camera's movement means for what was found before it.
+void Viewer::noteCamera() {
+    const Camera& camera = control_.camera();
+    if (sameCamera(camera, seenCamera_)) return;
+    if (gestureEnded_ || sinceMove_.seconds() > kGestureSeconds) history_.remember(seenCamera_);
+    gestureEnded_ = false;
+    sinceMove_.restart();
+    seenCamera_ = camera;
+    forgetPick(false);
+    difference_.reset();
+    model_.verdict.clear();
+}
+
+// A pick belongs to the view that it was made in, but a pinned one stays, and its rays can be looked at from
+// elsewhere.
+void Viewer::forgetPick(bool evenPinned) {
+    pickIsOld_ = pick_.has_value();
+    if (model_.pinsPick && !evenPinned) return;
+    pick_.reset();
+}
+
+void Viewer::travel(const std::optional<Camera>& camera, const char* otherwise) {
+    if (!camera) {
+        say(otherwise);
+        return;
+    }
+    control_.set(*camera);
+    seenCamera_ = *camera;  // no movement to undo
+    gestureEnded_ = true;
+    forgetPick(false);
+    difference_.reset();
+    model_.verdict.clear();
+    touchMotion();
+}
+
+void Viewer::goToBookmark(size_t index) {
+    if (bookmarks_.empty()) {
+        say("M keeps a bookmark");
+        return;
+    }
+    model_.bookmark = index % bookmarks_.size();
+    control_.set(bookmarks_[model_.bookmark]);
+    say("bookmark " + std::to_string(model_.bookmark + 1) + " of " + std::to_string(bookmarks_.size()));
+    gestureEnded_ = true;
+    touchMotion();
+}
+
 void Viewer::pick(int x, int y) {
     if (x < 0 || y < 0 || x >= session_->width() || y >= session_->height()) return;
     pick_ = pickPixel(*session_, x, y);
+    pickIsOld_ = false;
+    if (pick_->hit()) model_.material = pick_->data.material;
     out_ << pickCsv(*pick_) << std::flush;
+}
+
+void Viewer::focusAt(int x, int y) {
+    if (x < 0 || y < 0 || x >= session_->width() || y >= session_->height()) return;
+    const PixelData data = session_->pixel(x, y);
+    if (data.object == PixelData::kNoIndex || control_.camera().projection != Projection::Perspective ||
+        !control_.focusAt(data.position)) {
+        say(data.object == PixelData::kNoIndex ? "nothing there to focus on" : "parallel rays have no focus",
+            ToastKind::Error);
+        return;
+    }
+    const Camera& camera = control_.camera();
+    char text[96];
+    std::snprintf(text, sizeof(text), "focus distance %.6g%s", camera.focusDistance,
+                  camera.lensRadius > 0 ? "" : "; give the lens a radius to see it");
+    say(text);
+    gestureEnded_ = true;
+    touchMotion();
 }
 
 void Viewer::framePicked() {
@@ -263,35 +422,27 @@ void Viewer::framePicked() {
 }
 
 void Viewer::printCamera() {
-    const std::string json = cameraJson(control_.camera());
+    std::string json = cameraJson(control_.camera());
+    std::string what = "camera";
+    if (model_.settings.lights != model_.fileSettings.lights) {
+        std::vector<Light> lights;
+        for (size_t i = 0; i < scene_->scene.lights.size(); ++i) {
+            const LightSetting& setting = model_.settings.lights[i];
+            if (!setting.on || setting.dim <= 0) continue;
+            lights.push_back(setting.applied(scene_->scene.lights[i]));
+            std::visit([&](auto& l) { l.intensity *= static_cast<double>(setting.dim); }, lights.back());
+        }
+        json += ",\n" + lightsJson(lights);
+        what += ", lights";
+    }
+    const std::string materials = materialsJson(model_.edits.materials, model_.fileEdits.materials);
+    if (!materials.empty()) {
+        json += ",\n" + materials;
+        what += ", what has changed of materials";
+    }
     out_ << json << std::endl;
     window_.setClipboard(json);
-    say("copied: " + json);
-}
-
-void Viewer::startSaving(const std::filesystem::path& file) {
-    if (saving_.running()) {
-        say("still saving; one picture at a time");
-        return;
-    }
-    SaveRequest request = saveRequest(*session_, file, scene_->scene.image.samplesPerPixel, model_.exposure);
-    saving_.start([this, request = std::move(request)](JobControl& control) mutable {
-        std::string line = save(*device_, std::move(request), control);
-        Window::wake();
-        return line;
-    });
-}
-
-void Viewer::startVerifying() {
-    if (verifying_.running()) return;
-    model_.verdict.clear();
-    difference_.reset();
-    SaveRequest request = saveRequest(*session_, {}, 1, 0);
-    verifying_.start([this, request = std::move(request)](JobControl& control) mutable {
-        VerifyResult result = verifyView(*device_, std::move(request), control);
-        Window::wake();
-        return result;
-    });
+    say("copied as scene JSON: " + what);
 }
 
 }  // namespace glint::view

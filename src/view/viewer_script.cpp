@@ -48,7 +48,8 @@ void Viewer::failScript(const ScriptCommand& command, const std::string& what) {
 
 bool Viewer::settled() const {
     return !moving() && session_->finished() && !saving_.running() && !verifying_.running() &&
-           !loading_.running();
+           !referring_.running() && !loading_.running() && !editing_.running() &&
+           same(model_.edits, editsAtWork_);
 }
 
 void Viewer::waitFrames(int frames) {
@@ -144,45 +145,63 @@ bool Viewer::startInput(const ScriptCommand& command) {
         push(cursorAt(wholeOf(command, 0), wholeOf(command, 1)));
         push(press(Button::Left, true));
         push(press(Button::Left, false));
+    } else if (name == "press") {
+        const Gui::Place place = placeOf(command, "@" + command.arguments[0]);
+        push(cursorAt(place.x, place.y));
+        push({.type = Event::Type::Redraw});
+        push(press(Button::Left, true));
+        push(press(Button::Left, false));
+        waitFrames(4);
+    } else if (name == "drop") {
+        push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
+    } else if (name == "hand") {
+        startHand(command);
     } else {
         return false;
     }
     return true;
 }
 
-bool Viewer::startExpectation(const ScriptCommand& command) {
-    const std::string& name = command.name;
-    const std::string wanted = command.rest;
-    std::string found;
-    if (name == "expect-object") {
-        found = !pick_ ? "nothing picked" : pick_->hit() ? std::to_string(pick_->data.object) : "none";
-    } else if (name == "expect-size") {
-        const PixelSize size = window_.size();
-        found = std::to_string(size.width) + " " + std::to_string(size.height);
-    } else if (name == "expect-layer") {
-        found = nameOf(session_->settings().layer);
-    } else if (name == "expect-error") {
-        if (model_.sceneError.find(wanted) == std::string::npos)
-            failScript(command, "the message is '" + model_.sceneError + "'");
-        return true;
-    } else if (name == "expect-no-error") {
-        found = model_.sceneError;
-    } else {
-        return false;
+Gui::Place Viewer::placeOf(const ScriptCommand& command, const std::string& word) const {
+    double x = 0, y = 0;
+    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {x, y};
+    std::string label = word.substr(1);
+    std::replace(label.begin(), label.end(), '_', ' ');
+    const std::optional<Gui::Place> place = gui_.controlAt(label);
+    if (!place) failScript(command, "no control '" + label + "' is to be seen");
+    return *place;
+}
+
+// Its events have come once a frame has been drawn after its end.
+void Viewer::startHand(const ScriptCommand& command) {
+    std::vector<std::string> words;
+    for (const std::string& word : command.arguments) {
+        if (word[0] != '@') {
+            words.push_back(word);
+            continue;
+        }
+        const Gui::Place place = placeOf(command, word);
+        const PixelSize screen = window_.onScreen(place.x, place.y);
+        words.push_back(std::to_string(screen.width));
+        words.push_back(std::to_string(screen.height));
     }
-    if (found != wanted) failScript(command, "it is '" + found + "'");
-    return true;
+    hand_.start(words);
+    scriptWait_ = [this, until = uint64_t{0}]() mutable {
+        if (!hand_.done()) return false;
+        if (until == 0) until = frames_ + 4;
+        return frames_ >= until;
+    };
 }
 
 void Viewer::startFile(const ScriptCommand& command) {
     const std::filesystem::path file = command.arguments[0];
-    if (command.name == "screenshot") {
+    if (command.name == "screenshot" || command.name == "save") {
         if (!isWritableImagePath(file))
             throw Error(ErrorKind::Argument, command.place + ": expected a .png or .exr file");
-        startSaving(file);
+        startSaving(file, command.name == "save");
         scriptWait_ = [this, &command, file] {
             if (saving_.running()) return false;
-            if (!std::filesystem::exists(file)) failScript(command, model_.message);
+            if (!std::filesystem::exists(file)) failScript(command, lastSaid_);
             return true;
         };
     } else if (command.name == "window") {
@@ -211,10 +230,26 @@ void Viewer::set(const ScriptCommand& command) {
     } else if (what == "samples") {
         s.sampleLimit = std::max(wholeOf(command, 1), 1);
     } else if (what == "exposure") {
-        model_.exposure = numberOf(command, 1);
+        model_.display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
+    } else if (what == "tonemap" && named<ToneMap>(command.arguments[1])) {
+        model_.display.toneMap = *named<ToneMap>(command.arguments[1]);
+    } else if (what == "lens" || what == "focus") {
+        const Camera& camera = control_.camera();
+        control_.setLens(what == "lens" ? numberOf(command, 1) : camera.lensRadius,
+                         what == "focus" ? numberOf(command, 1) : camera.focusDistance);
+        touchMotion();
     } else if (what == "fov") {
         control_.zoom(numberOf(command, 1) / control_.camera().fovY);
         touchMotion();
+    } else if (what == "glass" && named<TransmissiveShadows>(command.arguments[1])) {
+        model_.edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
+    } else if (what == "diffuse" && command.arguments.size() == 5) {
+        std::vector<Material>& all = model_.edits.materials;
+        const auto found = std::find_if(all.begin(), all.end(),
+                                        [&](const Material& m) { return m.name == command.arguments[1]; });
+        if (found == all.end()) failScript(command, "there is no such material");
+        for (int c = 0; c < 3; ++c)
+            found->diffuse[c] = std::clamp(numberOf(command, static_cast<size_t>(c) + 2), 0.0, 1.0);
     } else if (what == "background" && command.arguments.size() == 4) {
         for (int c = 0; c < 3; ++c)
             s.background[c] = static_cast<float>(numberOf(command, static_cast<size_t>(c) + 1));
@@ -232,8 +267,15 @@ void Viewer::set(const ScriptCommand& command) {
 
 void Viewer::startIdling(double seconds) {
     const auto processor = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
-    scriptIdles_ = true;
-    scriptWait_ = [this, processor, watch = Stopwatch(), frames = frames_, before = processor(), seconds] {
+    scriptWait_ = [this, processor, watch = Stopwatch(), frames = frames_, before = processor(),
+                   seconds]() mutable {
+        if (!scriptIdles_) {  // the rest begins when there is nothing left to trace
+            if (!session_->rested()) return false;
+            scriptIdles_ = true;
+            watch.restart();
+            frames = frames_;
+            before = processor();
+        }
         if (watch.seconds() < seconds) return false;
         char line[120];
         std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %.3f s of processor time",

@@ -21,8 +21,12 @@ static_assert(key::kRight == GLFW_KEY_RIGHT && key::kLeft == GLFW_KEY_LEFT && ke
               key::kUp == GLFW_KEY_UP && key::kPageUp == GLFW_KEY_PAGE_UP &&
               key::kPageDown == GLFW_KEY_PAGE_DOWN);
 static_assert(key::kHome == GLFW_KEY_HOME && key::kEnd == GLFW_KEY_END && key::kF1 == GLFW_KEY_F1 &&
-              key::kF5 == GLFW_KEY_F5 && key::kLeftShift == GLFW_KEY_LEFT_SHIFT &&
-              key::kLeftControl == GLFW_KEY_LEFT_CONTROL && key::kCount > GLFW_KEY_LAST);
+              key::kF5 == GLFW_KEY_F5 && key::kF11 == GLFW_KEY_F11 &&
+              key::kLeftShift == GLFW_KEY_LEFT_SHIFT && key::kLeftControl == GLFW_KEY_LEFT_CONTROL &&
+              key::kLeftAlt == GLFW_KEY_LEFT_ALT && key::kCount > GLFW_KEY_LAST);
+static_assert(key::kRightShift == GLFW_KEY_RIGHT_SHIFT && key::kRightControl == GLFW_KEY_RIGHT_CONTROL &&
+              key::kRightAlt == GLFW_KEY_RIGHT_ALT && key::kKeypadAdd == GLFW_KEY_KP_ADD &&
+              key::kKeypadSubtract == GLFW_KEY_KP_SUBTRACT && key::kKeypadEnter == GLFW_KEY_KP_ENTER);
 static_assert(kShift == GLFW_MOD_SHIFT && kControl == GLFW_MOD_CONTROL && kAlt == GLFW_MOD_ALT);
 
 std::string lastError;
@@ -70,6 +74,9 @@ void installCallbacks(GLFWwindow* window) {
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned point) {
         eventsOf(w).push_back({.type = Event::Type::Text, .code = static_cast<int>(point)});
+    });
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+        eventsOf(w).push_back({.type = Event::Type::Drop, .files = {paths, paths + count}});
     });
     glfwSetFramebufferSizeCallback(
         window, [](GLFWwindow* w, int, int) { eventsOf(w).push_back({.type = Event::Type::Resize}); });
@@ -181,6 +188,36 @@ void Window::setTitle(const std::string& title) {
 }
 void Window::setClipboard(const std::string& text) {
     glfwSetClipboardString(window_, text.c_str());
+}
+
+std::string Window::clipboard() const {
+    const char* text = glfwGetClipboardString(window_);
+    return text == nullptr ? "" : text;
+}
+
+bool Window::fullscreen() const {
+    return glfwGetWindowMonitor(window_) != nullptr;
+}
+
+void Window::setFullscreen(bool wanted) {
+    if (wanted == fullscreen()) return;
+    if (!wanted) {
+        glfwSetWindowMonitor(window_, nullptr, windowedX_, windowedY_, windowedWidth_, windowedHeight_, 0);
+        return;
+    }
+    GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = monitor == nullptr ? nullptr : glfwGetVideoMode(monitor);
+    if (mode == nullptr) return;
+    glfwGetWindowPos(window_, &windowedX_, &windowedY_);
+    glfwGetWindowSize(window_, &windowedWidth_, &windowedHeight_);
+    glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+PixelSize Window::onScreen(double x, double y) const {
+    int left = 0, top = 0;
+    glfwGetWindowPos(window_, &left, &top);
+    const double ratio = pixelsPerUnit(window_);
+    return {left + static_cast<int>(std::lround(x / ratio)), top + static_cast<int>(std::lround(y / ratio))};
 }
 
 }  // namespace glint::view

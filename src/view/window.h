@@ -41,11 +41,18 @@ class Window {
     void setMinimised(bool minimised);
     void setTitle(const std::string& title);
     void setClipboard(const std::string& text);
+    std::string clipboard() const;  // empty if it holds no text
+    // The whole screen, or a window again as large as before.
+    void setFullscreen(bool fullscreen);
+    bool fullscreen() const;
+    // Where a pixel of the picture is on the screen, in the window system's units.
+    PixelSize onScreen(double x, double y) const;
 
     std::vector<Event> events;  // filled by GLFW's callbacks
 
   private:
     GLFWwindow* window_ = nullptr;
+    int windowedX_ = 0, windowedY_ = 0, windowedWidth_ = 0, windowedHeight_ = 0;  // before fullscreen
 };
 
 }  // namespace glint::view

@@ -29,14 +29,16 @@ TEST_P(Usage, OneLineAndExitCode2) {
 const Case kCommands[] = {
     {"unknown",
      {"paint"},
-     "unknown command \"paint\" (there are: render, view, verify, report, bench, trace, diff, info, "
-     "...); see glint --help"},
+     "unknown command \"paint\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); "
+     "see "
+     "glint "
+     "--help"},
     {"misspelt",
      {"rendr", "a.json"},
      "unknown command \"rendr\" (did you mean \"render\"?); see glint --help"},
     {"empty",
      {""},
-     "unknown command \"\" (there are: render, view, verify, report, bench, trace, diff, info, ...); see "
+     "unknown command \"\" (there are: render, merge, view, verify, report, bench, trace, diff, ...); see "
      "glint "
      "--help"},
     {"file", {"a.json"}, "\"a.json\" is no command; did you mean: glint render a.json"},

@@ -1,6 +1,7 @@
 // The words of `glint verify`, from reports made by hand.
 #include "app/verify_report.h"
 
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "support.h"
@@ -122,6 +123,32 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
         << text;
     EXPECT_NE(text.find("reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)"), std::string::npos)
         << text;
+}
+
+TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
+    verify::Report report = cleanReport();
+    report.representation = verify::Representation{250, 3, 0, 3, 1e-8, 2e-8, 3e-8, {}};
+    const char* const kLine =
+        "    rounding the scene, by the reference alone: 250 pixels, RMSE 1e-08, 99th percentile 2e-08, max "
+        "3e-08; beyond what moved numbers predict: 3 explained (at most 3), 0 unexplained\n";
+    EXPECT_TRUE(reportText(report).starts_with("a.json: ok\n"));
+    EXPECT_TRUE(reportText(report).ends_with(kLine)) << reportText(report);
+    const nlohmann::json json = reportJson("a.json", report);
+    EXPECT_EQ(json["representation"]["rmse"], 1e-8);
+    EXPECT_EQ(json["arithmetic"]["rmse"], 1e-7);
+    EXPECT_EQ(json["passed"], true);
+    ++report.representation->explained;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: rounding the scene changes too many pixels"));
+    report.representation->unexplained = 1;
+    verify::RepresentedPixel pixel;
+    pixel.x = 4;
+    pixel.truth.color = {0.5, 0, 0};
+    report.representation->worst.push_back(pixel);
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: the packed scene shows what the scene does"));
+    EXPECT_NE(reportText(report).find("pixel 4,0 sample 0: difference 0 by packing, unexplained"),
+              std::string::npos);
+    EXPECT_NE(reportText(report).find("read       color (0.5 0 0)  miss"), std::string::npos);
+    EXPECT_EQ(reportJson("a.json", report)["passed"], false);
 }
 
 TEST(VerifyReport, WithoutPixels) {

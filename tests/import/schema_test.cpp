@@ -44,7 +44,9 @@ const std::map<std::string_view, std::string> kSchemaPlaces = {
     {"objects/paraboloid", "/$defs/paraboloid"},
     {"objects/mesh", "/$defs/meshObject"},
     {"objects/group", "/$defs/group"},
-    {"transformStep", "/$defs/transformStep"}};
+    {"transformStep", "/$defs/transformStep"},
+    {"animation", "/$defs/animation"},
+    {"animation/track", "/$defs/track"}};
 
 std::set<std::string> keysOf(const json& object) {
     std::set<std::string> keys;

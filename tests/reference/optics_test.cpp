@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "reference/tracer.h"
+#include "reference/widened.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::optics_test {
@@ -102,10 +103,11 @@ TEST(OpticsTest, SlabShiftsARay) {
 }
 
 TEST(OpticsTest, GreatestPriorityRules) {
-    PackedScene scene;
-    const uint32_t water = addGlass(scene, 9, 1.33f, 0, glm::vec3(0));
-    const uint32_t glass = addGlass(scene, 9, 1.5f, 1, glm::vec3(0));
-    const uint32_t oil = addGlass(scene, 9, 1.4f, 0, glm::vec3(0));
+    PackedScene packed;
+    const uint32_t water = addGlass(packed, 9, 1.33f, 0, glm::vec3(0));
+    const uint32_t glass = addGlass(packed, 9, 1.5f, 1, glm::vec3(0));
+    const uint32_t oil = addGlass(packed, 9, 1.4f, 0, glm::vec3(0));
+    const Model scene = widened(packed);
     EXPECT_EQ(rulingMedium(scene, {}), 0u);
     EXPECT_EQ(rulingMedium(scene, {glass, water}), glass);
     EXPECT_EQ(rulingMedium(scene, {water, oil}), oil);

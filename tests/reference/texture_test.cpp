@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "reference/material.h"
+#include "reference/widened.h"
 #include "support/packed_scene_maker.h"
 
 namespace glint::reference::test::texture_test {
@@ -34,8 +35,13 @@ PackedScene quadScene(uint32_t flags = 0) {
     return scene;
 }
 
+dvec4 colorAt(const PackedScene& scene, const dvec2& uv, const dvec3& position = dvec3(0)) {
+    const Model model = widened(scene);
+    return textureAt(model, model.textures[0], uv, position, 0);
+}
+
 double redAt(const PackedScene& scene, double u, double v) {
-    return textureAt(scene, scene.textures[0], {u, v}, dvec3(0), 0).x;
+    return colorAt(scene, {u, v}).x;
 }
 
 uint32_t wraps(uint32_t wrap) {
@@ -52,7 +58,7 @@ TEST(Texture, BilinearOfTwoByTwo) {
     EXPECT_EQ(redAt(scene, 0.5, 0.5), 2.5);
     EXPECT_EQ(redAt(scene, 0.375, 0.75), 1.25);
     EXPECT_EQ(redAt(scene, 0.25, 0.375), 2.5);  // 3/4 of the way from 1 down to 3
-    EXPECT_EQ(textureAt(scene, scene.textures[0], {0.5, 0.5}, dvec3(0), 0).w, 2.5 / 16);
+    EXPECT_EQ(colorAt(scene, {0.5, 0.5}).w, 2.5 / 16);
 }
 
 TEST(Texture, WrapModes) {
@@ -119,7 +125,7 @@ TEST(Texture, SolidCheckerLivesInObjectSpace) {
     frame.toObjectZ = {0, 0, 1};
     frame.offsetX = -10;
     scene.objectFrames.push_back(frame);
-    const auto at = [&](const dvec3& p) { return textureAt(scene, scene.textures[0], {7, 7}, p, 0).x; };
+    const auto at = [&](const dvec3& p) { return colorAt(scene, {7, 7}, p).x; };
     EXPECT_EQ(at({10.5, 0.5, 0.5}), 1);
     EXPECT_EQ(at({11.5, 0.5, 0.5}), 5);
     EXPECT_EQ(at({11.5, 0.5, -0.5}), 1);
@@ -144,7 +150,8 @@ TEST(Texture, EnvironmentDirections) {
     scene.environment.map = 1;
     scene.environment.background = glm::vec3(2);
     const auto seen = [&](const dvec3& d) {
-        return surroundings(scene, scene.environment, d, dvec2(0)).x / 2;
+        const Model model = widened(scene);
+        return surroundings(model, model.environment, d, dvec2(0)).x / 2;
     };
     // On the horizon the rows count half each: column c gives c + 2.
     EXPECT_NEAR(seen({0, 0, -1}), 1.5 + 2, 1e-12);  // u = 1/2: between columns 1 and 2
@@ -198,18 +205,18 @@ TEST(Texture, TriangleInterpolatesCoordinatesAndColors) {
     scene.vertexAttributes[2].value = {1, 0, 0};           // colours
     scene.vertexAttributes[3].value = {0, 1, 0};
     scene.vertexAttributes[4].value = {0, 0, 1};
-    const Tracer tracer(scene);
     const Ray ray = makeRay({1, 2, 5}, {0, 0, -1});  // u = 1/4, v = 1/2
-    const auto hit = tracer.closest(ray);
+    const auto hit = Tracer(scene).closest(ray);
     ASSERT_TRUE(hit.has_value());
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(0.25, 0.5));
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(1));
+    const auto surface = [&] { return Tracer(scene).surfaceAt(ray, *hit); };
+    EXPECT_EQ(surface().uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(surface().color, dvec3(1));
     scene.triangleSurfaces[0].attributes = shared::kAttributeUvs | shared::kAttributeColors;
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(2.5, 7));
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+    EXPECT_EQ(surface().uv, dvec2(2.5, 7));
+    EXPECT_EQ(surface().color, dvec3(0.25, 0.25, 0.5));
     scene.triangleSurfaces[0].attributes = shared::kAttributeColors | 2;
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).uv, dvec2(0.25, 0.5));
-    EXPECT_EQ(tracer.surfaceAt(ray, *hit).color, dvec3(0.25, 0.25, 0.5));
+    EXPECT_EQ(surface().uv, dvec2(0.25, 0.5));
+    EXPECT_EQ(surface().color, dvec3(0.25, 0.25, 0.5));
 }
 
 TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
@@ -222,15 +229,15 @@ TEST(Texture, MaterialIsMultipliedWithTexturesAndVertexColors) {
     Surface surface;
     surface.uv = {0.25, 0.25};
     surface.color = {0.5, 1, 1};
-    const shared::Material result = materialAt(scene, surface);
-    EXPECT_EQ(result.ambient, glm::vec3(0.25f, 0.5f, 0.5f));
-    EXPECT_EQ(result.diffuse, glm::vec3(0.75f, 0, 0));
-    EXPECT_EQ(result.specular, glm::vec3(0.5f));
-    EXPECT_EQ(result.mirror, glm::vec3(1.5f, 0, 0));
+    const rows::Material result = materialAt(widened(scene), surface);
+    EXPECT_EQ(result.ambient, dvec3(0.25, 0.5, 0.5));
+    EXPECT_EQ(result.diffuse, dvec3(0.75, 0, 0));
+    EXPECT_EQ(result.specular, dvec3(0.5));
+    EXPECT_EQ(result.mirror, dvec3(1.5, 0, 0));
     scene.materials[0].alphaCutoff = 0.18f;  // alpha there is 3/16 = 0.1875
-    EXPECT_FALSE(holeAt(scene, surface));
+    EXPECT_FALSE(holeAt(widened(scene), surface));
     scene.materials[0].alphaCutoff = 0.19f;
-    EXPECT_TRUE(holeAt(scene, surface));
+    EXPECT_TRUE(holeAt(widened(scene), surface));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "render/path_limits.h"
 #include "shared/dispatch.h"
 #include "support.h"
 
@@ -51,23 +52,37 @@ TEST(TripBudget, LeavesRoomForEveryLane) {
     for (const uint32_t lanes : {1u, 4u, 8u, 16u}) {
         gpu::DeviceInfo device = deviceWith(1 << 27, 1 << 27, true);
         device.limits.subgroupSize = lanes;
-        const uint32_t budget = deriveTripBudget(device);
+        SceneFeatures features = allFeatures();
+        features.instances = false;
+        const uint32_t budget = deriveTripBudget(device, features);
         EXPECT_LE(std::max(lanes, 8u) * budget + shared::kMaxPlanes, 65535u) << lanes;
         EXPECT_GE(budget, 1000u) << lanes;
         // The greatest polygon's leaf runs on after the last check of the budget, on every lane.
-        const uint32_t leaf = shared::kMaxPolygonTrips + 2, beside = deriveTripBudget(device, leaf);
+        const uint32_t leaf = shared::kMaxPolygonTrips + 2, beside = deriveTripBudget(device, features, leaf);
         EXPECT_LE(std::max(lanes, 8u) * (beside + leaf) + shared::kMaxPlanes, 65535u) << lanes;
         EXPECT_GE(beside, 500u) << lanes;
-        // A mask adds kMaskTrips to the trips of each test, also after the last check and for planes.
-        const uint32_t masked = deriveTripBudget(device, leaf, true);
-        EXPECT_LE(std::max(lanes, 8u) * (masked + leaf + 8 * shared::kMaskTrips) +
-                      shared::kMaxPlanes * (1 + shared::kMaskTrips),
-                  65535u)
+        // With instances every trip of every lane may enter all loops once more, of which few scenes have
+        // many.
+        EXPECT_GE(deriveTripBudget(device, allFeatures()), 150u) << lanes;
+        SceneFeatures meshes;
+        meshes.triangles = meshes.instances = true;
+        EXPECT_GE(deriveTripBudget(device, meshes), 700u) << lanes;
+        EXPECT_LE(std::max(lanes, 8u) * deriveTripBudget(device, meshes) * 4 + shared::kMaxPlanes, 65535u)
             << lanes;
-        // Each kind of primitive costs some: its loops are entered once more in every trip (387 with 16
-        // lanes).
-        EXPECT_GE(masked, 350u) << lanes;
     }
+}
+
+// The planes that all lights of a dispatch make a ray meet are no more than those of one ray may be.
+TEST(TripBudget, LightsOfADispatchShareItsTrips) {
+    EXPECT_EQ(lightsAtOnce(1, 0), 1u);
+    EXPECT_EQ(lightsAtOnce(3000, shared::kMaxPlanes), 1u);
+    for (const uint32_t planes : {0u, 1u, 100u, 500u, 1023u}) {
+        const uint32_t lights = lightsAtOnce(3000, planes);
+        EXPECT_GE(lights, 1u) << planes;
+        EXPECT_LE(lights * (planes + 1), shared::kMaxPlanes) << planes;
+    }
+    EXPECT_GT(lightsAtOnce(3000, 1), lightsAtOnce(3000, 500));
+    EXPECT_GT(lightsAtOnce(3000, 1), lightsAtOnce(300, 1));
 }
 
 class LimitsTest : public RenderTest {};

@@ -19,6 +19,10 @@ Picture pictureOf(int width, int height) {
     return picture;
 }
 
+Canvas shown(const Picture& picture, ViewLayer layer, double exposure) {
+    return colorize(picture, layer, {exposure, ToneMap::Linear}, rangeOf(picture, layer));
+}
+
 TEST(Layers, NamesAreThoseOfTheCommandLine) {
     for (const EnumEntry<ViewLayer>& entry : kEnumEntries<ViewLayer>)
         EXPECT_TRUE(named<Aov>(entry.name)) << entry.name;
@@ -28,25 +32,63 @@ TEST(Layers, NamesAreThoseOfTheCommandLine) {
 TEST(Layers, ColourIsEncodedAndExposed) {
     Picture picture = pictureOf(1, 1);
     picture.color.pixels = {0.25f, 0.5f, 0.0f, 1.0f};
-    EXPECT_EQ(colorize(picture, ViewLayer::Color, 0).pixels[0] >> 8 & 255u, 188u);
-    EXPECT_EQ(colorize(picture, ViewLayer::Color, 1).pixels[0] & 255u, 188u);
-    EXPECT_EQ(colorize(picture, ViewLayer::Color, 8).pixels[0] & 0xffffu, 0xffffu);
+    EXPECT_EQ(shown(picture, ViewLayer::Color, 0).pixels[0] >> 8 & 255u, 188u);
+    EXPECT_EQ(shown(picture, ViewLayer::Color, 1).pixels[0] & 255u, 188u);
+    EXPECT_EQ(shown(picture, ViewLayer::Color, 8).pixels[0] & 0xffffu, 0xffffu);
 }
 
 TEST(Layers, NearIsWhite) {
     Picture picture = pictureOf(3, 1);
     picture.data[0].depth = 2;
     picture.data[1].depth = 4;
-    const Canvas canvas = colorize(picture, ViewLayer::Depth, 0);
+    const Canvas canvas = shown(picture, ViewLayer::Depth, 0);
     EXPECT_EQ(canvas.pixels[0], packColor(255, 255, 255));
     EXPECT_LT(canvas.pixels[1] & 255u, 64u);
     EXPECT_EQ(canvas.pixels[2], packColor(0, 0, 0));  // infinitely far: nothing there
 }
 
+// A part of a picture has the colours that it has in the whole, by the whole's range.
+TEST(Layers, PartsShareTheRangeOfTheWhole) {
+    Picture whole = pictureOf(4, 1), part = pictureOf(2, 1);
+    for (uint32_t i = 0; i < 4; ++i) {
+        whole.data[i].depth = 1 + i;
+        whole.data[i].cost = 10 * i;
+    }
+    part.data = {whole.data[0], whole.data[1]};
+    for (const ViewLayer layer : {ViewLayer::Depth, ViewLayer::Cost}) {
+        const LayerRange range = rangeOf(whole, layer);
+        const Canvas all = colorize(whole, layer, {}, range), some = colorize(part, layer, {}, range);
+        EXPECT_EQ(some.pixels[0], all.pixels[0]);
+        EXPECT_EQ(some.pixels[1], all.pixels[1]);
+        EXPECT_NE(colorize(part, layer, {}, rangeOf(part, layer)).pixels[1], all.pixels[1]);
+    }
+}
+
+// Reinhard: 1 / (1 + 1). Narkowicz's fit at 1: 2.54 / 3.16, by hand.
+TEST(Layers, ToneMapsAreTheirFormulas) {
+    EXPECT_NEAR(toneMapped({1, 1, 1}, ToneMap::Reinhard).x, 0.5, 1e-12);
+    EXPECT_NEAR(toneMapped({1, 1, 1}, ToneMap::Aces).y, 2.54 / 3.16, 1e-12);
+    EXPECT_EQ(toneMapped({0, 0, 0}, ToneMap::Aces), glm::dvec3(0));
+    EXPECT_EQ(toneMapped({3, 0.5, 0}, ToneMap::Linear), glm::dvec3(3, 0.5, 0));
+    EXPECT_LT(toneMapped(glm::dvec3(1e6), ToneMap::Reinhard).x, 1);
+}
+
+// A luminance of 1 is in the middle: green; 2^-8 and less blue, 2^8 and more red.
+TEST(Layers, FalseColorShowsStops) {
+    Picture picture = pictureOf(3, 1);
+    const float values[] = {1.0f / 1024, 1, 1024};
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t c = 0; c < 3; ++c) picture.color.pixels[4 * i + c] = values[i];
+    const Canvas canvas = colorize(picture, ViewLayer::Color, {0, ToneMap::False}, {});
+    EXPECT_EQ(canvas.pixels[0], packColor(0, 0, 255));
+    EXPECT_EQ(canvas.pixels[1], packColor(0, 255, 0));
+    EXPECT_EQ(canvas.pixels[2], packColor(255, 0, 0));
+}
+
 TEST(Layers, IdsInARowHaveOtherColours) {
     Picture picture = pictureOf(64, 1);
     for (uint32_t i = 0; i < 64; ++i) picture.data[i].object = i;
-    const Canvas canvas = colorize(picture, ViewLayer::Object, 0);
+    const Canvas canvas = shown(picture, ViewLayer::Object, 0);
     EXPECT_EQ(std::set<uint32_t>(canvas.pixels.begin(), canvas.pixels.end()).size(), 64u);
 }
 
@@ -54,7 +96,7 @@ TEST(Layers, HeatGoesFromBlueToRed) {
     Picture picture = pictureOf(3, 1);
     picture.data[1].cost = 50;
     picture.data[2].cost = 100;
-    const Canvas canvas = colorize(picture, ViewLayer::Cost, 0);
+    const Canvas canvas = shown(picture, ViewLayer::Cost, 0);
     EXPECT_EQ(canvas.pixels[0], packColor(0, 0, 255));
     EXPECT_EQ(canvas.pixels[1], packColor(0, 255, 0));
     EXPECT_EQ(canvas.pixels[2], packColor(255, 0, 0));
@@ -64,7 +106,7 @@ TEST(Layers, HeatGoesFromBlueToRed) {
 TEST(Layers, MissingDataIsBlack) {
     Picture picture = pictureOf(2, 2);
     picture.data.clear();
-    for (const uint32_t pixel : colorize(picture, ViewLayer::Normal, 0).pixels)
+    for (const uint32_t pixel : shown(picture, ViewLayer::Normal, 0).pixels)
         EXPECT_EQ(pixel, packColor(0, 0, 0));
 }
 

@@ -40,6 +40,38 @@ TEST_F(Settings, NoLightAtAll) {
     expectLike("set light 0 0\nset light 1 0\n", scene_);
 }
 
+// A material is changed where the scene is: the pictures are those of a file with the new one.
+TEST_F(Settings, AMaterialIsEdited) {
+    scene_["materials"]["two"]["diffuse"] = {0.75, 0.25, 0.5};
+    scene_["materials"]["two"]["ambient"] = {0.2, 0.7, 0.2};  // else it would follow
+    expectLike("set diffuse two 0.75 0.25 0.5\nsettle\n", scene_);
+}
+
+TEST_F(Settings, ShadowsOfGlass) {
+    scene_["materials"]["one"] = {{"transmission", {0.9, 0.3, 0.3}}, {"ior", 1.5}};
+    writeText("scene.json", scene_.dump());
+    scene_["transmissiveShadows"] = "full";
+    expectLike("set samples 1\nset glass full\nsettle\n", scene_);
+}
+
+// What C prints of lights and materials, put into the file, is the scene that is seen.
+TEST_F(Settings, TheCopiedSceneIsTheOneThatIsSeen) {
+    const Ran ran =
+        view("set light 0 0.5\nset diffuse two 0.75 0.25 0.5\nkey Left\nsettle\nkey C\nscreenshot shot.png\n",
+             {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const size_t from = ran.out.find("\"camera\""), to = ran.out.find("saved ");
+    const nlohmann::json copied = nlohmann::json::parse("{" + ran.out.substr(from, to - from) + "}");
+    scene_["camera"] = copied["camera"];
+    scene_["lights"] = copied["lights"];
+    EXPECT_EQ(copied["materials"].size(), 1u);
+    scene_["materials"]["two"]["diffuse"] = copied["materials"]["two"]["diffuse"];
+    scene_["materials"]["two"]["ambient"] = {0.2, 0.7, 0.2};
+    writeText("like.json", scene_.dump());
+    render("like.json", "like.png");
+    EXPECT_EQ(readBytes("shot.png"), readBytes("like.png"));
+}
+
 TEST_F(Settings, Reflections) {
     scene_["maxDepth"] = 0;
     expectLike("set reflections off\n", scene_);

@@ -42,7 +42,7 @@ void FolderTest::SetUp() {
 
 Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {
     writeText("script.txt", script);
-    std::vector<std::string> args = {"view",         "scene.json", "--size",    "240x180",
+    std::vector<std::string> args = {"view",         "scene.json", "--size",    size_,
                                      "--validation", "--script",   "script.txt"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = runGlint(args);
@@ -52,7 +52,7 @@ Ran FolderTest::view(const std::string& script, const std::vector<std::string>& 
 
 void FolderTest::render(const std::string& scene, const std::string& output,
                         const std::vector<std::string>& more) {
-    std::vector<std::string> args = {"render", scene, "--size", "240x180", "-o", output, "-q"};
+    std::vector<std::string> args = {"render", scene, "--size", size_, "-o", output, "-q"};
     args.insert(args.end(), more.begin(), more.end());
     const Ran ran = runGlint(args);
     ASSERT_EQ(ran.code, 0) << ran.err;

@@ -31,12 +31,14 @@ class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
 
-    // `glint view scene.json --size 240x180 --validation --script ...` with `script`; fails on a validation
+    // `glint view scene.json --size SIZE --validation --script ...` with `script`; fails on a validation
     // message.
     Ran view(const std::string& script, const std::vector<std::string>& more = {});
-    // `glint render NAME --size 240x180`, to `output`.
+    // `glint render NAME --size SIZE`, to `output`.
     void render(const std::string& scene, const std::string& output,
                 const std::vector<std::string>& more = {});
+
+    std::string size_ = "240x180";  // of the window and of rendered pictures
 };
 
 // The bytes of a colour picture's pixel, as a PNG holds them.

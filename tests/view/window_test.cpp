@@ -65,7 +65,7 @@ TEST_F(Window, ScreenshotTakesTheSampler) {
 
 // The key S takes a name that is free.
 TEST_F(Window, SavesBesideEarlierPictures) {
-    const Ran ran = view("key S\nsettle\nkey S\nsettle\nkey shift+S\nsettle\n", {"--spp", "1"});
+    const Ran ran = view("set samples 1\nsettle\nkey S\nsettle\nkey S\nsettle\nkey shift+S\nsettle\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("scene-view-002.png"));
     EXPECT_TRUE(std::filesystem::exists("scene-view-001.exr"));

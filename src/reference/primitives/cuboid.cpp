@@ -20,7 +20,7 @@ struct Sum {
 };
 
 // n.(v - p)
-Sum along(const glm::vec3& n, const double (&v)[3], const glm::vec3& p) {
+Sum along(const glm::dvec3& n, const double (&v)[3], const glm::dvec3& p) {
     Sum sum;
     for (int i = 0; i < 3; ++i) {
         const Extended term =
@@ -35,16 +35,16 @@ Sum along(const glm::vec3& n, const double (&v)[3], const glm::vec3& p) {
 struct Seen {
     Sum o[3], d[3];
 
-    Seen(const shared::Cuboid& c, const PreparedRay& ray) {
-        const glm::vec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    Seen(const rows::Cuboid& c, const PreparedRay& ray) {
+        const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
         for (int i = 0; i < 3; ++i) {
             o[i] = along(normals[i], ray.origin, c.point);
-            d[i] = along(normals[i], ray.direction, glm::vec3(0));
+            d[i] = along(normals[i], ray.direction, glm::dvec3(0));
         }
     }
     // Where the plane y_axis = height is crossed; d[axis] is not 0.
     Extended reach(int axis, Extended height) const { return (height - o[axis].value) / d[axis].value; }
-    bool isBetween(const shared::Cuboid& c, int axis, Extended t) const {
+    bool isBetween(const rows::Cuboid& c, int axis, Extended t) const {
         const Extended y = o[axis].value + t * d[axis].value;
         const Extended slack = kEdgeSlack * (o[axis].terms + std::abs(t) * d[axis].terms +
                                              std::abs(static_cast<Extended>(c.hi[axis])) +
@@ -58,7 +58,7 @@ bool accept(Extended t, const PreparedRay& ray, double tMax) {
     return rounded > ray.tMin && rounded <= tMax && rounded <= std::numeric_limits<double>::max();
 }
 
-bool meetsFromItself(const shared::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
+bool meetsFromItself(const rows::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
                      uint32_t& part) {
     const Extended outwards = (own & 1 ? 1 : -1) * seen.d[own / 2].value;
     if (!(outwards < 0)) return false;
@@ -77,7 +77,7 @@ bool meetsFromItself(const shared::Cuboid& c, const Seen& seen, uint32_t own, co
 
 }  // namespace
 
-bool meets(const shared::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) {
+bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) {
     root.u = root.v = 0;
     const Seen seen(c, m.ray);
     const uint32_t own = m.source >> shared::kPartShift & shared::kPartMask;
@@ -97,8 +97,8 @@ bool meets(const shared::Cuboid& c, const Meeting& m, Root& root, uint32_t& part
     return found;
 }
 
-void surfaceOf(const shared::Cuboid& c, const Place& place, Surface& surface) {
-    const glm::vec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
+    const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
     const uint32_t axis = place.part() / 2;
     const bool upper = place.part() % 2 == 1;
     const dvec3 normal = glm::normalize(dvec3(normals[axis]));
@@ -135,7 +135,7 @@ void surfaceOf(const shared::Cuboid& c, const Place& place, Surface& surface) {
     }
 }
 
-double reachOf(const PackedScene&, const Methods&, const shared::Cuboid& c) {
+double reachOf(const Model&, const Methods&, const rows::Cuboid& c) {
     const glm::dmat3 rows =
         glm::transpose(glm::dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
     const glm::dmat3 back = glm::inverse(rows);

@@ -1,0 +1,225 @@
+// The primitives of a leaf, and the planes, which lie in none.
+#ifndef GLINT_LEAF_GLSL
+#define GLINT_LEAF_GLSL
+
+// True if it is a hit, and not in a hole of the surface.
+bool isSolid(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive) {
+    if (!FEATURE_ALPHA_MASK) return isHit;
+    return isThere(traversal.ray, isHit, kind, t, u, v, primitive,
+                   FEATURE_INSTANCES ? traversal.instance : kNone);
+}
+
+#ifdef GLINT_CROSSINGS
+// Counts it, and writes it down where a list is wanted: behind the rows of the paths, two rows a hit.
+void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive) {
+#ifdef GLINT_LIST
+    if (traversal.crossed < traversal.list.y) {
+        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
+        uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
+                     2u * (traversal.list.x + traversal.crossed);
+        STORE4(pathRows, place,
+               uvec4(floatBitsToUint(t), floatBitsToUint(exchanged ? v : u),
+                     floatBitsToUint(exchanged ? u : v), primitive));
+        STORE4(pathRows, place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
+    }
+#endif
+    ++traversal.crossed;
+}
+#endif
+
+// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray
+// through does not end it.
+void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
+           uint id) {
+    bool counts = isSolid(traversal, kind, isHit, t, u, v, primitive);
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS && counts &&
+        passes(traversal.passage, traversal.ray, kind,
+               Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
+        return;
+#endif
+#ifdef GLINT_CROSSINGS
+    if (counts) cross(traversal, kind, t, u, v, primitive);
+#else
+    if (counts) accept(traversal, t, u, v, primitive, id);
+#endif
+}
+
+// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays
+// through dielectrics.
+#ifdef GLINT_CROSSINGS
+const bool kMayGoThrough = true;
+#elif defined(GLINT_SHADOW_RAYS)
+const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
+#else
+const bool kMayGoThrough = FEATURE_ALPHA_MASK;
+#endif
+
+void testTriangle(inout Traversal traversal, uint index) {
+    Triangle triangle = loadTriangle(index);
+    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
+    float t, u, v;
+#ifdef GLINT_CROSSINGS
+    bool doubtful;
+    bool isHit = crossTriangle(traversal.ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
+    traversal.doubtful |= doubtful ? 1u : 0u;
+#else
+    bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+                 !isOwnTriangle(traversal, primitive, triangle.id);
+#endif
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS)
+        traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
+#endif
+    offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
+}
+
+// Of a kind by itself: through a hole or a dielectric further hits count, from the one before on.
+#define GLINT_TEST_ALONE(Kind, crossings)                                                                \
+    void test##Kind(inout Traversal traversal, uint index) {                                             \
+        Kind one = load##Kind(index);                                                                    \
+        uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                                   \
+        Hit hit;                                                                                         \
+        Ray rest = traversal.ray;                                                                        \
+        bool isHit = hit##Kind(traversal.ray, traversal.frame, one, primitive, traversal.trips, hit);    \
+        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);                \
+        if (crossings == 2) {                                                                            \
+            if (kMayGoThrough) {                                                                         \
+                rest.tMax = traversal.ray.tMax;                                                          \
+                rest.tMin = isHit ? hit.t : rest.tMin;                                                   \
+                isHit = isHit && hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
+                offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);        \
+            }                                                                                            \
+        }                                                                                                \
+        if (crossings > 2) {                                                                             \
+            if (kMayGoThrough) {                                                                         \
+                for (uint further = 1u; isHit && further < uint(crossings); ++further) {                 \
+                    rest.tMin = hit.t;                                                                   \
+                    isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit);      \
+                    offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);    \
+                    ++traversal.trips;                                                                   \
+                }                                                                                        \
+            }                                                                                            \
+        }                                                                                                \
+    }
+#define GLINT_TEST_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_TEST_##ROLE(Kind, crossings)
+#define GLINT_TEST_TRIANGLES(Kind, crossings)
+#define GLINT_TEST_PACKETS(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
+#define GLINT_TEST_LEAVES(Kind, crossings) GLINT_TEST_ALONE(Kind, crossings)
+#define GLINT_TEST_UNBOUNDED(Kind, crossings)
+#define GLINT_TEST_INSTANCES(Kind, crossings)
+GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
+
+// One loop for each kind, as lavapipe skips work only by not entering a loop.
+#define GLINT_LOOP(Kind, FEATURE)                       \
+    if (FEATURE_##FEATURE) {                            \
+        uint index = kind == kKind##Kind ? first : end; \
+        do {                                            \
+            if (index < end) {                          \
+                test##Kind(traversal, index);           \
+                ++index;                                \
+                ++traversal.trips;                      \
+                if (MODE_COST) ++traversal.cost;        \
+            }                                           \
+        } while (index < end);                          \
+    }
+#define GLINT_LOOP_TRIANGLES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_PACKETS(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_LEAVES(Kind, FEATURE) GLINT_LOOP(Kind, FEATURE)
+#define GLINT_LOOP_UNBOUNDED(Kind, FEATURE)
+#define GLINT_LOOP_INSTANCES(Kind, FEATURE)
+#define GLINT_LOOP_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_LOOP_##ROLE(Kind, FEATURE)
+
+#ifndef GLINT_CROSSINGS
+// Where the ray may go through what it hits, what decides about that is much code, in which the drivers'
+// compilers spend seconds if each kind has it for itself. So one loop tests all kinds: a trip asks for the
+// next hit of the primitive at hand, or else takes the next primitive.
+#define GLINT_MEET_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_MEET_##ROLE(Kind, FEATURE)
+#define GLINT_MEET_ALONE(Kind, FEATURE)           \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) \
+        isHit = hit##Kind(rest, traversal.frame, load##Kind(index), primitive, traversal.trips, hit);
+#define GLINT_MEET_TRIANGLES(Kind, FEATURE)       \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) \
+        isHit = nextTriangle(traversal, rest, index, primitive, hit);
+#define GLINT_MEET_PACKETS(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
+#define GLINT_MEET_LEAVES(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
+#define GLINT_MEET_UNBOUNDED(Kind, FEATURE)
+#define GLINT_MEET_INSTANCES(Kind, FEATURE)
+
+#define GLINT_MEET_AGAIN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                         loops, uv)                                                                      \
+    || (crossings > 1 && kind == kKind##Kind)
+
+bool nextTriangle(inout Traversal traversal, Ray rest, uint index, uint primitive, out Hit hit) {
+    Triangle triangle = loadTriangle(index);
+    float t, u, v;
+    bool isHit = meetTriangle(rest, traversal.frame, triangle, t, u, v) &&
+                 !isOwnTriangle(traversal, primitive, triangle.id);
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(rest, traversal.frame, triangle);
+#endif
+    hit = Hit(t, u, v, primitive, kNone, triangle.id);
+    return isHit;
+}
+
+void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end) {
+    uint index = first;
+    float after = traversal.ray.tMin;
+    do {
+        if (index < end) {
+            Ray rest = traversal.ray;
+            rest.tMin = after;
+            uint primitive = (kind << kPrimitiveKindShift) | index;
+            Hit hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
+            bool isHit = false;
+            GLINT_PRIMITIVES(GLINT_MEET_OF_KIND, 0)
+            offer(traversal, kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+            bool further = isHit && hit.t > after && (false GLINT_PRIMITIVES(GLINT_MEET_AGAIN, 0));
+            after = further ? hit.t : traversal.ray.tMin;
+            index += further ? 0u : 1u;
+            // One trip of this loop, and that of a polygon's edges which is entered in each.
+            traversal.trips += 2u;
+            if (MODE_COST && !further) ++traversal.cost;
+        }
+    } while (index < end);
+}
+#endif
+
+// Tests the primitives of a leaf.
+void testLeaf(inout Traversal traversal, uint leaf) {
+    uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
+    uint first = leaf & kLeafFirstMask;
+    uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+#ifndef GLINT_CROSSINGS
+    if (kMayGoThrough) {
+        testLeafThrough(traversal, kind, first, end);
+    } else {
+        GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)
+    }
+#else
+    GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)
+#endif
+}
+
+void testPlanes(inout Traversal traversal, uint planeCount) {
+    uint index = 0u;
+    do {
+        if (index < planeCount) {
+            Plane plane = loadPlane(index);
+            uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
+            float t;
+            bool isHit = meetPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
+            offer(traversal, kKindPlane, isHit, t, 0.0, 0.0, primitive, plane.id);
+            ++index;
+            if (MODE_COST) ++traversal.cost;
+        }
+    } while (index < planeCount);
+}
+
+#endif

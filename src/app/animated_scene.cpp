@@ -1,0 +1,88 @@
+#include "app/animated_scene.h"
+
+#include <ostream>
+
+#include "core/available_memory.h"
+#include "core/error.h"
+#include "core/stopwatch.h"
+#include "core/text_file.h"
+#include "pack/camera_change.h"
+#include "scene/sampling.h"
+
+namespace glint::app {
+
+namespace {
+
+void overrideSampling(const SceneOptions& options, ImageSettings& image) {
+    if (options.sampler) image.sampler = *options.sampler;
+    if (options.filter) {
+        image.filter = options.filter->filter;
+        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
+    }
+    if (options.seed) image.seed = *options.seed;
+    if (options.adaptive) image.adaptive = options.adaptive;
+    const std::string wrong = samplingConflict(image);
+    if (!wrong.empty()) throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
+}
+
+}  // namespace
+
+AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err,
+                             bool quiet)
+    : options_(options), err_(quiet ? nullptr : &err) {
+    if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
+    const Stopwatch watch;
+    reader_.emplace(options.scene, LoadOptions{options.allowOutside, availableMemory()}, time);
+    override();
+    loaded_.loadSeconds = watch.seconds();
+    pack();
+    warn();
+}
+
+void AnimatedScene::override() {
+    loaded_.scene = reader_->scene();
+    Scene& scene = loaded_.scene;
+    if (options_.size) {
+        scene.image.width = options_.size->width;
+        scene.image.height = options_.size->height;
+    }
+    if (options_.spp) scene.image.samplesPerPixel = *options_.spp;
+    if (options_.maxDepth) scene.maxDepth = *options_.maxDepth;
+    overrideSampling(options_, scene.image);
+}
+
+void AnimatedScene::pack() {
+    const Stopwatch watch;
+    loaded_.packed = packScene(loaded_.scene, 0, options_.buildQuality, true, &memory_);
+    loaded_.packSeconds = watch.seconds();
+}
+
+void AnimatedScene::warn() {
+    if (!err_) return;
+    const auto say = [&](const std::string& line) {
+        if (warned_.insert(line).second) *err_ << "glint: warning: " << line << '\n';
+    };
+    for (const std::string& w : loaded_.scene.warnings) say(printable(w));
+    for (const std::string& w : loaded_.packed.warnings) say(options_.scene.string() + ": " + w);
+}
+
+AnimatedScene::Change AnimatedScene::moveTo(double time) {
+    const Stopwatch watch;
+    Change change = reader_->moveTo(time);
+    if (change == Change::Nothing) return change;
+    if (change == Change::Camera) {
+        const Camera& camera = reader_->scene().camera;
+        if (keepsArrays(loaded_.packed, loaded_.scene, camera)) {
+            setEye(loaded_.packed, camera.eye);
+            loaded_.scene.camera = camera;
+            return change;
+        }
+    }
+    override();
+    loaded_.loadSeconds = watch.seconds();
+    pack();
+    warn();
+    return Change::Scene;
+}
+
+}  // namespace glint::app

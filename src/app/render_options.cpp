@@ -1,0 +1,48 @@
+#include "app/render_options.h"
+
+#include <algorithm>
+
+#include "app/common.h"
+#include "core/error.h"
+#include "core/interrupt.h"
+
+namespace glint::app {
+
+bool needsData(const RenderCommand& command) {
+    return std::any_of(command.aovs.begin(), command.aovs.end(),
+                       [](Aov aov) { return glint::needsData(aov); });
+}
+
+std::filesystem::path outputOf(const RenderCommand& command) {
+    if (!command.output.empty()) return command.output;
+    return command.scene.scene.filename().replace_extension(".png");
+}
+
+Region checkedRegion(const RenderCommand& command, const Scene& scene) {
+    if (!command.crop) return {0, 0, scene.image.width, scene.image.height};
+    const Region& crop = *command.crop;
+    if (crop.x1 > scene.image.width || crop.y1 > scene.image.height) {
+        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
+                                             std::to_string(scene.image.width) + "x" +
+                                             std::to_string(scene.image.height) + " pixels");
+    }
+    return crop;
+}
+
+uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {
+    return 4 * sizeof(float) + 1 + (data ? sizeof(PixelData) : 0) + aovs.size() * 3 * sizeof(float);
+}
+
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
+                  Progress& progress) {
+    Request request = requestOf(loaded, command.scene);
+    request.region = region;
+    request.data = needsData(command);
+    request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
+    request.ledger = loaded.packed.features.transmission || command.json;
+    request.progress = [&progress](double fraction) { progress.update(fraction); };
+    request.cancelled = interrupted;
+    return request;
+}
+
+}  // namespace glint::app

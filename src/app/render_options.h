@@ -1,0 +1,53 @@
+// `glint render`: what its command line says, and what that asks of a tracer.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/error_target.h"
+#include "app/option_groups.h"
+#include "core/progress.h"
+#include "pack/loaded_scene.h"
+#include "trace/picture.h"
+#include "trace/request.h"
+
+namespace glint::app {
+
+struct RenderCommand {
+    SceneOptions scene;
+    std::filesystem::path output;  // empty: the scene's stem with .png, in the current folder
+    Backend backend = Backend::Gpu;
+    DeviceChoice device;
+    std::vector<Aov> aovs = {Aov::Radiance};
+    std::optional<Region> crop;
+    ErrorTarget target;
+    std::optional<PartChoice> part;
+    std::filesystem::path checkpoint, join;  // empty: none
+    double lease = 15;                       // seconds, of --join
+    std::optional<FrameRange> frames;
+    std::optional<double> framesPerSecond;
+    bool overwrite = false;  // frames that are there
+    bool json = false;       // --stats
+    ProgressMode progress = ProgressMode::Auto;
+    bool quiet = false;
+};
+
+bool needsData(const RenderCommand& command);
+
+// The picture to write.
+std::filesystem::path outputOf(const RenderCommand& command);
+
+// The pixels to draw. Throws Error(Argument) for a --crop beyond the picture.
+Region checkedRegion(const RenderCommand& command, const Scene& scene);
+
+// Of the picture itself and a copy of each layer for the file; what a device or the encoder holds on top is
+// bounded or smaller.
+uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data);
+
+// `progress` must outlive the request.
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
+                  Progress& progress);
+
+}  // namespace glint::app

@@ -1,0 +1,161 @@
+#include "app/render_result.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "app/common.h"
+#include "app/losses.h"
+#include "app/picture_advice.h"
+#include "pack/scene_arrays.h"
+#include "scene/sampling.h"
+
+namespace glint::app {
+
+namespace {
+
+// Of the finished pixels.
+nlohmann::json samplesJson(const Picture& picture) {
+    uint64_t sum = 0, count = 0;
+    uint32_t least = 0, most = 0;
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        if (!picture.done[i]) continue;
+        const uint32_t taken = picture.samples.empty() ? picture.samplesPerPixel : picture.samples[i];
+        least = count == 0 ? taken : std::min(least, taken);
+        most = std::max(most, taken);
+        sum += taken;
+        ++count;
+    }
+    const double mean = count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0;
+    return {{"min", least}, {"mean", mean}, {"max", most}};
+}
+
+nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
+    const render::StageTimes& t = outcome.drawn.times;
+    nlohmann::json json;
+    json["scene"] = command.scene.scene.string();
+    json["backend"] = nameOf(command.backend);
+    json["device"] = outcome.drawn.device;
+    json["driver"] = outcome.drawn.driver;
+    if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
+    json["files"] = nlohmann::json::array();
+    for (const auto& file : outcome.files) json["files"].push_back(file.string());
+    json["hash"] = outcome.hash;
+    json["reproducible"] = outcome.drawn.arithmetic && outcome.drawn.arithmetic->sharesBits();
+    json["complete"] = outcome.picture.complete;
+    json["width"] = outcome.picture.region.width();
+    json["height"] = outcome.picture.region.height();
+    json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
+    json["sampler"] = nameOf(samplerOf(loaded.scene.image));
+    json["samplesTaken"] = samplesJson(outcome.picture);
+    json["maxDepth"] = loaded.scene.maxDepth;
+    visitKinds(loaded.packed, [&](const KindCount& kind) {
+        if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
+    });
+    json["intersector"] = nameOf(command.scene.methods.triangles);
+    json["sphere"] = nameOf(command.scene.methods.spheres);
+    if (outcome.converged) json["error"] = errorJson(command.target, *outcome.converged);
+    json["lost"] = lossesJson(outcome.picture);
+    json["minContribution"] = command.scene.minContribution;
+    json["notFinite"] = outcome.picture.notFinite;
+    if (outcome.picture.notFinite > 0)
+        json["firstNotFinite"] = {outcome.picture.firstNotFinite.x, outcome.picture.firstNotFinite.y};
+    json["seconds"] = {{"load", loaded.loadSeconds},
+                       {"pack", loaded.packSeconds},
+                       {"upload", t.upload},
+                       {"compile", t.compile},
+                       {"trace", t.trace},
+                       {"device", t.device},
+                       {"readback", t.readback},
+                       {"write", outcome.writeSeconds},
+                       {"total", outcome.totalSeconds},
+                       {"longestSubmission", t.longestSubmission}};
+    json["submissions"] = t.submissions;
+    json["slices"] = t.slices;
+    json["resumes"] = t.resumes;
+    return json;
+}
+
+void printSummary(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                  std::ostream& out) {
+    const render::StageTimes& t = outcome.drawn.times;
+    for (const auto& file : outcome.files) {
+        out << "wrote " << file.string() << " (" << outcome.picture.region.width() << "x"
+            << outcome.picture.region.height() << ")\n";
+    }
+    if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
+    if (!outcome.drawn.device.empty())  // else nothing was left to draw
+        out << "device: " << outcome.drawn.device << ", " << outcome.drawn.driver << '\n';
+    out << "hash: " << outcome.hash;
+    if (outcome.drawn.arithmetic && !outcome.drawn.arithmetic->sharesBits())
+        out << " (this device " << outcome.drawn.arithmetic->text() << ')';
+    out << '\n';
+    out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
+        << formatSeconds(loaded.packSeconds);
+    if (t.submissions > 0) {
+        out << ", upload " << formatSeconds(t.upload) << ", compile " << formatSeconds(t.compile);
+    }
+    out << ", trace " << formatSeconds(t.trace);
+    if (t.submissions > 0) out << ", readback " << formatSeconds(t.readback);
+    out << ", write " << formatSeconds(outcome.writeSeconds) << "; " << formatSeconds(outcome.totalSeconds)
+        << " in all\n";
+}
+
+}  // namespace
+
+Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
+                    Outcome& outcome) {
+    if (!job) return drawing.draw(request);
+    outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
+    return std::move(outcome.converged->picture);
+}
+
+void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err) {
+    if (picture.notFinite == 0) return;
+    err << start << counted(picture.notFinite, "pixel") << " not finite (NaN or infinite), the first at "
+        << picture.firstNotFinite.x << ',' << picture.firstNotFinite.y
+        << "; shown black. Is a light of falloff inverseSquare almost on a surface, or far too "
+           "bright?\n";
+}
+
+void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                      std::ostream& err) {
+    const Picture& picture = outcome.picture;
+    const std::string start = "glint: warning: " + command.scene.scene.string() + ": ";
+    warnOfNotFinite(picture, start, err);
+    // That mirrors face each other without end is nothing new.
+    if (loaded.packed.features.transmission || command.scene.minContribution > 0)
+        warnOfLosses(picture, start, err);
+    if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
+    if (const auto advice =
+            pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene)))
+        err << start << *advice << '\n';
+}
+
+void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                 std::ostream& out) {
+    if (command.json) {
+        // A file name need not be UTF-8; JSON must be.
+        out << statsJson(outcome, command, loaded)
+                   .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+            << '\n';
+    } else if (!command.quiet) {
+        printSummary(outcome, command, loaded, out);
+    }
+}
+
+std::string producerText(const farm::Producer& producer) {
+    return producer.driver.empty() ? producer.device : producer.device + ", " + producer.driver;
+}
+
+void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
+                     std::ostream& err) {
+    std::string list;
+    for (const farm::Producer& producer : producers)
+        if (!producer.sharesBits) list += (list.empty() ? "" : "; ") + producerText(producer);
+    if (producers.size() < 2 || list.empty()) return;
+    err << start << "the parts come from several devices, and the bits of some are their own (" << list
+        << "): the last digits may differ from part to part\n";
+}
+
+}  // namespace glint::app

@@ -1,0 +1,48 @@
+// What came of `glint render`, for people and for programs.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/drawing.h"
+#include "app/render_options.h"
+#include "converge/converge.h"
+#include "farm/unit_result.h"
+#include "trace/picture.h"
+
+namespace glint::app {
+
+struct Outcome {
+    Picture picture;
+    std::optional<converge::Result> converged;  // its picture is `picture`
+    DrawingFacts drawn;
+    std::vector<std::filesystem::path> files;
+    std::string hash;  // of the picture, as it is written
+    double writeSeconds = 0, totalSeconds = 0;
+};
+
+// Draws the request as it is, or as often as the error asked for takes; Outcome::converged is of the latter.
+Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
+                    Outcome& outcome);
+
+// Warnings about what the picture shows, or lacks.
+void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                      std::ostream& err);
+
+// The summary, or with --stats JSON; with --quiet nothing else.
+void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
+                 std::ostream& out);
+
+// Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
+void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);
+
+std::string producerText(const farm::Producer& producer);
+
+// Says on `err` if several devices drew a picture and the bits of some are their own.
+void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
+                     std::ostream& err);
+
+}  // namespace glint::app

@@ -1,0 +1,91 @@
+#include "farm/checkpoint.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <set>
+#include <system_error>
+
+#include "core/error.h"
+#include "core/file_io.h"
+
+namespace glint::farm {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+    throw Error(ErrorKind::Failed, path.string() + ": " + what);
+}
+
+std::string reason(int number) {
+    return std::generic_category().message(number);
+}
+
+// The lock is of the file, not of the name: the name may have come to stand for another one meanwhile.
+bool stillNamed(int file, const std::filesystem::path& path) {
+    struct stat opened {
+    }, named{};
+    return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+           opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
+bool writeAll(int file, const std::vector<uint8_t>& bytes, uint64_t at) {
+    for (size_t written = 0; written < bytes.size();) {
+        const ssize_t count =
+            ::pwrite(file, bytes.data() + written, bytes.size() - written, static_cast<off_t>(at + written));
+        if (count < 0 && errno != EINTR) return false;
+        written += count > 0 ? static_cast<size_t>(count) : 0;
+    }
+    return true;
+}
+
+}  // namespace
+
+Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& header) : path_(path) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) writeFiles({{path, encodeHeader(header)}});
+    file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    if (file_ < 0) fail(path, "cannot write: " + reason(errno));
+    try {
+        if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || !stillNamed(file_, path))
+            fail(path, "another glint writes this checkpoint");
+        UnitFile read = readUnits(path, true);
+        const std::string other = difference(read.header.identity, header.identity);
+        if (!other.empty())
+            fail(path, "is a checkpoint of another picture: " + other + "; remove it, or give another name");
+        size_ = read.wholeBytes;
+        if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path, "cannot write: " + reason(errno));
+        std::set<Unit> units;
+        for (UnitResult& result : read.results)
+            if (units.insert(result.unit).second) found_.push_back(std::move(result));
+    } catch (...) {
+        ::close(file_);
+        throw;
+    }
+}
+
+Checkpoint::~Checkpoint() {
+    ::close(file_);
+}
+
+void Checkpoint::append(const UnitResult& result) {
+    const std::vector<uint8_t> bytes = encodeUnit(result);
+    if (!writeAll(file_, bytes, size_) || ::fdatasync(file_) != 0) {
+        const int number = errno;
+        if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
+            // What is left of the unit is cut off when the file is opened next.
+        }
+        fail(path_, "cannot write: " + reason(number));
+    }
+    size_ += bytes.size();
+}
+
+void Checkpoint::remove() {
+    ::unlink(path_.c_str());
+}
+
+}  // namespace glint::farm

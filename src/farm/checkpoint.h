@@ -1,0 +1,38 @@
+// A file of the units that an unfinished picture has so far.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "farm/unit_file.h"
+
+namespace glint::farm {
+
+class Checkpoint {
+  public:
+    // Opens the file, or makes it with the header. What stands behind the last whole unit, because a process
+    // ended while it wrote, is cut off. Throws Error(Failed) for a file that is damaged, is a checkpoint of
+    // another picture (and says in what), cannot be written, or is in use by another process.
+    Checkpoint(const std::filesystem::path& path, const UnitHeader& header);
+    ~Checkpoint();
+    Checkpoint(const Checkpoint&) = delete;
+    Checkpoint& operator=(const Checkpoint&) = delete;
+
+    // What an earlier run finished; each unit once. May be taken out.
+    std::vector<UnitResult>& found() { return found_; }
+
+    // The unit is on the disk when this returns. Throws Error(Failed) if it cannot be written; the units
+    // before it stay.
+    void append(const UnitResult& result);
+
+    // Once the picture is written.
+    void remove();
+
+  private:
+    std::filesystem::path path_;
+    int file_ = -1;
+    uint64_t size_ = 0;
+    std::vector<UnitResult> found_;
+};
+
+}  // namespace glint::farm

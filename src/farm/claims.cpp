@@ -1,0 +1,174 @@
+#include "farm/claims.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace glint::farm {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMark = ".claim-";
+constexpr const char* kReleased = "released\n";
+constexpr int kBeatsOfLease = 10;
+
+std::string hostAndProcess() {
+    std::array<char, 256> host{};
+    if (::gethostname(host.data(), host.size() - 1) != 0) host = {'?'};
+    return std::string(host.data()) + " " + std::to_string(::getpid());
+}
+
+[[noreturn]] void cannotWrite(const fs::path& path, int number) {
+    throw Error(ErrorKind::Failed,
+                path.string() + ": cannot write: " + std::generic_category().message(number));
+}
+
+bool writeText(int file, const std::string& text) {
+    return ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+}
+
+std::string readText(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+// False if there is such a file already. A link appears whole and is exclusive on file systems where O_EXCL
+// may not be; where there are no links, O_EXCL.
+bool createExclusively(const fs::path& path, const std::string& text, const fs::path& temporary) {
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) cannotWrite(temporary, errno);
+    const bool written = writeText(file, text);
+    int number = errno;
+    if (::close(file) != 0 || !written) {
+        ::unlink(temporary.c_str());
+        cannotWrite(temporary, number);
+    }
+    const bool linked = ::link(temporary.c_str(), path.c_str()) == 0;
+    number = errno;
+    ::unlink(temporary.c_str());
+    if (linked) return true;
+    if (number == EEXIST) return false;
+    if (number != EPERM && number != ENOTSUP && number != EMLINK && number != ENOSYS)
+        cannotWrite(path, number);
+    const int direct = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (direct < 0 && errno == EEXIST) return false;
+    if (direct < 0) cannotWrite(path, errno);
+    const bool done = writeText(direct, text);
+    number = errno;
+    if (::close(direct) != 0 || !done) cannotWrite(path, number);
+    return true;
+}
+
+}  // namespace
+
+Claims::Claims(const fs::path& folder, double lease)
+    : folder_(folder),
+      lease_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(lease))),
+      holder_(hostAndProcess()),
+      thread_([this] { beat(); }) {}
+
+Claims::~Claims() {
+    release();
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+std::string Claims::text() const {
+    return holder_ + " " + std::to_string(beats_) + "\n";
+}
+
+// Of each work the number of its newest claim.
+std::map<std::string, int> Claims::newest() const {
+    std::map<std::string, int> found;
+    std::error_code code;
+    for (fs::directory_iterator at(folder_, code), end; !code && at != end; at.increment(code)) {
+        const std::string file = at->path().filename().string();
+        const size_t mark = file.rfind(kMark);
+        if (mark == std::string::npos) continue;
+        const char* digits = file.data() + mark + std::char_traits<char>::length(kMark);
+        int generation = 0;
+        const auto [last, error] = std::from_chars(digits, file.data() + file.size(), generation);
+        if (error != std::errc() || last != file.data() + file.size()) continue;
+        int& known = found.try_emplace(file.substr(0, mark), generation).first->second;
+        known = std::max(known, generation);
+    }
+    if (code) throw Error(ErrorKind::Failed, folder_.string() + ": cannot read: " + code.message());
+    return found;
+}
+
+bool Claims::lapsed(const std::string& name, int generation) {
+    const std::string found = readText(folder_ / (name + kMark + std::to_string(generation)));
+    if (found == kReleased) return true;
+    const std::string now = std::to_string(generation) + " " + found;
+    const auto [seen, isNew] = seen_.try_emplace(name, Seen{now, Clock::now()});
+    if (!isNew && seen->second.text != now) seen->second = {now, Clock::now()};
+    return Clock::now() - seen->second.since >= lease_;
+}
+
+bool Claims::take(const std::string& name, int generation) {
+    const fs::path path = folder_ / (name + kMark + std::to_string(generation));
+    std::string own = holder_;
+    std::replace(own.begin(), own.end(), ' ', '-');
+    const std::lock_guard lock(mutex_);
+    if (!createExclusively(path, text(), folder_ / ("." + name + "." + own))) return false;
+    held_ = path;
+    seen_.erase(name);
+    changed_.notify_all();
+    return true;
+}
+
+std::optional<std::string> Claims::claim(const std::vector<std::string>& names) {
+    release();
+    const std::map<std::string, int> claimed = newest();
+    for (const std::string& name : names)
+        if (!claimed.contains(name) && take(name, 0)) return name;
+    for (const std::string& name : names) {
+        const auto known = claimed.find(name);
+        if (known != claimed.end() && lapsed(name, known->second) && take(name, known->second + 1))
+            return name;
+    }
+    return std::nullopt;
+}
+
+void Claims::release() {
+    const std::lock_guard lock(mutex_);
+    if (held_.empty()) return;
+    const int file = ::open(held_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+    if (file >= 0) {
+        writeText(file, kReleased);  // if it cannot, the lease lapses
+        ::close(file);
+    }
+    held_.clear();
+}
+
+void Claims::beat() {
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+        changed_.wait_for(lock, lease_ / kBeatsOfLease);
+        if (held_.empty() || ending_) continue;
+        ++beats_;
+        const int file = ::open(held_.c_str(), O_WRONLY | O_CLOEXEC);  // never made anew
+        if (file < 0) continue;
+        writeText(file, text());
+        ::close(file);
+    }
+}
+
+}  // namespace glint::farm

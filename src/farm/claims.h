@@ -1,0 +1,62 @@
+// Work shared out by a folder that several machines see: who does what, and what becomes of it if he dies.
+//
+// Work has names. Whoever makes the file NAME.claim-0, which only one can, has the work called NAME, and from
+// then on changes a number in that file every second or so. Whoever sees that the file stays as it is for the
+// whole of a lease, by his own clock, may make NAME.claim-1 and has the work; and so on. So no clocks are
+// compared, nothing is locked, and nothing is ever renamed or removed that another may be looking at. If the
+// first one was only slow, the work is done twice, to the same bits.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace glint::farm {
+
+class Claims {
+  public:
+    using Clock = std::chrono::steady_clock;
+
+    // The folder must be there. `lease`: seconds; a holder writes ten times in it.
+    Claims(const std::filesystem::path& folder, double lease);
+    ~Claims();  // gives back what is held
+
+    // Tries to get one of `names`, none of which is done: the first that nobody has, else the first whose
+    // holder has given it back or shown no life for a lease that this object has seen pass. Nothing if all
+    // are held. Throws Error(Failed) if the folder cannot be written.
+    std::optional<std::string> claim(const std::vector<std::string>& names);
+
+    // The work that is held is done, or given up: another may have it at once.
+    void release();
+
+  private:
+    struct Seen {
+        std::string text;
+        Clock::time_point since;
+    };
+    std::map<std::string, int> newest() const;
+    bool lapsed(const std::string& name, int generation);
+    bool take(const std::string& name, int generation);
+    void beat();
+    std::string text() const;
+
+    const std::filesystem::path folder_;
+    const Clock::duration lease_;
+    const std::string holder_;          // host and process
+    std::map<std::string, Seen> seen_;  // of the newest claim on work that another has
+
+    std::mutex mutex_;  // guards what follows
+    std::condition_variable changed_;
+    std::filesystem::path held_;  // the claim; empty: none
+    uint64_t beats_ = 0;
+    bool ending_ = false;
+    std::thread thread_;
+};
+
+}  // namespace glint::farm

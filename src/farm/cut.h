@@ -1,0 +1,38 @@
+// A picture cut into parts that cost about the same.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pack/packed_scene.h"
+#include "shared/layout.h"
+#include "trace/picture.h"
+#include "trace/request.h"
+
+namespace glint::farm {
+
+// What the tiles of a region cost, in tests of boxes and primitives; rows of tiles from the top.
+struct CostMap {
+    Region region;
+    // Pixels along an edge of a tile: that of the device's tiles, or a multiple where there would be more
+    // than a million. Parts begin and end between tiles of the device, counted from the corner of the region,
+    // so that packets of rays, and with them the layer "cost", are those of the whole picture.
+    int tile = shared::kTileSize;
+    int columns = 0, rows = 0;
+    std::vector<uint64_t> costs;
+
+    // All tiles alike.
+    explicit CostMap(const Region& whole);
+};
+
+// By a coarse picture of the reference: its tests of a few thousand rays and all that follow from them, no
+// more than a thirtieth of the rays of a part where parts are many, and a constant for what every pixel
+// takes. Depends on scene, camera and request alone: not on the device, nor the number of threads.
+CostMap estimateCosts(const PackedScene& scene, const Camera& camera, const Request& request, int parts);
+
+// The regions of each part, at most three: a run of tiles in reading order, whose cost is as near to an equal
+// share as whole tiles allow, or whole rows of them where each part has several. A part may be empty where
+// there are fewer tiles than parts.
+std::vector<std::vector<Region>> cutPicture(const CostMap& map, int parts);
+
+}  // namespace glint::farm

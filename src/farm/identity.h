@@ -1,0 +1,22 @@
+// What a picture is made from, in words: results are put together only if they agree on all of it.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace glint::farm {
+
+// Facts in a fixed order, such as {"size", "640x480"} or {"file bunny.obj", "1f2e..."}.
+struct Identity {
+    std::vector<std::pair<std::string, std::string>> facts;
+    bool operator==(const Identity&) const = default;
+    // One number for all of them (core/content_hash.h).
+    std::string hash() const;
+};
+
+// The first fact that differs, for people: "size is 640x480 there and 800x600 here"; empty if none does.
+// Facts about files are hashes, which nobody reads: "file bunny.obj has other contents".
+std::string difference(const Identity& there, const Identity& here);
+
+}  // namespace glint::farm

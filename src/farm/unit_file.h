@@ -1,0 +1,47 @@
+// Files of finished units: parts of pictures that other machines drew, and pictures that go on later.
+//
+// A file is a signature and records, each with its kind, its length, its bytes and their hash (XXH3, 64
+// bits): one HEAD, any number of UNITs, and DONE with their number in a file that is finished. So a reader
+// tells what was cut off, changed or never finished, and a writer may append. The samples are floats, bit for
+// bit, NaN in data layers included. No picture format holds scattered pieces of a picture together with what
+// they were made from and a hash of all that; and nobody mistakes a part for a picture.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "farm/identity.h"
+#include "farm/unit_result.h"
+
+namespace glint::farm {
+
+// Of the files that `glint render --part` writes.
+inline constexpr const char* kPartExtension = ".part";
+
+struct UnitHeader {
+    Identity identity;
+    Region region;          // all units of a frame together
+    std::vector<Aov> aovs;  // the picture's layers in the order in which they were asked for
+    int parts = 1;          // that each frame is cut into
+};
+
+struct UnitFile {
+    UnitHeader header;
+    std::vector<UnitResult> results;
+    bool finished = false;    // has its last record
+    uint64_t wholeBytes = 0;  // up to the end of the last record that is whole
+};
+
+// The bytes of a finished file, and those of one to which units will be appended.
+std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results);
+std::vector<uint8_t> encodeHeader(const UnitHeader& header);
+std::vector<uint8_t> encodeUnit(const UnitResult& result);
+
+// Reads a file. Throws Error(Failed) "a.part: damaged: ..." for one that was changed or is no such file, and
+// unless `unfinished` for one that ends early; with it, what is not whole at the end is left out.
+UnitFile readUnits(const std::filesystem::path& path, bool unfinished = false);
+
+}  // namespace glint::farm

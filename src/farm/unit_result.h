@@ -1,0 +1,60 @@
+// Units of work, and what comes of them. A picture's pixels do not depend on each other, so a unit is a part
+// of a frame: some of its pixels, with all their samples. Samples are not divided: a pixel's sum has one
+// order, and another one would have other bits.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "trace/picture.h"
+#include "trace/request.h"
+
+namespace glint::farm {
+
+struct Unit {
+    int frame = 0;
+    int part = 1, parts = 1;  // 1 <= part <= parts
+    auto operator<=>(const Unit&) const = default;
+};
+std::string nameOf(const Unit& unit);  // "part 3 of 8", "part 1 of 2 of frame 17"
+
+// Who drew a unit.
+struct Producer {
+    std::string device, driver;
+    // Its bits are those of all devices that keep Vulkan's promises (docs/design/reproducibility.md).
+    bool sharesBits = false;
+    bool operator==(const Producer&) const = default;
+};
+
+// What all layers but "color" and "alpha" of a picture are called, and how many channels they have.
+using LayerShapes = std::vector<std::pair<std::string, int>>;
+
+struct Block {
+    Region region;
+    Image color;                // linear radiance and alpha, as in Picture, finite
+    std::vector<Layer> layers;  // as LayerShapes says
+};
+
+struct UnitResult {
+    Unit unit;
+    Producer producer;
+    std::vector<Block> blocks;
+    uint64_t notFinite = 0;  // as in Picture
+    glm::ivec2 firstNotFinite{-1};
+    TreeLosses losses;
+};
+
+// Draws what the request asks for: a tracer.
+using Draw = std::function<Picture(const Request&)>;
+
+// Layers that a picture of these AOVs has besides colour and alpha.
+LayerShapes layerShapes(const std::vector<Aov>& aovs);
+
+// Draws the regions of a unit of the whole picture that is asked for. Nothing if it was cancelled.
+std::optional<UnitResult> drawUnit(const Draw& draw, const Request& whole, const std::vector<Region>& regions,
+                                   const std::vector<Aov>& aovs);
+
+}  // namespace glint::farm

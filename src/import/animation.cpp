@@ -1,0 +1,207 @@
+#include "import/animation.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "import/scene_keys.h"
+#include "scene/limits.h"
+
+namespace glint {
+
+namespace {
+
+// Objects have so many numbers at most (a transform); a list of more is no value that a track may have.
+constexpr size_t kMostComponents = 16;
+
+std::vector<std::string> stepsOf(const JsonCursor& target) {
+    const std::string& pointer = target.string();
+    if (pointer.size() < 2 || pointer[0] != '/')
+        target.failWanted("must be a JSON pointer such as \"/camera/eye\"");
+    std::vector<std::string> steps(1);
+    for (size_t i = 1; i < pointer.size(); ++i) {
+        if (pointer[i] == '/')
+            steps.emplace_back();
+        else if (pointer[i] == '~' && i + 1 < pointer.size() &&
+                 (pointer[i + 1] == '0' || pointer[i + 1] == '1'))
+            steps.back() += pointer[++i] == '0' ? '~' : '/';
+        else
+            steps.back() += pointer[i];
+    }
+    return steps;
+}
+
+// Any index if `text` is none.
+size_t indexOf(const std::string& text) {
+    size_t index = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    const bool leads = text.size() > 1 && text[0] == '0';  // RFC 6901 has no "01"
+    return whole && !leads ? index : static_cast<size_t>(-1);
+}
+
+// The value that a step leads to; null if there is none.
+JsonValue* child(JsonValue& value, const std::string& step) {
+    if (auto* object = std::get_if<JsonObject>(&value.data)) {
+        const auto found = std::find(object->keys.begin(), object->keys.end(), step);
+        return found == object->keys.end() ? nullptr : &object->values[found - object->keys.begin()];
+    }
+    auto* array = std::get_if<JsonArray>(&value.data);
+    const size_t index = indexOf(step);
+    return array && index < array->size() ? &(*array)[index] : nullptr;
+}
+
+const JsonValue* child(const JsonValue& value, const std::string& step) {
+    return child(const_cast<JsonValue&>(value), step);
+}
+
+bool isNumbers(const JsonValue& value) {
+    const JsonArray* array = value.array();
+    return array && std::all_of(array->begin(), array->end(), [](const JsonValue& v) { return v.number(); });
+}
+
+// All but the last step must lead somewhere; the last may be a key that stands for its default so far.
+void checkTarget(const JsonCursor& root, const JsonCursor& target, const AnimationTrack& track) {
+    static constexpr std::array<std::string_view, 5> kParts = {"camera", "background", "ambient", "lights",
+                                                               "materials"};
+    const std::string& first = track.steps.front();
+    if (first != "objects" && std::find(kParts.begin(), kParts.end(), first) == kParts.end())
+        target.fail("\"" + first +
+                    "\" cannot be animated (camera, background, ambient, lights, materials and "
+                    "objects can)");
+    const JsonValue* value = &root.value();
+    for (size_t i = 0; i < track.steps.size(); ++i) {
+        const JsonValue* next = child(*value, track.steps[i]);
+        if (!next && i + 1 == track.steps.size() && value->object()) return;
+        if (!next)
+            target.fail("the scene has nothing of that name (\"" + track.steps[i] + "\" is not there)");
+        value = next;
+    }
+    if (!value->number() && !isNumbers(*value))
+        target.fail("is " + describe(*value) + "; numbers and lists of numbers can be animated");
+    // A colour may be grey, one number, here or there.
+    const size_t there = value->number() ? 1 : value->array()->size(), wanted = track.keyframes.components;
+    const bool mayBeColors = (there == 1 || there == 3) && (wanted == 1 || wanted == 3);
+    if (there != wanted && !mayBeColors)
+        target.fail("has " + std::to_string(there) + " numbers, and the track's values have " +
+                    std::to_string(wanted));
+}
+
+void readTimes(const JsonCursor& times, Keyframes& keyframes) {
+    if (!times.value().array() || times.size() == 0)
+        times.failWanted("must be a list of seconds, one or more");
+    for (size_t i = 0; i < times.size(); ++i) {
+        const JsonCursor item = times.item(i);
+        const double time = item.number();
+        if (i > 0 && !(time > keyframes.times.back()))
+            item.failWanted("must be later than the time before it");
+        keyframes.times.push_back(time);
+    }
+}
+
+void readValue(const JsonCursor& value, bool first, AnimationTrack& track) {
+    const bool isList = value.value().number() == nullptr;
+    const size_t count = isList && value.value().array() ? value.size() : 1;
+    if (isList && (!value.value().array() || count == 0 || count > kMostComponents))
+        value.failWanted("must be a number or a list of up to " + std::to_string(kMostComponents) +
+                         " numbers");
+    if (first) {
+        track.isList = isList;
+        track.keyframes.components = count;
+    }
+    if (isList != track.isList || count != track.keyframes.components)
+        value.failWanted("must have the form of the first value");
+    if (!isList) track.keyframes.values.push_back(value.number());
+    for (size_t i = 0; isList && i < count; ++i) track.keyframes.values.push_back(value.item(i).number());
+}
+
+// A tangent may be 0, a rotation may not.
+void checkRotations(const JsonCursor& values, const AnimationTrack& track) {
+    const Keyframes& k = track.keyframes;
+    if (k.components != 4) values.failWanted("quaternions have four numbers [x, y, z, w]");
+    for (size_t i = 0; i < values.size(); ++i) {
+        if (k.interpolation == Interpolation::Cubic && i % 3 != 1) continue;
+        double squares = 0;
+        for (size_t c = 0; c < 4; ++c) squares += k.values[i * 4 + c] * k.values[i * 4 + c];
+        if (!(squares > 0)) values.item(i).failWanted("a quaternion must not be zero");
+    }
+}
+
+AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
+    cursor.expectKeys(keys::kTrack);
+    AnimationTrack track;
+    const JsonCursor target = cursor.require("target");
+    track.target = target.string();
+    track.steps = stepsOf(target);
+    Keyframes& keyframes = track.keyframes;
+    if (const auto name = cursor.find("interpolation"))
+        keyframes.interpolation = readNamed<Interpolation>(*name);
+    readTimes(cursor.require("times"), keyframes);
+    const JsonCursor values = cursor.require("values");
+    const size_t each = keyframes.interpolation == Interpolation::Cubic ? 3 : 1;
+    if (!values.value().array() || values.size() != each * keyframes.times.size())
+        values.fail("must be " + std::to_string(each * keyframes.times.size()) + " values: " +
+                    (each == 3 ? "tangent, value, tangent for each time" : "one for each time"));
+    for (size_t i = 0; i < values.size(); ++i) readValue(values.item(i), i == 0, track);
+    keyframes.rotation = track.steps.back() == "quaternion";
+    if (keyframes.rotation) checkRotations(values, track);
+    checkTarget(root, target, track);
+    return track;
+}
+
+}  // namespace
+
+Animation parseAnimation(const JsonCursor& root) {
+    Animation animation;
+    const auto cursor = root.find("animation");
+    if (!cursor) return animation;
+    cursor->expectKeys(keys::kAnimation);
+    if (const auto rate = cursor->find("framesPerSecond")) {
+        animation.framesPerSecond = rate->number();
+        if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");
+    }
+    const JsonCursor tracks = cursor->require("tracks");
+    for (size_t i = 0; i < tracks.size(); ++i) {
+        animation.tracks.push_back(parseTrack(root, tracks.item(i)));
+        const std::string& target = animation.tracks.back().target;
+        for (size_t before = 0; before < i; ++before)
+            if (animation.tracks[before].target == target)
+                tracks.item(i).fail("a track before it has the same target");
+    }
+    return animation;
+}
+
+AnimationSpan spanOf(const Animation& animation) {
+    AnimationSpan span{animation.framesPerSecond, animation.tracks.size(), 0, 0};
+    bool first = true;
+    for (const AnimationTrack& track : animation.tracks) {
+        const std::vector<double>& times = track.keyframes.times;
+        span.start = first ? times.front() : std::min(span.start, times.front());
+        span.end = first ? times.back() : std::max(span.end, times.back());
+        first = false;
+    }
+    return span;
+}
+
+void setValue(JsonValue& document, const AnimationTrack& track, const std::vector<double>& value) {
+    JsonValue* at = &document;
+    for (size_t i = 0; i < track.steps.size(); ++i) {
+        JsonValue* next = child(*at, track.steps[i]);
+        if (!next) {
+            auto& object = std::get<JsonObject>(at->data);
+            object.keys.push_back(track.steps[i]);
+            next = &object.values.emplace_back();
+        }
+        at = next;
+    }
+    if (!track.isList) {
+        at->data = value.front();
+        return;
+    }
+    JsonArray list;
+    for (const double number : value) list.push_back({number});
+    at->data = std::move(list);
+}
+
+}  // namespace glint

@@ -1,0 +1,21 @@
+// The scene file as a tree of JSON, for readers that change numbers in it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "import/json_cursor.h"
+#include "import/parse_objects.h"
+#include "import/scene_files.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+// As the function of import/load.h; meshes that `memory` holds are not read again.
+Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
+                 SceneFiles& files, MeshMemory& memory);
+
+// The document's camera alone, checked.
+Camera parseCamera(const JsonCursor& root, const std::string& name);
+
+}  // namespace glint

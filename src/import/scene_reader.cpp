@@ -1,0 +1,84 @@
+#include "import/scene_reader.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "core/text_file.h"
+#include "import/animation.h"
+#include "import/parse_scene.h"
+#include "scene/validate.h"
+
+namespace glint {
+
+struct SceneReader::State {
+    std::filesystem::path path, folder;
+    std::string name;
+    SceneFiles files;
+    MeshMemory meshes;
+    JsonValue document;  // of a .json file, as it stands in it
+    Animation animation;
+    std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
+    Scene scene;
+
+    State(const std::filesystem::path& file, const LoadOptions& options)
+        : path(file), folder(file.parent_path()), name(file.string()), files(folder, options) {}
+
+    Scene parsed(const JsonValue& json) {
+        Scene made = parseScene(json, name, folder, files, meshes);
+        made.sources = files.sources();
+        return made;
+    }
+    Change show(double time, bool everything);
+};
+
+SceneReader::Change SceneReader::State::show(double time, bool everything) {
+    JsonValue moved = document;
+    Change change = everything ? Change::Scene : Change::Nothing;
+    for (size_t i = 0; i < animation.tracks.size(); ++i) {
+        const AnimationTrack& track = animation.tracks[i];
+        std::vector<double> value = valueAt(track.keyframes, time);
+        setValue(moved, track, value);
+        if (value == values[i]) continue;
+        values[i] = std::move(value);
+        change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
+    }
+    try {
+        if (change == Change::Camera) scene.camera = parseCamera(JsonCursor(moved, name), name);
+        if (change == Change::Scene) scene = parsed(moved);
+    } catch (const Error& error) {
+        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+    }
+    return change;
+}
+
+SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& options,
+                         std::optional<double> time)
+    : state_(std::make_unique<State>(path, options)) {
+    State& s = *state_;
+    if (lowerExtension(path) != ".json") {
+        s.scene = loadScene(path, options);
+        return;
+    }
+    s.document = parseJson(s.files.read(path), s.name);
+    s.animation = parseAnimation(JsonCursor(s.document, s.name));
+    s.values.resize(s.animation.tracks.size());
+    if (time)
+        s.show(*time, true);
+    else
+        s.scene = s.parsed(s.document);
+}
+
+SceneReader::~SceneReader() = default;
+SceneReader::SceneReader(SceneReader&&) noexcept = default;
+
+SceneReader::Change SceneReader::moveTo(double time) {
+    return state_->show(time, false);
+}
+
+const Scene& SceneReader::scene() const {
+    return state_->scene;
+}
+
+}  // namespace glint

@@ -1,0 +1,34 @@
+// A scene file that is read once and shown at many times.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "import/load.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+class SceneReader {
+  public:
+    // Reads the file, as loadScene does, at a moment of its animation in seconds; without one, as it stands
+    // in the file. Meshes and pictures are kept for later moments.
+    SceneReader(const std::filesystem::path& path, const LoadOptions& options,
+                std::optional<double> time = {});
+    ~SceneReader();
+    SceneReader(SceneReader&&) noexcept;
+
+    const Scene& scene() const;
+
+    // What a later moment changes. Camera: Scene::camera and nothing else.
+    enum class Change { Nothing, Camera, Scene };
+    // Throws Error(Scene) where the file's rules forbid what the animation comes to.
+    Change moveTo(double time);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace glint

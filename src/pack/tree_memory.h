@@ -1,0 +1,42 @@
+// Trees of the scene that was packed last, for one that is packed next and shares geometry with it: a frame
+// of an animation. A tree is found again by a hash of all that it is built from, so it is the very tree that
+// would be built.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "pack/build_tree.h"
+
+namespace glint {
+
+class TreeMemory {
+  public:
+    struct Entry {
+        Tree tree;
+        std::optional<Primitives> split;  // with the entries that splitting added, if it added any
+        bool used = false;
+    };
+
+    // The next scene begins: what the one before it did not use is forgotten.
+    void begin();
+    // Null if there is none. Valid until begin().
+    const Entry* find(uint64_t key);
+    void keep(uint64_t key, Entry entry);
+
+    // Trees that were built, and not found, since the start.
+    uint64_t built() const { return built_; }
+
+  private:
+    std::mutex mutex_;  // prototypes may be packed by several threads
+    std::map<uint64_t, Entry> entries_;
+    uint64_t built_ = 0;
+};
+
+// Of everything that the tree depends on.
+uint64_t treeKey(const Primitives& primitives, const Scene& scene, const Frame& frame,
+                 const TreeOptions& options);
+
+}  // namespace glint

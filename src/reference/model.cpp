@@ -1,0 +1,105 @@
+#include "reference/model.h"
+
+#include <bit>
+
+#include "reference/widened.h"
+
+namespace glint::reference {
+
+namespace {
+
+template <class To, class From>
+void widenArray(const std::vector<From>& from, std::vector<To>& to) {
+    to.assign(from.begin(), from.end());
+}
+
+// x (1 + units 2^-24 h) with h in [-1, 1) by the number's bits and the seed. splitmix64 (Steele, Lea, Flood
+// 2014).
+struct Disturbance {
+    uint64_t seed;
+    double step;
+    bool isCopied = false;  // a number that fp32 holds stays: an index of 1 is that of air
+
+    void operator()(double& x) const {
+        if (isCopied && x == static_cast<double>(static_cast<float>(x))) return;
+        uint64_t z = std::bit_cast<uint64_t>(x) + seed * 0x9e3779b97f4a7c15u;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        z ^= z >> 31;
+        x += x * step * (static_cast<double>(z >> 11) * 0x1p-52 - 1);
+    }
+    void operator()(glm::dvec3& v) const {
+        for (int i = 0; i < 3; ++i) (*this)(v[i]);
+    }
+    template <class Row>
+    void operator()(std::vector<Row>& array) const {
+        for (Row& row : array) row.changeNumbers(*this);
+    }
+};
+
+}  // namespace
+
+Model widened(const PackedScene& scene) {
+    Model model;
+    model.origin = scene.origin;
+    model.nodes = std::make_shared<const std::vector<rows::Node>>(scene.nodes.begin(), scene.nodes.end());
+#define GLINT_WIDEN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    widenArray(scene.kinds, model.kinds);
+    GLINT_PRIMITIVES(GLINT_WIDEN, 0)
+#undef GLINT_WIDEN
+    widenArray(scene.triangleSurfaces, model.triangleSurfaces);
+    widenArray(scene.vertexNormals, model.vertexNormals);
+    widenArray(scene.polygonVertices, model.polygonVertices);
+    widenArray(scene.materials, model.materials);
+    widenArray(scene.optics, model.optics);
+    widenArray(scene.lights, model.lights);
+    widenArray(scene.textures, model.textures);
+    widenArray(scene.vertexAttributes, model.vertexAttributes);
+    widenArray(scene.objectFrames, model.objectFrames);
+    model.environment = scene.environment;
+    model.texels = std::shared_ptr<const std::vector<shared::Texel>>(std::shared_ptr<void>(), &scene.texels);
+    model.alphaMask = scene.features.alphaMask;
+    model.coloredShadows = scene.features.coloredShadows;
+    model.instanceGain = scene.instanceGain;
+    model.boundsLo = glm::dvec3(scene.boundsLo);
+    model.boundsHi = glm::dvec3(scene.boundsHi);
+    return model;
+}
+
+Model disturbed(const Model& model, uint64_t seed, double units) {
+    Model moved = model;
+    const Disturbance disturb{seed, units * 0x1p-24};
+#define GLINT_DISTURB(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                      uv)                                                                                    \
+    disturb(moved.kinds);
+    GLINT_PRIMITIVES(GLINT_DISTURB, 0)
+#undef GLINT_DISTURB
+    disturb(moved.vertexNormals);
+    disturb(moved.polygonVertices);
+    // Packing copies these from the scene, and computes all others.
+    const Disturbance disturbCopy{seed, units * 0x1p-24, true};
+    disturbCopy(moved.materials);
+    disturbCopy(moved.optics);
+    disturb(moved.lights);
+    disturbCopy(moved.textures);
+    disturb(moved.vertexAttributes);
+    disturb(moved.objectFrames);
+    disturb(moved.environment.background);
+    disturb(moved.environment.ambient);
+    return moved;
+}
+
+rows::Camera disturbed(const rows::Camera& camera, uint64_t seed, double units) {
+    rows::Camera moved = camera;
+    const Disturbance disturb{seed, units * 0x1p-24};
+    for (glm::dvec3* v : {&moved.eye, &moved.center, &moved.stepX, &moved.stepY, &moved.originStepX,
+                          &moved.originStepY, &moved.lensX, &moved.lensY})
+        disturb(*v);
+    disturb(moved.inverseFocus);
+    disturb(moved.nearT);
+    disturb(moved.farT);
+    return moved;
+}
+
+}  // namespace glint::reference

@@ -1,0 +1,106 @@
+// The arrays that the reference traces: those of shaders/shared/layout.h, in double. Widened from the rounded
+// ones of the device (widened.h), or made from the scene as it was read, with nothing rounded
+// (truth/truth.h).
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "shared/layout.h"
+
+namespace glint::reference {
+
+// Each row list of the layout once more, with dvec3 for vec3 and double for float.
+namespace rows {
+#define GLINT_ROW_V3F(A, a, b) \
+    glm::dvec3 a{0};           \
+    double b = 0;
+#define GLINT_ROW_V3U(A, a, b) \
+    glm::dvec3 a{0};           \
+    uint32_t b = 0;
+#define GLINT_ROW_U4(A, a, b, c, d) uint32_t a = 0, b = 0, c = 0, d = 0;
+#define GLINT_WIDEN_V3F(A, a, b) \
+    a = glm::dvec3(from.a);      \
+    b = static_cast<double>(from.b);
+#define GLINT_WIDEN_V3U(A, a, b) \
+    a = glm::dvec3(from.a);      \
+    b = from.b;
+#define GLINT_WIDEN_U4(A, a, b, c, d) \
+    a = from.a;                       \
+    b = from.b;                       \
+    c = from.c;                       \
+    d = from.d;
+#define GLINT_NUMBERS_V3F(A, a, b)            \
+    for (int i = 0; i < 3; ++i) change(a[i]); \
+    change(b);
+#define GLINT_NUMBERS_V3U(A, a, b) \
+    for (int i = 0; i < 3; ++i) change(a[i]);
+#define GLINT_NUMBERS_U4(A, a, b, c, d)
+#define GLINT_ROW_STRUCT(binding, array, Name, ROWS)                                                 \
+    struct Name {                                                                                    \
+        ROWS(GLINT_ROW_V3F, GLINT_ROW_V3U, GLINT_ROW_U4, 0)                                          \
+        Name() = default;                                                                            \
+        /* Exact: each float is a double. */                                                         \
+        Name(const shared::Name& from) { ROWS(GLINT_WIDEN_V3F, GLINT_WIDEN_V3U, GLINT_WIDEN_U4, 0) } \
+        /* change(double&) for each of its numbers that packing rounds. */                           \
+        template <class Change>                                                                      \
+        void changeNumbers([[maybe_unused]] const Change& change) {                                  \
+            ROWS(GLINT_NUMBERS_V3F, GLINT_NUMBERS_V3U, GLINT_NUMBERS_U4, 0)                          \
+        }                                                                                            \
+        bool operator==(const Name&) const = default;                                                \
+    };
+GLINT_SCENE_ARRAYS(GLINT_ROW_STRUCT)
+#undef GLINT_ROW_STRUCT
+#undef GLINT_ROW_V3F
+#undef GLINT_ROW_V3U
+#undef GLINT_ROW_U4
+#undef GLINT_WIDEN_V3F
+#undef GLINT_WIDEN_V3U
+#undef GLINT_WIDEN_U4
+#undef GLINT_NUMBERS_V3F
+#undef GLINT_NUMBERS_V3U
+#undef GLINT_NUMBERS_U4
+}  // namespace rows
+
+// Levels below a tree's root at most, of the world's and of each prototype's.
+inline constexpr size_t kMaxTreeDepth = 63;
+
+struct Model {
+    glm::dvec3 origin{0};  // world = origin + local; every position below is local
+    std::shared_ptr<const std::vector<rows::Node>> nodes = std::make_shared<const std::vector<rows::Node>>();
+// triangles, spheres, ...: of each kind those that are in leaves in leaf order
+#define GLINT_MODEL_ARRAY(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                          loops, uv)                                                                      \
+    std::vector<rows::Kind> kinds;
+    GLINT_PRIMITIVES(GLINT_MODEL_ARRAY, 0)
+#undef GLINT_MODEL_ARRAY
+    std::vector<rows::TriangleSurface> triangleSurfaces;  // parallel to triangles
+    std::vector<rows::VertexNormals> vertexNormals;
+    std::vector<rows::PolygonVertex> polygonVertices;
+    std::vector<rows::Material> materials;
+    std::vector<rows::Optics> optics;
+    std::vector<rows::Light> lights;
+    std::vector<rows::Texture> textures;
+    std::vector<rows::VertexAttribute> vertexAttributes;
+    std::vector<rows::ObjectFrame> objectFrames;  // of every object, or none
+    rows::Environment environment;
+    // Images are floats as they are read, and stay so.
+    std::shared_ptr<const std::vector<shared::Texel>> texels =
+        std::make_shared<const std::vector<shared::Texel>>();
+    bool alphaMask = false;               // some material's image cuts holes
+    bool coloredShadows = false;          // light passes through what transmits
+    double instanceGain = 0;              // see PackedScene
+    glm::dvec3 boundsLo{0}, boundsHi{0};  // of everything in the tree
+};
+
+// What rounding each number of the model to fp32 could make of it: each is moved by up to `units` * 2^-24 of
+// itself, at random by its own value and `seed`, so that equal numbers stay equal, a mesh stays closed, and
+// zero stays zero; of materials and textures, which are copied, what fp32 holds stays. The tree is the same:
+// boxes of truthOf have room for kDisturbanceRoom units. Texels and counts stay.
+Model disturbed(const Model& model, uint64_t seed, double units);
+rows::Camera disturbed(const rows::Camera& camera, uint64_t seed, double units);
+inline constexpr double kDisturbanceRoom = 32;
+
+}  // namespace glint::reference

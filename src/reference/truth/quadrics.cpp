@@ -1,0 +1,237 @@
+// Quadrics as the layout has them (GLINT_QUADRIC_ROWS), in double. With y in units of the surface's own size,
+// docs/reference/scene-format.md says what each shape is.
+#include <cmath>
+
+#include "reference/truth/part.h"
+
+namespace glint::reference::truth {
+namespace {
+
+using glm::dmat3;
+using glm::dvec3;
+
+// Where a side of the clipping box is not to clip.
+constexpr double kBeyond = 1.25;
+
+// y = (rows of toLocal).(x - point), in the coordinates of the shape.
+struct Surface {
+    dvec3 point{0};
+    dmat3 toLocal{1};
+    dvec3 squares{0}, products{0}, linear{0};
+    double constant = 0;
+    dvec3 lo{-kBeyond}, hi{kBeyond};
+    uint32_t caps = 0;
+    Bounds box;  // in the coordinates of the shape; of a body of revolution its `discs`
+    // The discs whose hull holds a body of revolution.
+    struct Disc {
+        dvec3 center, u, v;
+    };
+    std::vector<Disc> discs;
+};
+
+// Local z from base to top, in units of `size`, from the middle. The length from there to either end.
+double alongAxis(const dvec3& base, const dvec3& top, double size, double radius, bool capped, Surface& s) {
+    const dvec3 w = unit(top - base);
+    // Any axis across will do; that of the least component is farthest from w.
+    int least = 0;
+    for (int i = 1; i < 3; ++i)
+        if (std::abs(w[i]) < std::abs(w[least])) least = i;
+    dvec3 aside(0);
+    aside[least] = 1;
+    const dvec3 u = unit(glm::cross(w, aside)), v = glm::cross(w, u);
+    s.point = (base + top) / 2.0;
+    for (int i = 0; i < 3; ++i) s.toLocal[i] = dvec3(u[i], v[i], w[i]) / size;
+    const double half = glm::length(top - base) / (2 * size);
+    s.lo.z = -half;
+    s.hi.z = half;
+    if (capped) s.caps = shared::kCapLower | shared::kCapUpper;
+    for (const dvec3& end : {base, top}) s.discs.push_back({end, radius * u, radius * v});
+    return half;
+}
+
+// Measured from the place `z` on the axis instead: what of the equation depends on z is the caller's.
+void moveAlongAxis(double z, Surface& s) {
+    // A local length is 1 / size of one along the axis; row 2 of toLocal is w / size.
+    const dvec3 row(s.toLocal[0].z, s.toLocal[1].z, s.toLocal[2].z);
+    s.point += z / glm::dot(row, row) * row;
+    s.lo.z -= z;
+    s.hi.z -= z;
+}
+
+struct SurfaceOf {
+    dvec3 eye;  // in the coordinates of the shape
+
+    // The Hessian's halves, and the gradient's at the middle of the box.
+    Surface operator()(const QuadricShape& q) const {
+        const double* c = q.coefficients;
+        Surface s;
+        s.box.include(q.lo);
+        s.box.include(q.hi);
+        const dvec3 half = (q.hi - q.lo) / 2.0;
+        const double size = std::max({half.x, half.y, half.z});
+        s.point = q.lo + half;
+        s.toLocal = dmat3(1 / size);
+        s.hi = half / size;
+        s.lo = -s.hi;
+        const dvec3 p = s.point;
+        const dvec3 squares(c[0], c[1], c[2]), products(c[4] / 2, c[5] / 2, c[3] / 2);
+        const dvec3 image(squares.x * p.x + products.z * p.y + products.y * p.z,
+                          products.z * p.x + squares.y * p.y + products.x * p.z,
+                          products.y * p.x + products.x * p.y + squares.z * p.z);
+        const dvec3 slope(c[6] / 2, c[7] / 2, c[8] / 2);
+        s.squares = size * size * squares;
+        s.products = size * size * products;
+        s.linear = size * (image + slope);
+        s.constant = glm::dot(p, image + 2.0 * slope) + c[9];
+        return s;
+    }
+    Surface operator()(const EllipsoidShape& e) const {
+        Surface s;
+        s.box.include(e.center - e.radii);
+        s.box.include(e.center + e.radii);
+        s.point = e.center;
+        s.toLocal = dmat3(1 / e.radii.x, 0, 0, 0, 1 / e.radii.y, 0, 0, 0, 1 / e.radii.z);
+        s.squares = dvec3(1);
+        s.constant = -1;
+        return s;
+    }
+    // x^2 + y^2 = 1; a long one is measured from where the eye is.
+    Surface operator()(const CylinderShape& c) const {
+        Surface s;
+        const double half = alongAxis(c.base, c.top, c.radius, c.radius, c.capped, s);
+        s.squares = {1, 1, 0};
+        s.constant = -1;
+        if (half > 64) moveAlongAxis(std::clamp((s.toLocal * (eye - s.point)).z, -half, half), s);
+        return s;
+    }
+    // x^2 + y^2 = (g z)^2 from the apex, where that is within two lengths of the middle, else x^2 + y^2 = (m
+    // + g z)^2.
+    Surface operator()(const ConeShape& c) const {
+        Surface s;
+        const double size = std::max(c.radius, c.topRadius);
+        const double half = alongAxis(c.base, c.apex, size, size, c.capped, s);
+        const double lower = c.radius / size, upper = c.topRadius / size;
+        const double growth = (upper - lower) / (2 * half), middle = (lower + upper) / 2;
+        s.squares = {1, 1, -growth * growth};
+        const double apex = upper == 0 ? half : lower == 0 ? -half : -middle / growth;
+        if (std::abs(apex) <= 4 * half) {
+            moveAlongAxis(apex, s);
+        } else {
+            s.linear.z = -middle * growth;
+            s.constant = -middle * middle;
+        }
+        return s;
+    }
+    // x^2 + y^2 = waist^2 + k z^2, 1 at either end.
+    Surface operator()(const HyperboloidShape& h) const {
+        Surface s;
+        const double half = alongAxis(h.base, h.top, h.radius, h.radius, h.capped, s);
+        const double waist = h.waist / h.radius;
+        s.squares = {1, 1, (waist - 1) * (waist + 1) / (half * half)};
+        s.constant = -waist * waist;
+        return s;
+    }
+    // x^2 + y^2 = z / height, from the vertex on.
+    Surface operator()(const ParaboloidShape& p) const {
+        Surface s;
+        const double half = alongAxis(p.vertex, p.top, p.radius, p.radius, p.capped, s);
+        s.point = p.vertex;
+        s.squares = {1, 1, 0};
+        s.linear.z = -1 / (4 * half);
+        s.lo.z = -half / 2;
+        s.hi.z = 2 * half;
+        s.caps = p.capped ? shared::kCapUpper : 0;
+        return s;
+    }
+    template <class Other>
+    Surface operator()(const Other&) const {
+        return {};
+    }
+};
+
+Bounds boundsOf(const Surface& s, const Shape& shape, const Place& place) {
+    Bounds bounds;
+    // An ellipse's half widths are the lengths of the rows of its axes.
+    for (const Surface::Disc& disc : s.discs) {
+        const dvec3 u = place.linear * disc.u, v = place.linear * disc.v;
+        const dvec3 reach = glm::sqrt(u * u + v * v);
+        bounds.include(place(disc.center) - reach);
+        bounds.include(place(disc.center) + reach);
+    }
+    if (!s.discs.empty()) return bounds;
+    if (const auto* e = std::get_if<EllipsoidShape>(&shape)) {
+        dvec3 square(0);
+        for (int i = 0; i < 3; ++i) square += e->radii[i] * e->radii[i] * place.linear[i] * place.linear[i];
+        bounds.include(place(e->center) - glm::sqrt(square));
+        bounds.include(place(e->center) + glm::sqrt(square));
+        return bounds;
+    }
+    for (int i = 0; i < 8; ++i) bounds.include(place(s.box.corner(i)));
+    return bounds;
+}
+
+double valueAt(const Surface& s, const dvec3& y, dvec3& slope) {
+    const dvec3 image(s.squares.x * y.x + s.products.z * y.y + s.products.y * y.z,
+                      s.products.z * y.x + s.squares.y * y.y + s.products.x * y.z,
+                      s.products.y * y.x + s.products.x * y.y + s.squares.z * y.z);
+    slope = 2.0 * (image + s.linear);
+    return glm::dot(y, image + 2.0 * s.linear) + s.constant;
+}
+
+// Where the eye is nearer to the surface than 1/64 of its size, the surface is measured from its point
+// nearest the eye, where the constant vanishes.
+void measureFromNear(const dvec3& eye, Surface& s) {
+    const dvec3 from = s.toLocal * (eye - s.point);
+    dvec3 y = from, slope;
+    for (int step = 0; step < 12; ++step) {
+        y = glm::clamp(y, s.lo, s.hi);
+        const double value = valueAt(s, y, slope);
+        if (slope == dvec3(0)) return;
+        y -= value / glm::dot(slope, slope) * slope;
+    }
+    if (y != glm::clamp(y, s.lo, s.hi) || 64 * glm::distance(y, from) >= 1) return;
+    const double value = valueAt(s, y, slope);
+    if (std::abs(value) > 0x1p-40 * glm::length(slope)) return;
+    s.constant = value;
+    s.linear = slope / 2.0;
+    s.lo -= y;
+    s.hi -= y;
+    s.point += glm::inverse(s.toLocal) * y;
+}
+
+}  // namespace
+
+void Part::addQuadric(const Shape& shape, const Place& place, const dvec3& origin, const dvec3& eye,
+                      const Identity& who) {
+    const dvec3 seenFrom = place.inverse * (eye - place.offset);
+    Surface s = std::visit(SurfaceOf{seenFrom}, shape);
+    Bounds bounds = boundsOf(s, shape, place);
+    measureFromNear(seenFrom, s);
+    const dmat3 turned = glm::transpose(s.toLocal * place.inverse);
+    rows::Quadric row;
+    row.point = place(s.point) - origin;
+    row.toLocal0 = turned[0];
+    row.toLocal1 = turned[1];
+    row.toLocal2 = turned[2];
+    const double greatest =
+        std::max({std::abs(s.squares.x), std::abs(s.squares.y), std::abs(s.squares.z), std::abs(s.products.x),
+                  std::abs(s.products.y), std::abs(s.products.z), std::abs(s.linear.x), std::abs(s.linear.y),
+                  std::abs(s.linear.z), std::abs(s.constant)});
+    row.squares = s.squares / greatest;
+    row.products = s.products / greatest;
+    row.linear = s.linear / greatest;
+    row.constant = s.constant / greatest;
+    row.lo = s.lo;
+    row.hi = s.hi;
+    row.caps = s.caps;
+    row.id = who.id;
+    row.object = who.object;
+    row.primitive = who.face;
+    row.material = who.material;
+    model.quadrics.push_back(row);
+    bounds.lo -= origin;
+    bounds.hi -= origin;
+    addItem(shared::PrimitiveKind::Quadric, model.quadrics.size() - 1, bounds, 16 * place.gain);
+}
+
+}  // namespace glint::reference::truth

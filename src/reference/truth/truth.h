@@ -1,0 +1,21 @@
+// The scene as it was read, in double: nothing is packed or rounded, and no code of src/pack has a part in it
+// (tests/module_dependencies.cmake). What the reference makes of it is the truth.
+#pragma once
+
+#include "reference/model.h"
+#include "scene/scene.h"
+
+namespace glint::reference {
+
+// `scene`: valid. origin: what local coordinates count from; where that is PackedScene::origin, rays of the
+// packed scene are rays of this one. Boxes of its tree have room for disturbed models. Ids, objects and faces
+// are those of the packed scene, the places of primitives in their arrays are not.
+Model truthOf(const Scene& scene, const glm::dvec3& origin, unsigned threads = 0);
+
+// Another camera's eye, in the world: the media that it is in.
+void setEye(Model& model, const glm::dvec3& eye);
+
+// The camera of a picture of width x height pixels.
+rows::Camera truthCamera(const Camera& camera, int width, int height, const glm::dvec3& origin);
+
+}  // namespace glint::reference

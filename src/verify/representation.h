@@ -1,0 +1,96 @@
+// Does the rounded scene show what the scene that was read shows? Both are drawn by the reference, so what
+// differs is what packing has made of the numbers: each is rounded once, and what that can do is what the
+// truth itself shows with its numbers moved as far (docs/design/verification.md).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "reference/sampling.h"
+#include "reference/tracer.h"
+#include "scene/scene.h"
+#include "verify/quantities.h"
+
+namespace glint::verify {
+
+struct Options;
+struct Sensitivity;
+
+// A pixel where rounding the scene shows more than its response, and why.
+struct RepresentedPixel {
+    int x = 0, y = 0;
+    size_t sample = 0;
+    bool explained = false;
+    double difference = 0;  // greatest colour difference
+    reference::PixelRecord truth, rounded;
+};
+
+struct Representation {
+    uint64_t asked = 0;  // pixels
+    // Beyond what the truth's own response predicts: given by some rounding of the scene, or a defect in
+    // packing.
+    uint64_t explained = 0, unexplained = 0;
+    uint64_t allowed = 0;                    // how many may be explained, as of the device's
+    double rmse = 0, p99 = 0, greatest = 0;  // of colour, between both scenes
+    std::vector<RepresentedPixel> worst;     // unexplained first, then by difference
+    bool passed() const { return unexplained == 0 && explained <= allowed; }
+};
+
+// One of each 2 x 2 pixels is asked, at random; of a picture of no more than so many all.
+inline constexpr size_t kSmallPicture = 4096;
+
+class RepresentationCheck {
+  public:
+    // `read`: what `packed` was made from; rounded, camera: of that. All must outlive the check.
+    RepresentationCheck(const Scene& read, const PackedScene& packed, const reference::Tracer& rounded,
+                        const shared::Camera& camera, const Options& options);
+
+    // From any thread, but one for a row; rounded: what the reference sees of the packed scene there.
+    void compare(int x, int y, uint32_t sample, const reference::FilmSample& s,
+                 const reference::PixelRecord& rounded);
+    // Once all are compared.
+    Representation judge(const Sensitivity& sensitivity, size_t worstCount);
+
+  private:
+    // Answers of moved scenes that all decisions have led to alike.
+    struct Class {
+        uint32_t decisions;
+        Hull hull;
+        size_t members;
+    };
+    struct Doubt {
+        int x, y;
+        uint32_t sample;
+        reference::FilmSample film;
+        Quantities rounded;
+        uint32_t pathHash, shadowBits;  // of the rounded scene
+        uint32_t decisions;             // of the truth
+        bool samePath;                  // as the truth's, and decided alike where a class of it is
+        double difference;
+        std::vector<Class> classes;
+        enum class State { Open, Predicted, Explained, Unexplained } state = State::Open;
+    };
+    struct Row {
+        std::vector<float> differences;
+        double squares = 0;
+        std::vector<Doubt> doubts;
+    };
+    bool asks(int x, int y, uint32_t sample) const;
+    reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera,
+                         const Doubt& doubt) const;
+    void draw(uint64_t seed, double units, std::vector<Doubt*>& open) const;
+    void searchOn(Doubt& doubt, bool persistently) const;
+    RepresentedPixel pixelOf(const Doubt& doubt) const;
+
+    const PackedScene& packed_;
+    const Options& options_;
+    double radianceBound_;
+    std::shared_ptr<const reference::Model> model_;
+    reference::Tracer truth_;
+    reference::rows::Camera camera_;
+    const reference::Tracer& rounded_;
+    const shared::Camera& roundedCamera_;
+    std::vector<Row> rows_;
+};
+
+}  // namespace glint::verify

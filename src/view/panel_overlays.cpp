@@ -1,0 +1,286 @@
+// What stands over the picture beside the panel.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "view/keys.h"
+#include "view/panel_parts.h"
+
+namespace glint::view {
+
+namespace {
+
+constexpr ImU32 kEyeRay = IM_COL32(255, 255, 255, 220), kReflectedRay = IM_COL32(255, 170, 60, 220),
+                kTransmittedRay = IM_COL32(90, 200, 255, 220), kOutline = IM_COL32(0, 0, 0, 160);
+
+struct HelpLine {
+    const char* name;
+    const char* help;
+};
+
+// Two pairs of columns where they fit, else one.
+void drawHelpTable(const char* id, const std::vector<HelpLine>& lines, bool wide) {
+    if (!ImGui::BeginTable(id, wide ? 4 : 2, ImGuiTableFlags_SizingFixedFit)) return;
+    for (int pair = 0; pair < (wide ? 2 : 1); ++pair) {
+        ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed);
+        ImGui::TableSetupColumn("help", ImGuiTableColumnFlags_WidthStretch);
+    }
+    const size_t rows = wide ? (lines.size() + 1) / 2 : lines.size();
+    for (size_t row = 0; row < rows; ++row) {
+        ImGui::TableNextRow();
+        for (size_t i = row; i < lines.size(); i += rows) {
+            ImGui::TableNextColumn();
+            ImGui::TextColored(kGreen, "%s", lines[i].name);
+            ImGui::TableNextColumn();
+            ImGui::TextWrapped("%s", lines[i].help);
+        }
+    }
+    ImGui::EndTable();
+}
+
+ImU32 colorOf(reference::RayClass kind) {
+    if (kind == reference::RayClass::Mirrored) return kReflectedRay;
+    return kind == reference::RayClass::Refracted ? kTransmittedRay : kEyeRay;
+}
+
+void drawPickFacts(const Pick& pick) {
+    if (!pick.hit()) {
+        ImGui::Text("pixel %d, %d: nothing", pick.x, pick.y);
+        return;
+    }
+    const PixelData& d = pick.data;
+    ImGui::Text("pixel %d, %d: %s", pick.x, pick.y, pick.object.c_str());
+    ImGui::Text("object %u, face %u, %s", d.object, d.primitive, pick.material.c_str());
+    ImGui::Text("t %.7g,  u %.5f  v %.5f", d.depth, static_cast<double>(d.u), static_cast<double>(d.v));
+    ImGui::Text("point  %.6g %.6g %.6g", d.position.x, d.position.y, d.position.z);
+    ImGui::Text("normal %.4f %.4f %.4f", static_cast<double>(d.normal.x), static_cast<double>(d.normal.y),
+                static_cast<double>(d.normal.z));
+}
+
+void drawRayTree(const Pick& pick) {
+    const float step = ImGui::GetFontSize();
+    for (const PickRay& ray : pick.rays) {
+        const float indent = step * static_cast<float>(std::min(ray.depth, 12u));
+        ImGui::Indent(indent + 0.01f);
+        ImGui::PushStyleColor(ImGuiCol_Text, colorOf(ray.kind));
+        ImGui::PushTextWrapPos(0);
+        ImGui::Text("%5.1f %% %s", 100 * ray.share, ray.text.c_str());
+        ImGui::PopTextWrapPos();
+        ImGui::PopStyleColor();
+        ImGui::Unindent(indent + 0.01f);
+    }
+}
+
+// The pixels about the mouse, each as a square of one colour.
+void drawMagnifier(const PanelModel& m, const PixelFacts& pixel) {
+    const int across = m.zoom | 1;
+    const float side = std::floor(11 * ImGui::GetFontSize() / static_cast<float>(across));
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    for (int dy = 0; dy < across; ++dy) {
+        for (int dx = 0; dx < across; ++dx) {
+            const int x = pixel.x + dx - across / 2, y = pixel.y + dy - across / 2;
+            if (x < 0 || y < 0 || x >= m.picture->width || y >= m.picture->height) continue;
+            const ImVec2 corner(at.x + side * static_cast<float>(dx), at.y + side * static_cast<float>(dy));
+            list.AddRectFilled(corner, ImVec2(corner.x + side, corner.y + side), m.picture->row(y)[x]);
+        }
+    }
+    const float middle = side * static_cast<float>(across / 2);
+    list.AddRect(ImVec2(at.x + middle, at.y + middle), ImVec2(at.x + middle + side, at.y + middle + side),
+                 IM_COL32(255, 255, 255, 255));
+    const float whole = side * static_cast<float>(across);
+    ImGui::Dummy(ImVec2(whole, whole));
+}
+
+void drawLayers(const PixelFacts& p) {
+    if (!p.hasData) {
+        wrapped("layers: being traced", kDim);
+        return;
+    }
+    const PixelData& d = p.data;
+    if (d.object == PixelData::kNoIndex) {
+        text("nothing is hit");
+        ImGui::Text("cost %u", d.cost);
+        return;
+    }
+    text(p.object);
+    ImGui::Text("object %u, face %u, material %u %s", d.object, d.primitive, d.material, p.material.c_str());
+    ImGui::Text("depth %.7g", d.depth);
+    ImGui::Text("position %.5g %.5g %.5g", d.position.x, d.position.y, d.position.z);
+    ImGui::Text("normal %.4f %.4f %.4f", static_cast<double>(d.normal.x), static_cast<double>(d.normal.y),
+                static_cast<double>(d.normal.z));
+    ImGui::Text("uv %.4f %.4f", static_cast<double>(d.u), static_cast<double>(d.v));
+    ImGui::Text("bounces %u, cost %u", d.bounces, d.cost);
+}
+
+// The pick's window is above where the picked pixel, or the inspector, is below.
+bool picksAbove(const PanelModel& m) {
+    return m.pick->has_value() && (m.inspects || 2 * (**m.pick).y > (**m.pick).height);
+}
+
+// Numbers of a range, as the legend's ends.
+std::string numberOf(double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof(buffer), "%.4g", value);
+    return buffer;
+}
+
+}  // namespace
+
+void drawHelp(Gui& gui, PanelModel& m) {
+    std::vector<HelpLine> mouse, keys;
+    for (const MouseHelp& line : mouseHelp()) mouse.push_back({line.gesture, line.help});
+    for (const KeyBinding& b : keyBindings()) keys.push_back({b.name, b.help});
+    const float width = 62 * ImGui::GetFontSize();
+    const bool wide = ImGui::GetIO().DisplaySize.x >= width;
+    if (beginCorner("keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width)) {
+        drawHelpTable("mouse", mouse, wide);
+        ImGui::Separator();
+        drawHelpTable("keys", keys, wide);
+        m.helpScroll = static_cast<double>(ImGui::GetScrollY());
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawPickWindow(Gui& gui, PanelModel& m) {
+    const Pick& pick = **m.pick;
+    if (beginCorner("picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
+                    25 * ImGui::GetFontSize(), 0, 0.6f)) {
+        if (m.pickIsOld) wrapped("from an earlier view", kDim);
+        drawPickFacts(pick);
+        checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
+        ImGui::SameLine();
+        checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
+        if (m.perspective && pick.hit() && !m.pickIsOld && button(gui, "focus here", "of the lens"))
+            m.wish = Wish::FocusPicked;
+        ImGui::Separator();
+        drawRayTree(pick);
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawInspector(Gui& gui, PanelModel& m) {
+    const float line = ImGui::GetFontSize();
+    if (beginCorner("inspector (I closes)", ImVec2(1, 1), 18 * line)) {
+        if (!m.pixel) {
+            wrapped("Move the mouse over the picture.", kDim);
+        } else {
+            const PixelFacts& p = *m.pixel;
+            drawMagnifier(m, p);
+            const uint32_t shown = m.picture->row(p.y)[p.x];
+            ImGui::Text("pixel %d, %d", p.x, p.y);
+            if (p.hasColor)
+                ImGui::Text("linear %.5g %.5g %.5g", static_cast<double>(p.linear.x),
+                            static_cast<double>(p.linear.y), static_cast<double>(p.linear.z));
+            ImGui::Text("shown  %u %u %u", shown & 255u, shown >> 8 & 255u, shown >> 16 & 255u);
+            drawLayers(p);
+        }
+        ImGui::PushItemWidth(8 * line);
+        slider(gui, "zoom", m.zoom, 5, 31, "pixels across");
+        ImGui::PopItemWidth();
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawToasts(Gui& gui, const PanelModel& m) {
+    if (m.toasts->empty() && m.verdict.empty() && m.sceneError.empty()) return;
+    const float width = 26 * ImGui::GetFontSize();
+    const bool both = m.inspects && m.pick->has_value();
+    const ImVec2 corner(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
+    if (beginCorner("##toasts", corner, width, ImGuiWindowFlags_NoTitleBar)) {
+        if (!m.sceneError.empty()) {
+            wrapped(m.sceneError, kRed);
+            wrapped("The picture is of the scene as it was before.", kDim);
+        }
+        if (!m.verdict.empty()) {
+            wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
+            if (m.differenceShown)
+                wrapped("Shown: |difference| x 64; red unexplained, yellow edge, blue tie. Esc closes.",
+                        kDim);
+        }
+        for (const Toast& toast : *m.toasts)
+            wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+// Also while the panel is hidden.
+void drawProgress(Gui& gui, const PanelModel& m) {
+    struct Task {
+        const char* name;
+        double progress;
+    };
+    const Task tasks[] = {{m.closing ? "saving, then closing" : "saving", m.saveProgress},
+                          {"verifying", m.verifyProgress},
+                          {"tracing the reference", m.referenceProgress},
+                          {"loading the scene", m.loading ? 0.0 : -1.0}};
+    if (std::all_of(std::begin(tasks), std::end(tasks), [](const Task& t) { return t.progress < 0; })) return;
+    if (beginCorner("##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(), ImGuiWindowFlags_NoTitleBar)) {
+        for (const Task& task : tasks) {
+            if (task.progress < 0) continue;
+            char label[64];
+            std::snprintf(label, sizeof(label), "%s: %.0f %%", task.name, 100 * task.progress);
+            ImGui::ProgressBar(static_cast<float>(task.progress), ImVec2(-1, 0), label);
+        }
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawLegend(Gui& gui, const PanelModel& m) {
+    const ViewLayer layer = m.settings.layer;
+    if (!hasLegend(layer, m.display)) return;
+    const bool colors = layer == ViewLayer::Color;
+    const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
+    const float line = ImGui::GetFontSize();
+    if (beginCorner("##legend", ImVec2(0.5f, 0), 14 * line, ImGuiWindowFlags_NoTitleBar)) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float width = ImGui::GetContentRegionAvail().x;
+        constexpr int kSteps = 64;
+        for (int i = 0; i < kSteps; ++i) {
+            const double x = (i + 0.5) / kSteps;
+            const glm::dvec3 c = grey ? glm::dvec3(1 - 0.85 * x) : heatOf(x);
+            const ImU32 color = ImGui::ColorConvertFloat4ToU32(
+                ImVec4(static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z), 1));
+            const float left = std::floor(width * static_cast<float>(i) / kSteps);
+            const float right = std::floor(width * static_cast<float>(i + 1) / kSteps);
+            ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x + left, at.y),
+                                                      ImVec2(at.x + right, at.y + line), color);
+        }
+        ImGui::Dummy(ImVec2(width, line));
+        const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(m.range.lo);
+        const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(m.range.hi);
+        text(lo);
+        ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(nameOf(layer).data()).x));
+        text(colors ? "luminance" : std::string(nameOf(layer)));
+        ImGui::SameLine(width - ImGui::CalcTextSize(hi.c_str()).x);
+        text(hi);
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+// The picked pixel and its tree of rays, in the picture itself.
+void drawMarks(const PanelModel& m) {
+    if (!m.pick->has_value()) return;
+    const Pick& pick = **m.pick;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (size_t i = 0; i < m.pickLines.size(); ++i) {
+        const Segment& s = m.pickLines[i];
+        const ImVec2 from(static_cast<float>(s.from.x), static_cast<float>(s.from.y));
+        const ImVec2 to(static_cast<float>(s.to.x), static_cast<float>(s.to.y));
+        list.AddLine(from, to, kOutline, 3);
+        list.AddLine(from, to, colorOf(pick.rays[i].kind), 1.5f);
+    }
+    if (m.pickIsOld) return;
+    const ImVec2 at(static_cast<float>(pick.x) + 0.5f, static_cast<float>(pick.y) + 0.5f);
+    const float radius = 0.5f * ImGui::GetFontSize();
+    list.AddCircle(at, radius, kOutline, 24, 3);
+    list.AddCircle(at, radius, kEyeRay, 24, 1.5f);
+}
+
+}  // namespace glint::view

@@ -1,0 +1,85 @@
+// Pieces that all parts of the panel are made of. For panel*.cpp alone: it needs Dear ImGui.
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+
+#include "view/gui.h"
+#include "view/panel.h"
+
+namespace glint::view {
+
+inline constexpr ImGuiWindowFlags kFixedWindow = ImGuiWindowFlags_NoResize |
+                                                 ImGuiWindowFlags_NoSavedSettings |
+                                                 ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+inline const ImVec4 kRed(1.0f, 0.45f, 0.4f, 1.0f), kGreen(0.5f, 0.95f, 0.55f, 1.0f),
+    kDim(0.68f, 0.68f, 0.72f, 1.0f);
+
+void text(const std::string& line);
+void wrapped(const std::string& line, const ImVec4& color);
+
+// Controls, each with its label to the right, a tooltip, and a place that scripts know it by. True if the
+// value has changed, which never leaves lo..hi.
+bool slider(Gui& gui, const char* label, double& value, double lo, double hi, const char* format,
+            const char* help, bool logarithmic = false);
+bool slider(Gui& gui, const char* label, int& value, int lo, int hi, const char* help,
+            bool logarithmic = false);
+bool checkbox(Gui& gui, const char* label, bool& value, const char* help);
+bool button(Gui& gui, const char* label, const char* help);
+void tip(Gui& gui, const char* label, const char* help);
+
+// A list of an enumeration's names, each with its own tooltip.
+template <NamedEnum E>
+bool choice(Gui& gui, const char* label, E& value, const char* help) {
+    bool changed = false;
+    const bool open = ImGui::BeginCombo(label, std::string(nameOf(value)).c_str());
+    if (!open) tip(gui, label, help);
+    if (!open) return false;
+    for (const EnumEntry<E>& entry : kEnumEntries<E>) {
+        if (ImGui::Selectable(std::string(entry.name).c_str(), entry.value == value)) {
+            changed = value != entry.value;
+            value = entry.value;
+        }
+        gui.noteControl(std::string(entry.name).c_str());
+        if (!entry.help.empty() && ImGui::IsItemHovered())
+            ImGui::SetTooltip("%s", std::string(entry.help).c_str());
+    }
+    ImGui::EndCombo();
+    return changed;
+}
+
+// A heading that opens and closes what follows.
+bool group(Gui& gui, const char* name, bool open, const char* help);
+// "reset" at the right of a line; true if it was pressed. Nothing is drawn unless something `differs`.
+bool resetButton(Gui& gui, const char* group, bool differs);
+
+// A window at a corner of the picture, as large as what is in it, at most `part` of the picture's height;
+// then it scrolls. `pivot`: the corner, 0..1. Every Begin needs its End.
+bool beginCorner(const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more = 0,
+                 float part = 1);
+
+// panel_settings.cpp
+void drawView(Gui& gui, PanelModel& m);
+void drawLens(Gui& gui, PanelModel& m);
+void drawTracing(Gui& gui, PanelModel& m);
+void drawSampling(Gui& gui, PanelModel& m);
+void drawLights(Gui& gui, PanelModel& m);
+void drawMaterials(Gui& gui, PanelModel& m);
+// panel_tools.cpp
+void drawFiles(Gui& gui, PanelModel& m);
+void drawCameras(Gui& gui, PanelModel& m);
+void drawCompare(Gui& gui, PanelModel& m);
+void drawSpeed(Gui& gui, PanelModel& m);
+void drawSaveAs(Gui& gui, PanelModel& m);
+void drawOpen(Gui& gui, PanelModel& m);
+// panel_overlays.cpp
+void drawHelp(Gui& gui, PanelModel& m);
+void drawPickWindow(Gui& gui, PanelModel& m);
+void drawInspector(Gui& gui, PanelModel& m);
+void drawToasts(Gui& gui, const PanelModel& m);
+void drawProgress(Gui& gui, const PanelModel& m);
+void drawLegend(Gui& gui, const PanelModel& m);
+void drawMarks(const PanelModel& m);
+
+}  // namespace glint::view

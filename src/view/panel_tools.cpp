@@ -1,0 +1,172 @@
+// The panel's groups that do something: files, cameras, comparison; and what the device does.
+#include <algorithm>
+#include <cstdio>
+
+#include "view/panel_parts.h"
+
+namespace glint::view {
+
+namespace {
+
+void wish(PanelModel& m, bool pressed, Wish what) {
+    if (pressed) m.wish = what;
+}
+
+void openFile(PanelModel& m, const std::filesystem::path& file) {
+    std::snprintf(m.openName.data(), m.openName.size(), "%s", file.c_str());
+    m.openVisible = false;
+    m.wish = Wish::Open;
+}
+
+double milliseconds(double seconds) {
+    return seconds * 1e3;
+}
+
+}  // namespace
+
+void drawFiles(Gui& gui, PanelModel& m) {
+    if (!group(gui, "save and open", false, "pictures to files, other scenes into the window")) return;
+    wish(m, button(gui, "PNG", "save what is seen (S)"), Wish::SavePng);
+    ImGui::SameLine();
+    wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), Wish::SaveExr);
+    ImGui::SameLine();
+    if (button(gui, "save as", "under a name of your choice (Ctrl+Shift+S)")) m.saveAsVisible = true;
+    wish(m, button(gui, "render PNG", "with the scene's own sampling, as `glint render` does (Alt+S)"),
+         Wish::RenderPng);
+    ImGui::SameLine();
+    wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Wish::RenderExr);
+    if (button(gui, "open", "another scene, or a picture to compare with (Ctrl+O); or drop it here"))
+        m.openVisible = true;
+    for (const std::filesystem::path& file : m.recent)
+        if (ImGui::Selectable(file.string().c_str())) openFile(m, file);
+}
+
+void drawOpen(Gui& gui, PanelModel& m) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetFontSize();
+    ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSize(ImVec2(std::min(30 * line, size.x), std::min(26 * line, size.y)),
+                             ImGuiCond_Appearing);
+    if (ImGui::Begin("open", &m.openVisible, kFixedWindow | ImGuiWindowFlags_NoCollapse)) {
+        if (ImGui::IsWindowAppearing()) m.openFiles = listFiles(m.openFolder);
+        wrapped(m.openFolder.string(), kDim);
+        ImGui::SetNextItemWidth(-4 * line);
+        const bool entered = ImGui::InputTextWithHint("##open", "path", m.openName.data(), m.openName.size(),
+                                                      ImGuiInputTextFlags_EnterReturnsTrue);
+        tip(gui, "open path", "a scene to look at, or a picture to compare with");
+        ImGui::SameLine();
+        if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
+        std::filesystem::path next;
+        if (ImGui::BeginChild("files")) {
+            if (ImGui::Selectable("..")) next = m.openFolder.parent_path();
+            tip(gui, "..", "");
+            for (const FileEntry& entry : m.openFiles) {
+                const std::string name = entry.path.filename().string() + (entry.folder ? "/" : "");
+                const bool pressed = ImGui::Selectable(name.c_str());
+                tip(gui, name.c_str(), "");
+                if (pressed && entry.folder) next = entry.path;
+                if (pressed && !entry.folder) openFile(m, entry.path);
+            }
+        }
+        ImGui::EndChild();
+        if (!next.empty()) {
+            m.openFolder = next;
+            m.openFiles = listFiles(next);
+        }
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawSaveAs(Gui& gui, PanelModel& m) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetFontSize();
+    ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+    if (ImGui::Begin("save as", &m.saveAsVisible,
+                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+        ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
+        if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+        const bool entered =
+            ImGui::InputTextWithHint("##file", "name.png, .exr, .pfm or .hdr", m.saveName.data(),
+                                     m.saveName.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+        tip(gui, "file", "its ending says which format");
+        int which = m.savesSeen ? 0 : 1;
+        ImGui::RadioButton("what is seen", &which, 0);
+        tip(gui, "what is seen", "layer, samples, exposure and all");
+        ImGui::RadioButton("the scene's own sampling", &which, 1);
+        tip(gui, "the scene's own sampling", "as `glint render` would draw this view");
+        m.savesSeen = which == 0;
+        wish(m, button(gui, "save", "") || entered, Wish::SaveAs);
+        ImGui::PopItemWidth();
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawCameras(Gui& gui, PanelModel& m) {
+    if (!group(gui, "camera", false, "where one has been, where to go back to, and the lens")) return;
+    wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Wish::Undo);
+    ImGui::SameLine();
+    wish(m, button(gui, "redo", "(Ctrl+Y)"), Wish::Redo);
+    ImGui::SameLine();
+    wish(m, button(gui, "scene's", "the camera of the scene's file (R)"), Wish::ResetCamera);
+    wish(m, button(gui, "bookmark", "keep this camera (M)"), Wish::Bookmark);
+    ImGui::SameLine();
+    wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"), Wish::PrintCamera);
+    for (size_t i = 0; i < m.bookmarks; ++i) {
+        char label[32];
+        std::snprintf(label, sizeof(label), "bookmark %zu", i + 1);
+        if (ImGui::Selectable(label, i == m.bookmark)) {
+            m.bookmark = i;
+            m.wish = Wish::GoToBookmark;
+        }
+        gui.noteControl(label);
+    }
+    drawLens(gui, m);
+}
+
+void drawCompare(Gui& gui, PanelModel& m) {
+    if (!group(gui, "compare", false, "this picture with another one")) return;
+    Comparison& c = *m.comparison;
+    wish(m, button(gui, "keep", "this picture, to compare others with (K)"), Wish::Keep);
+    ImGui::SameLine();
+    wish(m, button(gui, "reference", "the same samples by the tracer in double precision, on the processor"),
+         Wish::TraceReference);
+    ImGui::SameLine();
+    wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Wish::Verify);
+    if (!c.any()) {
+        wrapped("Keep a picture, trace the reference, or drop a picture file here.", kDim);
+        return;
+    }
+    text("with: " + c.name);
+    choice(gui, "mode", c.mode, "how the two are shown (B: next)");
+    if (c.mode == CompareMode::Wipe)
+        slider(gui, "wipe", c.wipe, 0, 1, "%.2f", "left of here is the other picture; drag its line");
+    if (c.mode == CompareMode::Difference)
+        slider(gui, "gain", c.gain, 1, 4096, "x %.0f", "of the difference", true);
+    if (c.mode == CompareMode::Off) return;
+    if (c.figures) {
+        ImGui::Text("RMSE %.4g, PSNR %.1f dB", c.figures->rmse, c.figures->psnr);
+        ImGui::Text("greatest %.4g, bias %.2g", c.figures->max, c.figures->mean);
+    } else {
+        wrapped(c.fault.empty() ? "measured once the picture is finished" : c.fault, kDim);
+    }
+}
+
+void drawSpeed(Gui& gui, PanelModel& m) {
+    if (!group(gui, "speed", false, "the device, and what a frame's time goes into")) return;
+    wrapped(m.device->name, kDim);
+    ImGui::Text("frame %.1f ms, %.3g Mrays/s", milliseconds(m.frameSeconds), m.facts.raysPerSecond * 1e-6);
+    if (m.frameTimes->size() > 1) {
+        const float most = *std::max_element(m.frameTimes->begin(), m.frameTimes->end());
+        char label[48];
+        std::snprintf(label, sizeof(label), "0 to %.0f ms", static_cast<double>(most));
+        ImGui::PlotLines("##times", m.frameTimes->data(), static_cast<int>(m.frameTimes->size()), 0, label, 0,
+                         most, ImVec2(17 * ImGui::GetFontSize(), 3.2f * ImGui::GetFontSize()));
+    }
+    const render::StageTimes& t = m.facts.times;
+    ImGui::Text("trace %.1f, read back %.1f ms", milliseconds(t.trace), milliseconds(t.readback));
+    ImGui::Text("draw %.1f, present %.1f ms", milliseconds(m.drawSeconds), milliseconds(m.presentSeconds));
+}
+
+}  // namespace glint::view

@@ -1,0 +1,277 @@
+// What runs beside the window: loading, saving, verifying, the reference; and files that come in.
+#include <algorithm>
+#include <ostream>
+#include <utility>
+
+#include "core/error.h"
+#include "core/image_io.h"
+#include "view/file_list.h"
+#include "view/viewer.h"
+
+namespace glint::view {
+
+namespace {
+
+constexpr size_t kMostRecent = 8;
+
+}  // namespace
+
+// Of the same file as before, or of another.
+void Viewer::useScene(std::shared_ptr<const ViewScene> scene) {
+    const PictureSettings file = PictureSettings::of(scene->scene);
+    const SceneEdits edits = SceneEdits::of(scene->scene);
+    const double radius = boundsOf(*scene).radius;
+    if (opensAnother_) {
+        const PictureSettings mine = std::exchange(model_.settings, file);
+        model_.settings.layer = mine.layer;
+        model_.settings.sampleLimit = mine.sampleLimit;
+        model_.edits = edits;
+        control_ = CameraControl(scene->scene.camera, radius);
+        history_ = {};
+        bookmarks_.clear();
+        opensAnother_ = false;
+    } else {
+        model_.settings.follow(model_.fileSettings, file);
+        model_.edits.follow(model_.fileEdits, edits);
+        control_.follow(scene->scene.camera, radius);
+    }
+    seenCamera_ = control_.camera();
+    model_.fileSettings = file;
+    model_.fileEdits = edits;
+    model_.reach = radius;
+    editing_.stop();
+    fileScene_ = scene;
+    editsAtWork_ = edits;  // what still differs is packed next
+    showScene(std::move(scene));
+}
+
+void Viewer::showScene(std::shared_ptr<const ViewScene> scene) {
+    scene_ = std::move(scene);
+    model_.reach = boundsOf(*scene_).radius;
+    session_.reset();
+    session_ = std::make_unique<Session>(*device_, scene_, model_.traversal);
+    session_->apply(model_.settings);
+    session_->wantData(model_.inspects);
+    shown_ = {};
+    model_.pixel.reset();
+    difference_.reset();
+    forgetPick(true);
+    touchMotion();
+    dirty_ = 3;
+}
+
+// Materials need the scene packed again, beside the window; what changes meanwhile is packed after that.
+void Viewer::pollEditing() {
+    if (editing_.finished()) {
+        try {
+            showScene(editing_.take());
+        } catch (const Error& e) {
+            say(e.what(), ToastKind::Error);
+        }
+    }
+    if (editing_.running() || loading_.running() || same(model_.edits, editsAtWork_)) return;
+    editsAtWork_ = model_.edits;
+    editing_.start([scene = fileScene_, edits = model_.edits, loading = options_.loading](JobControl&) {
+        auto packed = edited(*scene, edits, loading);
+        Window::wake();
+        return packed;
+    });
+}
+
+void Viewer::startLoading() {
+    const Options options = options_;
+    loading_.start([options](JobControl&) {
+        auto scene = loadViewScene(options.scene, options.loading);
+        Window::wake();
+        return scene;
+    });
+    dirty_ = 3;
+}
+
+void Viewer::open(const std::filesystem::path& scene) {
+    std::vector<std::filesystem::path>& recent = model_.recent;
+    std::erase(recent, options_.scene);
+    recent.insert(recent.begin(), options_.scene);
+    std::erase(recent, scene);
+    if (recent.size() > kMostRecent) recent.resize(kMostRecent);
+    options_.scene = scene;
+    opensAnother_ = true;
+    startLoading();
+}
+
+void Viewer::pollFiles() {
+    if (loading_.running() || fileWatch_.seconds() < kFileSeconds) return;
+    fileWatch_.restart();
+    if (files_.changed()) startLoading();
+}
+
+// A failed job is a message in the window; a lost device is everybody's.
+void Viewer::pollJobs() {
+    const auto collect = [&](auto& job, auto use) {
+        if (job.running()) dirty_ = std::max(dirty_, 1);
+        if (!job.finished()) return true;
+        dirty_ = 3;
+        try {
+            use(job.take());
+        } catch (const gpu::DeviceLost&) {
+            throw;
+        } catch (const std::exception& e) {
+            say(e.what(), ToastKind::Error);
+            err_ << "glint: " << e.what() << '\n';
+            return false;
+        }
+        return true;
+    };
+    const bool saved = collect(saving_, [&](const std::string& line) {
+        say(line);
+        out_ << line << std::endl;
+    });
+    if (!saved) lostPicture_ = lastSaid_;
+    collect(verifying_, [&](VerifyResult result) {
+        model_.verdict = result.text;
+        model_.verdictPassed = result.passed;
+        out_ << "verify " << result.text << std::endl;
+        Comparison difference;
+        difference.linear = std::move(result.difference);
+        difference.mode = CompareMode::Wipe;
+        difference.wipe = 1;
+        difference_ = Canvas(difference.width(), difference.height());
+        compose(difference, nullptr, {}, false, *difference_);
+    });
+    collect(referring_, [&](Image image) {
+        comparison_.name = "reference";
+        comparison_.linear = std::move(image);
+        comparison_.canvas = {};
+        if (comparison_.mode == CompareMode::Off) comparison_.mode = CompareMode::Wipe;
+        ++compared_;
+        say("the reference is there to compare with");
+    });
+    pollLoading();
+    pollEditing();
+}
+
+void Viewer::pollLoading() {
+    if (!loading_.finished()) return;
+    dirty_ = 3;
+    ++reloads_;
+    const std::string title = "glint: " + options_.scene.filename().string();
+    const bool another = opensAnother_;
+    try {
+        useScene(loading_.take());
+        model_.sceneError.clear();
+        window_.setTitle(title);
+        say(another ? "opened " + options_.scene.string() : "loaded " + options_.scene.string() + " again");
+    } catch (const Error& e) {
+        if (e.kind() != ErrorKind::Scene && e.kind() != ErrorKind::Failed) throw;
+        model_.sceneError = e.what();
+        err_ << "glint: " << e.what() << '\n';
+        if (another) {  // the scene that is shown stays the one that is watched
+            options_.scene = scene_->path;
+            opensAnother_ = false;
+        }
+    }
+    // A mended file may name others than before; those that changed meanwhile are caught by the next look.
+    files_.watch(sceneFiles(options_.scene));
+}
+
+void Viewer::startSaving(const std::filesystem::path& file, bool seen) {
+    if (!seen) {
+        const RenderRequest request = {viewRequest(*session_), file, model_.settings.sampling,
+                                       model_.display};
+        saving_.start([this, request](JobControl& control) {
+            std::string line = save(*device_, request, control);
+            Window::wake();
+            return line;
+        });
+        return;
+    }
+    SeenRequest request = seenRequest(*session_, file, model_.display);
+    // What lies over the picture's own colours is seen too.
+    if (request.canvas && (difference_ || comparison_.mode != CompareMode::Off))
+        request.canvas = background();
+    saving_.start([this, request = std::move(request)](JobControl& control) mutable {
+        std::string line = save(*device_, std::move(request), control);
+        Window::wake();
+        return line;
+    });
+}
+
+void Viewer::saveAs() {
+    const std::filesystem::path file = model_.saveName.data();
+    if (!isWritableImagePath(file)) {
+        say("give a name that ends in .png, .exr, .pfm or .hdr", ToastKind::Error);
+        return;
+    }
+    if (saving_.running()) {
+        say("still saving; one picture at a time", ToastKind::Error);
+        return;
+    }
+    model_.saveAsVisible = false;
+    startSaving(file, model_.savesSeen);
+}
+
+void Viewer::startVerifying() {
+    if (verifying_.running()) return;
+    model_.verdict.clear();
+    difference_.reset();
+    verifying_.start([this, request = viewRequest(*session_)](JobControl& control) {
+        VerifyResult result = verifyView(*device_, request, control);
+        Window::wake();
+        return result;
+    });
+}
+
+void Viewer::startReference() {
+    if (referring_.running()) return;
+    referring_.start([request = viewRequest(*session_), samples = session_->taken()](JobControl& control) {
+        Image image = traceReference(request, samples, control);
+        Window::wake();
+        return image;
+    });
+}
+
+const Image* Viewer::comparable() const {
+    const bool there = session_->samples() > 0 && session_->width() > 0;
+    return there ? &session_->picture().color : nullptr;
+}
+
+void Viewer::keepPicture() {
+    if (!session_->ready()) {
+        say("nothing to keep yet", ToastKind::Error);
+        return;
+    }
+    const bool color = model_.settings.layer == ViewLayer::Color;
+    comparison_.name = "kept " + std::string(nameOf(model_.settings.layer));
+    comparison_.linear.reset();
+    comparison_.canvas = {};
+    if (color)
+        comparison_.linear = *comparable();
+    else
+        comparison_.canvas = session_->canvas(model_.display);
+    ++compared_;
+    say("kept this picture; B compares with it");
+}
+
+void Viewer::compareWith(const std::filesystem::path& picture) {
+    try {
+        comparison_.linear = readImage(picture);
+        comparison_.canvas = {};
+        comparison_.name = picture.filename().string();
+        if (comparison_.mode == CompareMode::Off) comparison_.mode = CompareMode::Wipe;
+        ++compared_;
+        dirty_ = 3;
+    } catch (const Error& e) {
+        say(e.what(), ToastKind::Error);
+    }
+}
+
+void Viewer::drop(const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+        if (isPictureFile(file))
+            compareWith(file);
+        else
+            open(file);
+    }
+}
+
+}  // namespace glint::view

@@ -1,0 +1,121 @@
+// `glint render --frames` and `--time`, on the reference.
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "support.h"
+
+namespace glint::app::test::frames_test {
+namespace {
+
+const char* const kTracks = R"(
+    {"target": "/camera/eye", "times": [0, 1], "values": [[0, 0, 5], [1, 0, 5]]},
+    {"target": "/objects/1/radius", "times": [0.5, 1], "values": [0.5, 1]})";
+
+class Frames : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        writeText("a.json", sceneText(32, 24,
+                                      std::string(R"("ambient": 0.3,
+            "lights": [{"type": "point", "position": [1, 6, 4]}],
+            "objects": [{"type": "triangle", "vertices": [[-2, -1, 0], [2, -1, 0], [0, 2, -1]]},
+                        {"type": "sphere", "center": [0, 0, 1], "radius": 0.5}],
+            "animation": {"framesPerSecond": 4, "tracks": [)") +
+                                          kTracks + "]}"));
+    }
+    static Ran frames(const std::string& range, std::vector<std::string> more = {}) {
+        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu", "--frames", range};
+        if (std::find(more.begin(), more.end(), "-o") == more.end())
+            args.insert(args.end(), {"-o", "f.##.pfm"});
+        args.insert(args.end(), more.begin(), more.end());
+        return runGlint(args);
+    }
+};
+
+// A frame has the bytes of its moment drawn by itself, whatever was drawn before it.
+TEST_F(Frames, AreTheMomentsOfTheScene) {
+    ASSERT_EQ(frames("0:4", {"-q"}).code, 0);
+    EXPECT_EQ(names(),
+              (std::set<std::string>{"a.json", "f.00.pfm", "f.01.pfm", "f.02.pfm", "f.03.pfm", "f.04.pfm"}));
+    std::set<std::vector<uint8_t>> different;
+    for (int frame = 0; frame <= 4; ++frame) {
+        const std::string name = "f.0" + std::to_string(frame) + ".pfm";
+        ASSERT_EQ(runGlint({"render", "a.json", "--backend", "cpu", "-q", "-o", "one.pfm", "--time",
+                            std::to_string(frame / 4.0)})
+                      .code,
+                  0);
+        EXPECT_EQ(readBytes("one.pfm"), readBytes(name)) << frame;
+        different.insert(readBytes(name));
+    }
+    EXPECT_EQ(different.size(), 5u);
+}
+
+TEST_F(Frames, ThoseThatAreThereStay) {
+    ASSERT_EQ(frames("1:2", {"-q"}).code, 0);
+    const auto before = readBytes("f.02.pfm");
+    writeText("f.01.pfm", "mine");
+    const Ran more = frames("1:3");
+    EXPECT_EQ(more.code, 0);
+    EXPECT_TRUE(
+        more.out.starts_with("wrote 1 frame, f.03.pfm\n2 frames were there already (--overwrite draws them "
+                             "again)\ndevice: "))
+        << more.out;
+    EXPECT_EQ(glint::test::readText("f.01.pfm"), "mine");
+    const Ran none = frames("1:3");
+    EXPECT_EQ(none.code, 0);
+    EXPECT_TRUE(none.out.starts_with("3 frames were there already")) << none.out;
+    EXPECT_EQ(frames("1:2", {"-q", "--overwrite"}).code, 0);
+    EXPECT_NE(glint::test::readText("f.01.pfm"), "mine");
+    EXPECT_EQ(readBytes("f.02.pfm"), before);
+}
+
+// The camera alone moves until half a second; a layer that is missing makes the frame incomplete.
+TEST_F(Frames, StatsSayWhatChanged) {
+    const auto json = nlohmann::json::parse(frames("0:3", {"--stats", "json", "--aov", "color,depth"}).out);
+    ASSERT_EQ(json["frames"].size(), 4u);
+    EXPECT_EQ(json["frames"][1]["changed"], "camera");
+    EXPECT_EQ(json["frames"][2]["changed"], "camera");
+    EXPECT_EQ(json["frames"][3]["changed"], "scene");
+    EXPECT_EQ(json["frames"][3]["time"], 0.75);
+    EXPECT_EQ(json["frames"][3]["files"], nlohmann::json({"f.03.pfm", "f.03.depth.pfm"}));
+    EXPECT_EQ(json["treesBuilt"], 2);
+    std::filesystem::remove("f.02.depth.pfm");
+    EXPECT_EQ(nlohmann::json::parse(frames("0:3", {"--stats", "json", "--aov", "color,depth"}).out)["there"],
+              3);
+}
+
+TEST_F(Frames, RateAndNames) {
+    ASSERT_EQ(frames("2", {"-q", "--fps", "8", "-o", "one.pfm"}).code, 0);
+    ASSERT_EQ(frames("1:1", {"-q", "-o", "two.pfm"}).code, 0);
+    EXPECT_EQ(readBytes("one.pfm"), readBytes("two.pfm"));
+    const auto error = [](const Ran& ran) {
+        EXPECT_EQ(ran.code, 2);
+        return ran.err;
+    };
+    EXPECT_EQ(
+        error(frames("0:2", {"-o", "f.pfm"})),
+        "glint: f.pfm: the name of several frames has # in the place of each digit of their number, such as "
+        "frame.####.png\n");
+    EXPECT_EQ(error(frames("3:2")),
+              "glint: --frames: expected A:B with 0 <= A <= B, such as 0:240, or one number, got \"3:2\"\n");
+    EXPECT_EQ(error(frames("0:2", {"--time", "1"})),
+              "glint: --time: --frames says which moments are drawn\n");
+    EXPECT_EQ(
+        error(frames("0:2", {"--part", "1/2"})),
+        "glint: --part: not together with --frames; frames are pieces already, give each machine frames of "
+        "its own\n");
+    EXPECT_EQ(error(runGlint({"render", "a.json", "--overwrite"})),
+              "glint: --overwrite: says nothing without --frames\n");
+}
+
+TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
+    writeSmallScene("a.json");
+    const Ran ran = frames("0:1", {"--size", "8x6"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same picture\n");
+    EXPECT_EQ(readBytes("f.00.pfm"), readBytes("f.01.pfm"));
+}
+
+}  // namespace
+}  // namespace glint::app::test::frames_test

@@ -1,0 +1,61 @@
+// `glint render --part` and `glint merge`, on a device.
+#include "support.h"
+
+namespace glint::app::test::gpu_part_test {
+namespace {
+
+class GpuPart : public FolderTest {
+  protected:
+    // The bytes of the picture in parts, merged, against those of one run.
+    static void compare(const std::string& scene, const std::vector<std::string>& options, int parts) {
+        std::vector<std::string> whole = {"render", scene, "-q", "-o", "whole.exr"};
+        whole.insert(whole.end(), options.begin(), options.end());
+        ASSERT_EQ(runGlint(whole).code, 0);
+        std::vector<std::string> merge = {"merge", "-q", "-o", "all.exr"};
+        for (int k = 1; k <= parts; ++k) {
+            const std::string name = std::to_string(k) + ".part";
+            std::vector<std::string> args = {
+                "render", scene, "-q", "-o", name, "--part", std::to_string(k) + "/" + std::to_string(parts)};
+            args.insert(args.end(), options.begin(), options.end());
+            ASSERT_EQ(runGlint(args).code, 0);
+            merge.push_back(name);
+        }
+        ASSERT_EQ(runGlint(merge).code, 0);
+        EXPECT_EQ(readBytes("all.exr"), readBytes("whole.exr")) << scene;
+    }
+};
+
+// Packets too, whose rays are counted together: parts begin where tiles do.
+TEST_F(GpuPart, EveryLayerHasTheBitsOfOneRun) {
+    writeSmallScene("a.json");
+    const std::string layers =
+        "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
+    compare("a.json", {"--aov", layers, "--traversal", "packet"}, 3);
+    compare("a.json", {"--aov", layers, "--spp", "5", "--sampler", "jittered", "--adaptive", "20,0.05"}, 4);
+}
+
+TEST_F(GpuPart, GlassAndInstances) {
+    for (const char* scene : {"scenes/glass.json", "scenes/instances.json", "scenes/lens.json"})
+        compare(glint::test::sourcePath(scene), {"--size", "80x60"}, 3);
+}
+
+// Frames keep kernels, arrays and trees of the frames before them, and have the bits of their moments alone.
+TEST_F(GpuPart, FramesHaveTheBitsOfTheirMoments) {
+    const std::string scene = glint::test::sourcePath("scenes/turntable.json");
+    const std::vector<std::string> size = {"--size", "48x30", "-q"};
+    std::vector<std::string> frames = {"render", scene, "--frames", "0:47", "--fps", "24", "-o", "f.##.pfm"};
+    frames.insert(frames.end(), size.begin(), size.end());
+    ASSERT_EQ(runGlint(frames).code, 0);
+    // At multiples of 1/8 s, which the six digits of to_string hold.
+    for (const int frame : {0, 9, 30, 45}) {
+        std::vector<std::string> one = {"render", scene, "-o", "one.pfm", "--time"};
+        one.push_back(std::to_string(frame / 24.0));
+        one.insert(one.end(), size.begin(), size.end());
+        ASSERT_EQ(runGlint(one).code, 0);
+        const std::string name = std::string("f.") + (frame < 10 ? "0" : "") + std::to_string(frame) + ".pfm";
+        EXPECT_EQ(readBytes("one.pfm"), readBytes(name)) << frame;
+    }
+}
+
+}  // namespace
+}  // namespace glint::app::test::gpu_part_test

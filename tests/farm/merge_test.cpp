@@ -1,0 +1,109 @@
+#include "farm/merge.h"
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "core/file_io.h"
+#include "farm/cut.h"
+#include "support.h"
+
+namespace glint::farm::test::merge_test {
+namespace {
+
+using glint::test::errorOf;
+
+const std::vector<Aov> kAll = {Aov::Depth,      Aov::Radiance, Aov::Alpha,    Aov::Position,
+                               Aov::Normal,     Aov::Uv,       Aov::ObjectId, Aov::PrimitiveId,
+                               Aov::MaterialId, Aov::Bounces,  Aov::Cost,     Aov::Samples};
+
+bool sameBits(const Image& a, const Image& b) {
+    return a.width == b.width && a.height == b.height && a.channels == b.channels &&
+           std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
+}
+
+// Any number of parts, cut by either map, put together in any order.
+TEST(Merge, HasTheBitsOfThePictureInEveryLayer) {
+    Request request = requestFor(75, 43);
+    request.region = {9, 2, 70, 41};
+    request.data = request.cost = true;
+    const Picture whole = draw(request);
+    const std::vector<Layer> expected = makeLayers(whole, kAll);
+    std::mt19937 random(7);
+    for (const int count : {1, 2, 5, 40, 300}) {
+        for (const bool even : {false, true}) {
+            std::vector<UnitResult> parts = partsOf(request, count, kAll, even);
+            std::shuffle(parts.begin(), parts.end(), random);
+            Assembly assembly(whole.region, kAll);
+            for (const UnitResult& part : parts) {
+                EXPECT_FALSE(assembly.complete() && !part.blocks.empty());
+                assembly.add(part);
+            }
+            EXPECT_TRUE(assembly.complete());
+            const std::vector<Layer> layers = assembly.takeLayers();
+            ASSERT_EQ(layers.size(), expected.size());
+            for (size_t i = 0; i < layers.size(); ++i) {
+                EXPECT_EQ(layers[i].name, expected[i].name);
+                EXPECT_TRUE(sameBits(layers[i].image, expected[i].image)) << layers[i].name << ' ' << count;
+            }
+            EXPECT_TRUE(sameBits(assembly.picture().color, whole.color));
+            EXPECT_EQ(assembly.picture().losses.depth.count, whole.losses.depth.count);
+        }
+    }
+}
+
+class MergeFiles : public glint::test::WorkingFolderTest {
+  protected:
+    void SetUp() override {
+        results_ = partsOf(request_, 4, {Aov::Radiance});
+        for (int i = 0; i < 4; ++i) write(i, header_);
+    }
+    void write(int i, const UnitHeader& header) {
+        writeFiles({{paths_[i], encodeUnits(header, {results_[i]})}});
+    }
+    static std::string errorIn(const std::vector<std::filesystem::path>& paths) {
+        return errorOf(ErrorKind::Failed, [&] { mergeParts(paths, [](const UnitHeader&) {}); });
+    }
+
+    const Request request_ = requestFor(64, 48);
+    const UnitHeader header_ = headerOf(request_, 4, {Aov::Radiance});
+    std::vector<UnitResult> results_;
+    const std::vector<std::filesystem::path> paths_ = {"1.part", "2.part", "3.part", "4.part"};
+};
+
+TEST_F(MergeFiles, AreReadInAnyOrder) {
+    const Merged merged = mergeParts({paths_[2], paths_[0], paths_[3], paths_[1]}, [](const UnitHeader&) {});
+    EXPECT_TRUE(sameBits(merged.picture.color, draw(request_).color));
+    EXPECT_EQ(merged.producers.size(), 1u);
+}
+
+TEST_F(MergeFiles, WhatIsWrongIsNamed) {
+    EXPECT_EQ(errorIn({paths_[0], paths_[2]}), "parts 2, 4 of 4 are missing");
+    EXPECT_EQ(errorIn({paths_[0], paths_[2], paths_[3]}), "part 2 of 4 is missing");
+    EXPECT_EQ(errorIn({paths_[0], paths_[1], paths_[0]}),
+              "1.part: holds part 1 of 4, which it holds already");
+    std::filesystem::copy_file("2.part", "again.part");
+    EXPECT_EQ(errorIn({paths_[0], paths_[1], "again.part"}),
+              "again.part: holds part 2 of 4, which 2.part holds already");
+    EXPECT_EQ(errorIn({"no.part"}), "no.part: cannot read: No such file or directory");
+    UnitHeader other = header_;
+    other.identity.facts[1].second = "65";
+    write(2, other);
+    EXPECT_EQ(errorIn(paths_),
+              "3.part: belongs to another picture than 1.part: size is 65 there and 64 here");
+}
+
+TEST_F(MergeFiles, PartsThatOverlapAreRefused) {
+    results_[1].blocks = results_[0].blocks;
+    write(1, header_);
+    EXPECT_EQ(errorIn(paths_), "part 2 of 4 has pixels that another part has too");
+}
+
+TEST(PartNames, AreShort) {
+    EXPECT_EQ(namesOfParts({3}, 9), "part 3 of 9");
+    EXPECT_EQ(namesOfParts({3, 4}, 9), "parts 3, 4 of 9");
+    EXPECT_EQ(namesOfParts({1, 3, 4, 5, 6, 9}, 9), "parts 1, 3 to 6, 9 of 9");
+}
+
+}  // namespace
+}  // namespace glint::farm::test::merge_test

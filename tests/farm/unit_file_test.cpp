@@ -1,0 +1,95 @@
+#include "farm/unit_file.h"
+
+#include <cmath>
+#include <limits>
+
+#include "support.h"
+
+namespace glint::farm::test::unit_file_test {
+namespace {
+
+using glint::test::errorOf;
+using glint::test::writeBytes;
+
+UnitResult result() {
+    UnitResult made;
+    made.unit = {3, 2, 2};
+    made.producer = {"a device", "a driver", true};
+    made.notFinite = 5;
+    made.firstNotFinite = {4, 1};
+    made.losses.depth.add(7, std::numeric_limits<double>::infinity());
+    made.losses.crowdedMedia = 2;
+    Block block;
+    block.region = {2, 1, 5, 3};
+    block.color = Image(3, 2, 4, 0.25f);
+    block.layers.push_back({"depth", Image(3, 2, 1, std::numeric_limits<float>::quiet_NaN())});
+    made.blocks.push_back(block);
+    return made;
+}
+
+const UnitHeader kHeader = {
+    {{{"size", "8x4"}, {"", "empty name"}}}, {0, 0, 8, 4}, {Aov::Depth, Aov::Radiance}, 2};
+
+class UnitFiles : public glint::test::WorkingFolderTest {};
+
+TEST_F(UnitFiles, KeepEveryBit) {
+    writeBytes("a.part", encodeUnits(kHeader, {result(), result()}));
+    const UnitFile file = readUnits("a.part");
+    EXPECT_TRUE(file.finished);
+    EXPECT_EQ(file.header.identity, kHeader.identity);
+    EXPECT_EQ(file.header.aovs, kHeader.aovs);
+    EXPECT_EQ(file.header.region.x1, 8);
+    ASSERT_EQ(file.results.size(), 2u);
+    const UnitResult& read = file.results[1];
+    EXPECT_EQ(read.unit, result().unit);
+    EXPECT_EQ(read.producer, result().producer);
+    EXPECT_EQ(read.notFinite, 5u);
+    EXPECT_EQ(read.firstNotFinite, glm::ivec2(4, 1));
+    EXPECT_EQ(read.losses.depth.count, 7u);
+    EXPECT_TRUE(std::isinf(read.losses.depth.greatest));
+    EXPECT_EQ(read.losses.crowdedMedia, 2u);
+    ASSERT_EQ(read.blocks.size(), 1u);
+    EXPECT_EQ(read.blocks[0].color.pixels, result().blocks[0].color.pixels);
+    EXPECT_TRUE(std::isnan(read.blocks[0].layers[0].image.pixels[5]));
+}
+
+// Every byte that is changed and every length that a file may be cut to is found out.
+TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
+    const std::vector<uint8_t> whole = encodeUnits(kHeader, {result()});
+    for (size_t i = 0; i < whole.size(); ++i) {
+        std::vector<uint8_t> bytes = whole;
+        bytes[i] ^= static_cast<uint8_t>(1u << i % 8);
+        writeBytes("a.part", bytes);
+        const std::string error = errorOf(ErrorKind::Failed, [] { readUnits("a.part"); });
+        EXPECT_TRUE(error.starts_with("a.part: damaged: ")) << i << ' ' << error;
+        bytes.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i));
+        writeBytes("a.part", bytes);
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }), "a.part: damaged: it ends early")
+            << i;
+    }
+    std::vector<uint8_t> longer = whole;
+    longer.push_back(0);
+    writeBytes("a.part", longer);
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+              "a.part: damaged: something follows its end");
+    glint::test::writeText("a.part", "P6 640 480 255 and so on, a picture");
+    EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+              "a.part: damaged: it is no file that glint render --part or --checkpoint wrote");
+}
+
+// What was appended until the process ended, whenever that was.
+TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
+    const std::vector<uint8_t> head = encodeHeader(kHeader), unit = encodeUnit(result());
+    std::vector<uint8_t> bytes = head;
+    for (int i = 0; i < 2; ++i) bytes.insert(bytes.end(), unit.begin(), unit.end());
+    for (size_t size = head.size(); size <= bytes.size(); ++size) {
+        writeBytes("a.part", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+        const UnitFile file = readUnits("a.part", true);
+        EXPECT_FALSE(file.finished);
+        EXPECT_EQ(file.results.size(), (size - head.size()) / unit.size());
+        EXPECT_EQ(file.wholeBytes, head.size() + file.results.size() * unit.size());
+    }
+}
+
+}  // namespace
+}  // namespace glint::farm::test::unit_file_test

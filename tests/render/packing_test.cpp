@@ -1,0 +1,232 @@
+// Does verify find a defect in packing? Both tracers read the packed scene, so neither differs from the
+// other: only the truth does, which packs nothing. Each defect is put into the packed scene by hand.
+#include <functional>
+#include <utility>
+
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test::packing_test {
+namespace {
+
+using glm::vec3;
+
+using Break = std::function<void(PackedScene&, shared::Camera&)>;
+
+struct Defect {
+    const char* name;
+    const char* scene;  // a name, or text
+    Break apply;
+};
+
+// Two walls lit from either side, each light shadowed elsewhere; a disc that is an instance; a spot.
+const char* const kLampsScene = R"({
+  "camera": {"eye": [0, 3, 7], "target": [0, 0.5, 0], "fovY": 50}, "ambient": 0.1,
+  "lights": [{"type": "point", "position": [-3, 4, 2], "intensity": [0.5, 0.5, 0.5]},
+             {"type": "point", "position": [3, 4, 2], "intensity": [0.5, 0.5, 0.5]},
+             {"type": "spot", "position": [0, 5, 0], "direction": [0.1, -1, 0.2], "angle": 12, "penumbra": 9}],
+  "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0]},
+              {"type": "sphere", "center": [0.3, 1, 0.2], "radius": 0.7},
+              {"type": "box", "min": [-2, 0, -1], "max": [-1, 1.5, 0.5], "transform": [{"rotate": [0, 1, 0, 20]}]}]
+})";
+
+// A square in checks by texture coordinates of its own.
+const char* const kCheckedSquare = "a mesh";
+Scene checkedSquare() {
+    Scene scene = emptyScene();
+    scene.camera.eye = {0.3, 0.2, 4};
+    scene.ambient = Color(1);
+    scene.textures.push_back({CheckerTexture{Color(0.9), Color(0.2)}, {3, 2}, {0.1, 0.2}});
+    scene.materials[addMaterial(scene, Color(1))].ambientTexture = 0;
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0.2}, {1, 1, 0}, {-1, 1, 0.1}};
+    mesh.uvs = {{0, 0}, {1, 0.1}, {0.9, 1.5}, {0, 1}};
+    mesh.corners = mesh.uvCorners = {{0, 1, 2}, {0, 2, 3}};
+    scene.objects.push_back({"", MeshShape{std::make_shared<const Mesh>(std::move(mesh))},
+                             static_cast<uint32_t>(scene.materials.size() - 1)});
+    return scene;
+}
+
+// As after the defect: what the device and the reference take from a row is consistent.
+void setRows(shared::Instance& instance, const glm::dmat3& toObject) {
+    const glm::dmat3 rows = glm::transpose(toObject), back = glm::transpose(glm::inverse(toObject));
+    instance.toObjectX = vec3(rows[0]);
+    instance.toObjectY = vec3(rows[1]);
+    instance.toObjectZ = vec3(rows[2]);
+    instance.toWorldX = vec3(back[0]);
+    instance.toWorldY = vec3(back[1]);
+    instance.toWorldZ = vec3(back[2]);
+}
+
+glm::dmat3 toObject(const shared::Instance& instance) {
+    return glm::transpose(glm::dmat3(glm::dvec3(instance.toObjectX), glm::dvec3(instance.toObjectY),
+                                     glm::dvec3(instance.toObjectZ)));
+}
+
+shared::Texture& image(PackedScene& scene) {
+    for (shared::Texture& texture : scene.textures)
+        if ((texture.flags & shared::kTextureChecker) == 0) return texture;
+    throw std::logic_error("no image");
+}
+
+class PackingTest : public RenderTest, public testing::WithParamInterface<Defect> {
+  protected:
+    static verify::Report run(const Case& c, const PackedScene& packed, const shared::Camera& camera) {
+        Renderer renderer(device(), packed);
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        return verify::verify(renderer, packed, camera, options, &c.scene);
+    }
+    static Case caseOf(const char* scene) {
+        constexpr int kWidth = 60, kHeight = 45;
+        if (scene == kCheckedSquare) return makeCase(checkedSquare(), kWidth, kHeight);
+        return *scene == '{' ? textCase(scene, kWidth, kHeight) : fileCase(scene, kWidth, kHeight);
+    }
+};
+
+TEST_P(PackingTest, IsFound) {
+    const Case c = caseOf(GetParam().scene);
+    const verify::Report sound = run(c, c.packed, c.camera);
+    EXPECT_TRUE(sound.passed()) << sound.representation->unexplained << " unexplained";
+    PackedScene broken = c.packed;
+    shared::Camera camera = c.camera;
+    GetParam().apply(broken, camera);
+    const verify::Report report = run(c, broken, camera);
+    ASSERT_TRUE(report.representation.has_value());
+    EXPECT_GT(report.representation->unexplained, 0u);
+    EXPECT_FALSE(report.passed());
+    ASSERT_FALSE(report.representation->worst.empty());
+    EXPECT_FALSE(report.representation->worst.front().explained);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PackingTest,
+    testing::Values(
+        Defect{"instance_transposed", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances) setRows(i, glm::transpose(toObject(i)));
+               }},
+        Defect{"instance_handedness", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances) {
+                       glm::dmat3 m = toObject(i);
+                       for (int column = 0; column < 3; ++column) m[column].z = -m[column].z;
+                       setRows(i, m);
+                       i.mirrored = 1 - i.mirrored;
+                   }
+               }},
+        Defect{"instance_mirrored", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances) i.mirrored = 1 - i.mirrored;
+               }},
+        Defect{"instance_material", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances)
+                       i.material = (i.material + 1) % static_cast<uint32_t>(s.materials.size());
+               }},
+        Defect{"instance_id", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances) ++i.idBase;
+               }},
+        Defect{"prototype_root", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Instance& i : s.instances) ++i.root;
+               }},
+        Defect{"triangle_material", "vertex_colors",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::TriangleSurface& surface : s.triangleSurfaces)
+                       surface.material = (surface.material + 1) % static_cast<uint32_t>(s.materials.size());
+               }},
+        Defect{"sphere_material", "spheres",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Sphere& sphere : s.spheres)
+                       sphere.material = (sphere.material + 1) % static_cast<uint32_t>(s.materials.size());
+               }},
+        Defect{"uv_swapped", kCheckedSquare,
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::TriangleSurface& surface : s.triangleSurfaces) {
+                       if ((surface.attributes & shared::kAttributeUvs) == 0) continue;
+                       const uint32_t row = surface.attributes & shared::kAttributeFirstMask;
+                       std::swap(s.vertexAttributes[row], s.vertexAttributes[row + 1]);
+                   }
+               }},
+        Defect{"wrap", "textures",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Texture& texture : s.textures) texture.flags ^= shared::kTextureWrapClamp;
+               }},
+        Defect{"texture_moved", "textures",
+               [](PackedScene& s, shared::Camera&) { image(s).place.x += 1 / 256.0f; }},
+        Defect{"uv_of_objects", "textured_quadrics",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::ObjectFrame& f : s.objectFrames) {
+                       std::swap(f.toU, f.toV);
+                       std::swap(f.offsetU, f.offsetV);
+                   }
+               }},
+        Defect{"smooth_normals", "instances",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::VertexNormals& n : s.vertexNormals) std::swap(n.n0, n.n1);
+               }},
+        Defect{"lights_swapped", kLampsScene,
+               [](PackedScene& s, shared::Camera&) { std::swap(s.lights[0], s.lights[1]); }},
+        Defect{"penumbra_inside", kLampsScene,
+               [](PackedScene& s, shared::Camera&) { s.lights[2].inner = 0.5f * s.lights[2].inner; }},
+        Defect{"box_turned_back", kLampsScene,
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Cuboid& c : s.cuboids) std::swap(c.toLocal0.z, c.toLocal2.x);
+               }},
+        Defect{"cap_lost", "quadrics",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Quadric& q : s.quadrics) q.caps &= ~shared::kCapUpper;
+               }},
+        Defect{"quadric_constant", "quadrics",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Quadric& q : s.quadrics) q.linear *= 1.001f;
+                   for (shared::Quadric& q : s.quadrics) q.constant *= 1.001f;
+               }},
+        Defect{"box_too_small", "knot",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Node& n : s.nodes) n.hi0 = n.lo0 + 0.97f * (n.hi0 - n.lo0);
+               }},
+        Defect{"refractive_index", "glass",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Optics& o : s.optics) o.ior *= 1.0001f;
+               }},
+        Defect{"eye_in_air", "inside_glass",
+               [](PackedScene& s, shared::Camera&) { s.environment.eyeMedium0 = 0; }},
+        Defect{"light_place", "far_away",
+               [](PackedScene& s, shared::Camera&) {
+                   for (shared::Light& l : s.lights) l.position += vec3(0.5f);
+               }},
+        Defect{"film_step", "lens", [](PackedScene&, shared::Camera& camera) { camera.stepY *= 1.00001f; }},
+        Defect{"film_middle", "lens",
+               [](PackedScene&, shared::Camera& camera) { camera.center += camera.stepX; }},
+        Defect{"little_ambient", "spheres",
+               [](PackedScene& s, shared::Camera&) { s.environment.ambient *= 1.00001f; }}),
+    [](const auto& p) { return std::string(p.param.name); });
+
+// Nothing is broken: the figures of every scene here, and nothing unexplained.
+class RepresentationTest : public RenderTest, public testing::WithParamInterface<std::string> {};
+
+TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
+    const Case c = fileCase(GetParam(), 60, 45);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    ASSERT_TRUE(report.representation.has_value());
+    const verify::Representation& r = *report.representation;
+    EXPECT_EQ(r.unexplained, 0u);
+    EXPECT_LE(r.explained, r.allowed);
+    EXPECT_EQ(r.asked, 60u * 45u) << "all pixels of a small picture";
+    EXPECT_LE(r.rmse, r.greatest);
+    EXPECT_TRUE(report.passed());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RepresentationTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
+
+}  // namespace
+}  // namespace glint::render::test::packing_test

@@ -1,0 +1,260 @@
+// What a person does with mouse and keyboard, through the window system: xdotool moves the real ones.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "core/image_io.h"
+#include "support.h"
+#include "view/camera_control.h"
+#include "view/jobs.h"
+
+namespace glint::view::test::hand_test {
+namespace {
+
+class Hand : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        size_ = "640x480";
+    }
+};
+
+// The lines that `print camera` wrote.
+std::vector<nlohmann::json> cameras(const Ran& ran) {
+    std::vector<nlohmann::json> list;
+    std::istringstream lines(ran.out);
+    for (std::string line; std::getline(lines, line);) {
+        const std::string start = "camera \"camera\": ";
+        if (line.rfind(start, 0) == 0) list.push_back(nlohmann::json::parse(line.substr(start.size())));
+    }
+    return list;
+}
+
+// What `print WHAT` wrote, time after time.
+std::vector<std::string> printed(const Ran& ran, const std::string& what) {
+    std::vector<std::string> list;
+    std::istringstream lines(ran.out);
+    for (std::string line; std::getline(lines, line);)
+        if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
+    return list;
+}
+
+glm::dvec3 vectorOf(const nlohmann::json& json) {
+    return {json[0], json[1], json[2]};
+}
+
+// As DraggingOrbits in window_test.cpp: 30 of 480 pixels are a sixteenth of half a turn.
+TEST_F(Hand, DraggingOrbits) {
+    const Ran ran = view(
+        "set samples 1\nhand mousemove @400,300 mousedown 1 mousemove @415,300 mousemove @430,300 mouseup 1\n"
+        "print camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const double angle = 30 * M_PI / 480;
+    EXPECT_NEAR(cameras(ran).at(0)["eye"][0], -7 * std::sin(angle), 1e-4);
+}
+
+// GLFW 3.3 under X11 does not count Ctrl among the modifiers of its own press.
+TEST_F(Hand, ControlClickOnASliderTypes) {
+    const Ran ran = view(
+        "set samples 1\nprint camera\nhand mousemove @exposure keydown ctrl click 1 keyup ctrl\n"
+        "hand type 2.5\nhand key Return\nexpect exposure 2.5\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(cameras(ran).at(0), cameras(ran).at(1));
+}
+
+// All at once, faster than a frame: no digit reaches the camera, and what is out of range is not taken.
+TEST_F(Hand, TypedDigitsStayInTheSlider) {
+    const Ran ran = view(
+        "set samples 1\nprint camera\n"
+        "hand mousemove @exposure keydown ctrl click 1 keyup ctrl key 1 key 2 key 3 key Return\n"
+        "expect exposure 10\npress tracing\nwait 3\n"
+        "hand mousemove @aim keydown ctrl click 1 keyup ctrl key minus key 1 key 0 key 0 key Return\nexpect "
+        "aim 8\n"
+        "hand mousemove @fov keydown ctrl click 1 keyup ctrl key 5 key 0 key Return\n"
+        "expect fov 50\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    nlohmann::json before = cameras(ran).at(0);
+    before["fovY"] = 50.0;
+    EXPECT_EQ(before, cameras(ran).at(1));
+}
+
+TEST_F(Hand, PlusAndMinusAlsoOnTheKeypad) {
+    const Ran ran = view(
+        "hand key plus\nexpect exposure 0.5\nhand key KP_Add\nexpect exposure 1\nhand key equal\n"
+        "expect exposure 1.5\nhand key minus\nhand key KP_Subtract\nhand key KP_Subtract\nexpect exposure "
+        "0\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+// The focus distance goes along the view direction: the middle of the picture looks at the sphere's front.
+TEST_F(Hand, ControlClickFocuses) {
+    const Ran ran = view(
+        "key H\nset samples 1\nset lens 0.1\nhand mousemove @230,240 keydown ctrl click 1 keyup ctrl\n"
+        "hand mousemove @230,240 click 1\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    std::istringstream line(ran.out.substr(ran.out.find('\n') + 1));
+    std::vector<double> fields;
+    for (std::string field; std::getline(line, field, ',') && fields.size() < 9;)
+        fields.push_back(std::stod(field));
+    ASSERT_EQ(fields.size(), 9u) << ran.out;
+    const nlohmann::json camera = cameras(ran).at(0);
+    const glm::dvec3 hit(fields[6], fields[7], fields[8]), eye = vectorOf(camera["eye"]);
+    const glm::dvec3 forward = glm::normalize(vectorOf(camera["target"]) - eye);
+    EXPECT_EQ(fields[4], 0);
+    EXPECT_NEAR(camera["focusDistance"], glm::dot(hit - eye, forward), 1e-4);
+    EXPECT_EQ(camera["lensRadius"], 0.1);
+}
+
+// The difference picture, the verdict and the pick belong to the view that they were made of.
+TEST_F(Hand, MovingTakesWhatIsStaleAway) {
+    size_ = "240x180";
+    const Ran ran = view(
+        "key H\nset samples 1\nverify\nwait 2\nexpect difference on\nhand mousemove @10,175 click 4\n"
+        "expect difference off\nhand mousemove @20,150 click 1\nwait 1\nprint pick\n"
+        "hand mousemove @10,175 click 4\nexpect pick none\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("pick "), std::string::npos);
+    EXPECT_NE(ran.out.find("% eye: /objects/"), std::string::npos) << ran.out;
+}
+
+TEST_F(Hand, TheWheelStaysNearTheScene) {
+    const Ran ran = view(
+        "key H\nset samples 1\nhand mousemove @320,240 click --repeat 400 --delay 1 5\nprint camera\n"
+        "hand click --repeat 900 --delay 1 4\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const auto distance = [&](size_t i) {
+        const nlohmann::json c = cameras(ran).at(i);
+        return glm::length(vectorOf(c["eye"]) - vectorOf(c["target"]));
+    };
+    EXPECT_GT(distance(0), 1e3);
+    EXPECT_LT(distance(0), 1e6);
+    EXPECT_LT(distance(1), 1e-2);
+    EXPECT_GT(distance(1), 1e-6);
+}
+
+TEST_F(Hand, HelpScrollsInASmallWindow) {
+    size_ = "320x240";
+    const Ran ran = view(
+        "set samples 1\nhand key F1\nwait 3\nexpect scroll 0\nhand mousemove @160,120 click 5 click 5\nwait "
+        "4\n"
+        "print scroll\nhand key F1\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_GT(std::stod(printed(ran, "scroll").at(0)), 0);
+}
+
+TEST_F(Hand, ThePanelLeavesThePictureFree) {
+    const Ran ran = view("set samples 1\nwait 3\nprint covered\nhand key h\nexpect covered 0.000\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_LT(std::stod(printed(ran, "covered").at(0)), 0.25);
+}
+
+TEST_F(Hand, UndoAndRedoOfTheCamera) {
+    const Ran ran = view(
+        "set samples 1\nprint camera\nhand key 1\nwait 2\nprint camera\nhand key Left\nwait 2\nprint camera\n"
+        "hand key ctrl+z\nprint camera\nhand key ctrl+z\nprint camera\nhand key ctrl+y\nprint camera\n"
+        "hand key ctrl+z\nhand key ctrl+z\nexpect toast nothing to undo\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::vector<nlohmann::json> c = cameras(ran);
+    EXPECT_NE(c.at(0), c.at(1));
+    EXPECT_NE(c.at(1), c.at(2));
+    EXPECT_EQ(c.at(3), c.at(1));
+    EXPECT_EQ(c.at(4), c.at(0));
+    EXPECT_EQ(c.at(5), c.at(1));
+}
+
+TEST_F(Hand, BookmarksComeBack) {
+    const Ran ran = view(
+        "set samples 1\nhand key m\nprint camera\nhand key 5\nhand key m\nprint camera\nhand key n\nprint "
+        "camera\n"
+        "hand key n\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::vector<nlohmann::json> c = cameras(ran);
+    EXPECT_NE(c.at(0), c.at(1));
+    EXPECT_EQ(c.at(2), c.at(1));
+    EXPECT_EQ(c.at(3), c.at(0));
+}
+
+TEST_F(Hand, FullscreenAndBack) {
+    const Ran ran = view(
+        "set samples 1\nhand key F11\nwait 3\nexpect-size 1280 1024\nhand key F11\nwait 3\nexpect-size 640 "
+        "480\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+TEST_F(Hand, TheInspectorReadsThePixel) {
+    const Ran ran =
+        view("key H\nset samples 1\nhand key i\nhand mousemove @330,150\nsettle\nwait 3\nprint pixel\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.exr");
+    const Image image = readImage("rendered.exr");
+    char expected[80];
+    std::snprintf(expected, sizeof(expected), "330 150  %.6g %.6g %.6g  /objects/1",
+                  static_cast<double>(image.at(330, 150, 0)), static_cast<double>(image.at(330, 150, 1)),
+                  static_cast<double>(image.at(330, 150, 2)));
+    EXPECT_EQ(printed(ran, "pixel").at(0).rfind(expected, 0), 0u) << printed(ran, "pixel").at(0);
+}
+
+// With Ctrl+Q right behind S the picture is there, whole, and nobody had to wait for it.
+TEST_F(Hand, QuittingFinishesTheSave) {
+    const Ran ran = view("set samples 1\nstay\nhand key alt+s key ctrl+q\n", {"--spp", "4"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.png", {"--spp", "4"});
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("rendered.png"));
+}
+
+TEST_F(Hand, ASaveThatFailsIsSaid) {
+    const Ran ran = view(
+        "set samples 1\nsettle\npress save_and_open\nwait 3\npress save_as\nwait 3\n"
+        "hand type nowhere/a.png\nhand key Return\nstay\nhand key ctrl+q\n");
+    EXPECT_NE(ran.err.find("nowhere/a.png"), std::string::npos) << ran.err;
+}
+
+// ---- what is seen is what is saved ----
+
+TEST_F(Hand, SavesWhatIsSeen) {
+    const Ran ran = view(
+        "hand key h\nset samples 4\nset exposure 1.5\nset tonemap aces\nsettle\nwindow color.png\nhand key "
+        "s\nsettle\n"
+        "aov normal\nkey Esc\nsettle\nwait 2\nwindow normal.png\nhand key s\nsettle\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("color.png"));
+    EXPECT_EQ(readBytes("scene-view-002.png"), readBytes("normal.png"));
+    EXPECT_NE(ran.out.find("as seen: 4 samples"), std::string::npos) << ran.out;
+}
+
+TEST_F(Hand, SavesLayersAsSeen) {
+    size_ = "240x180";
+    const Ran ran = view("set samples 1\nsettle\nhand key shift+s\nsettle\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.exr",
+           {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
+    EXPECT_EQ(readBytes("scene-view-001.exr"), readBytes("rendered.exr"));
+}
+
+// Nobody's picture is lost to another window that looks for a name at the same time.
+TEST_F(Hand, NamesAreClaimed) {
+    std::vector<std::filesystem::path> names(64);
+    std::vector<std::thread> windows;
+    for (size_t w = 0; w < 8; ++w)
+        windows.emplace_back([&, w] {
+            for (size_t i = 0; i < 8; ++i) names[8 * w + i] = claimName(".", "scene", ".png");
+        });
+    for (std::thread& window : windows) window.join();
+    const std::set<std::filesystem::path> different(names.begin(), names.end());
+    EXPECT_EQ(different.size(), names.size());
+}
+
+// Who asks twice does not want it: no half of a picture stays, nor an empty file, and the exit code says so.
+TEST_F(Hand, QuittingTwiceDropsTheSave) {
+    const Ran ran = view("set samples 1\nstay\nhand key alt+s key ctrl+q key ctrl+q\n", {"--spp", "4096"});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_NE(ran.err.find("before the picture was saved"), std::string::npos) << ran.err;
+    EXPECT_FALSE(std::filesystem::exists("scene-view-001.png"));
+}
+
+}  // namespace
+}  // namespace glint::view::test::hand_test

@@ -1,0 +1,178 @@
+// Parts of the window's shell that need no window.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "import/load.h"
+#include "pack/packed_scene.h"
+#include "support.h"
+#include "view/camera_control.h"
+#include "view/compare.h"
+#include "view/edits.h"
+#include "view/file_list.h"
+#include "view/history.h"
+#include "view/ray_lines.h"
+#include "view/settings.h"
+#include "view/toasts.h"
+
+namespace glint::view::test::parts_test {
+namespace {
+
+Camera cameraAt(double x) {
+    Camera camera;
+    camera.eye = {x, 0, 5};
+    return camera;
+}
+
+TEST(CameraHistory, GoesBackAndForth) {
+    CameraHistory history;
+    history.remember(cameraAt(0));
+    history.remember(cameraAt(1));
+    Camera now = cameraAt(2);
+    EXPECT_FALSE(history.redo(now));
+    now = history.undo(now).value();
+    EXPECT_EQ(now.eye.x, 1);
+    now = history.undo(now).value();
+    EXPECT_EQ(now.eye.x, 0);
+    EXPECT_FALSE(history.undo(now));
+    now = history.redo(now).value();
+    EXPECT_EQ(now.eye.x, 1);
+    history.remember(now);  // another way from here on
+    EXPECT_FALSE(history.redo(cameraAt(7)));
+}
+
+TEST(Toasts, ExpireInTheirTime) {
+    Toasts toasts;
+    toasts.add("a", ToastKind::Info, 100);
+    toasts.add("b", ToastKind::Error, 100);
+    toasts.add("a", ToastKind::Info, 101);  // said again: shown once
+    EXPECT_EQ(toasts.shown().size(), 2u);
+    EXPECT_DOUBLE_EQ(toasts.next(102), Toasts::kSeconds - 1);
+    EXPECT_FALSE(toasts.expire(100 + Toasts::kSeconds));
+    EXPECT_TRUE(toasts.expire(101 + Toasts::kSeconds));
+    ASSERT_EQ(toasts.shown().size(), 1u);
+    EXPECT_EQ(toasts.shown()[0].text, "b");
+    EXPECT_TRUE(toasts.expire(101 + 2 * Toasts::kSeconds));
+    EXPECT_LT(toasts.next(0), 0);
+}
+
+// The point at any distance along a camera ray is at the pixel that the ray belongs to.
+TEST(RayLines, ProjectWhereTheCameraRaysCome) {
+    Camera perspective = cameraAt(1), parallel = cameraAt(1), oblique = cameraAt(1);
+    parallel.projection = Projection::Orthographic;
+    oblique.planeNormal = glm::dvec3(0.2, 0.1, 1);
+    for (const Camera& camera : {perspective, parallel, oblique}) {
+        const shared::Camera packed = packCamera(camera, 320, 200, glm::dvec3(0));
+        const double x = 40.25 - 160, y = 150.5 - 100;
+        const glm::dvec3 origin =
+            glm::dvec3(packed.eye) + x * glm::dvec3(packed.originStepX) + y * glm::dvec3(packed.originStepY);
+        const glm::dvec3 direction =
+            glm::dvec3(packed.center) + x * glm::dvec3(packed.stepX) + y * glm::dvec3(packed.stepY);
+        const auto segment = projected(packed, origin + 2.0 * direction, origin + 7.0 * direction);
+        ASSERT_TRUE(segment);
+        for (const glm::dvec2& at : {segment->from, segment->to}) {
+            EXPECT_NEAR(at.x, 40.25, 1e-4);
+            EXPECT_NEAR(at.y, 150.5, 1e-4);
+        }
+    }
+}
+
+TEST(RayLines, WhatIsBehindTheEyeIsCutOff) {
+    const shared::Camera packed = packCamera(cameraAt(0), 320, 200, glm::dvec3(0));
+    EXPECT_FALSE(projected(packed, {0, 0, 6}, {1, 0, 9}));
+    const auto half = projected(packed, {0, 0, 0}, {1, 0, 10});  // leaves to the right of the picture
+    ASSERT_TRUE(half);
+    EXPECT_NEAR(half->from.x, 160, 1e-6);
+    EXPECT_GT(half->to.x, 320);
+}
+
+// What is written is what a scene file takes, and means the same.
+TEST(Edits, JsonIsWhatAFileTakes) {
+    nlohmann::json scene = nlohmann::json::parse(sceneText());
+    scene["lights"].push_back({{"type", "spot"},
+                               {"position", {0, 4, 0}},
+                               {"direction", {0, -1, 0.5}},
+                               {"angle", 20},
+                               {"penumbra", 5},
+                               {"intensity", 1},
+                               {"falloff", "inverseSquare"}});
+    const Scene before = parseScene(scene.dump(), "a.json", ".");
+    Scene changed = before;
+    std::get<PointLight>(changed.lights[0]).position = {1, 2, 3.5};
+    std::get<SpotLight>(changed.lights[2]).angle = 12.5;
+    for (Material& material : changed.materials)
+        if (material.name == "mirror") material.mirror = {0.1, 0.2, 0.3};
+    EXPECT_EQ(materialsJson(before.materials, before.materials), "");
+    scene["lights"] = nlohmann::json::parse("{" + lightsJson(changed.lights) + "}")["lights"];
+    const nlohmann::json fields =
+        nlohmann::json::parse("{" + materialsJson(changed.materials, before.materials) + "}")["materials"];
+    ASSERT_EQ(fields.size(), 1u);
+    scene["materials"]["mirror"].update(fields["mirror"]);
+    const Scene again = parseScene(scene.dump(), "b.json", ".");
+    for (size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(LightSetting::of(again.lights[i]), LightSetting::of(changed.lights[i])) << i;
+    EXPECT_TRUE(same(SceneEdits::of(again), SceneEdits::of(changed)));
+    EXPECT_FALSE(same(SceneEdits::of(again), SceneEdits::of(before)));
+}
+
+TEST(Edits, FollowTheFileWhereTheyAreUntouched) {
+    SceneEdits file;
+    file.materials.resize(2);
+    file.materials[0].name = "a";
+    file.materials[1].name = "b";
+    SceneEdits mine = file, now = file;
+    mine.materials[0].diffuse = {1, 0, 0};
+    now.materials[0].shininess = 7;
+    now.materials[1].diffuse = {0, 1, 0};
+    mine.follow(file, now);
+    EXPECT_EQ(mine.materials[0].diffuse, Color(1, 0, 0));
+    EXPECT_EQ(mine.materials[0].shininess, 7);
+    EXPECT_EQ(mine.materials[1].diffuse, Color(0, 1, 0));
+}
+
+TEST(Settings, FollowTheFileWhereTheyAreUntouched) {
+    const Scene scene = parseScene(sceneText(), "a.json", ".");
+    const PictureSettings file = PictureSettings::of(scene);
+    PictureSettings mine = file, now = file;
+    mine.maxDepth = 9;
+    mine.lights[0].on = false;
+    mine.lights[1].intensity = Color(2);
+    now.maxDepth = 1;
+    now.background = {1, 0, 0};
+    now.lights[0].intensity = Color(5);
+    now.lights[1].intensity = Color(5);
+    now.sampling.seed = 3;
+    mine.follow(file, now);
+    EXPECT_EQ(mine.maxDepth, 9);
+    EXPECT_EQ(mine.background, glm::vec3(1, 0, 0));
+    EXPECT_FALSE(mine.lights[0].on);
+    EXPECT_EQ(mine.lights[0].intensity, Color(5));
+    EXPECT_EQ(mine.lights[1].intensity, Color(2));
+    EXPECT_EQ(mine.sampling.seed, 3u);
+}
+
+TEST(Compare, OfAnotherSizeThereAreNoFigures) {
+    Comparison comparison;
+    comparison.linear = Image(4, 4, 3);
+    const Image small(2, 2, 4), equal(4, 4, 4);
+    measure(comparison, &small);
+    EXPECT_FALSE(comparison.figures);
+    EXPECT_NE(comparison.fault, "");
+    measure(comparison, &equal);
+    ASSERT_TRUE(comparison.figures);
+    EXPECT_EQ(comparison.figures->rmse, 0);
+}
+
+class FileList : public glint::test::WorkingFolderTest {};
+
+TEST_F(FileList, FoldersThenWhatCanBeOpened) {
+    std::filesystem::create_directory("z");
+    for (const char* name : {"b.JSON", "a.png", "notes.txt", ".hidden.json"}) writeText(name, "");
+    std::vector<std::string> names;
+    for (const FileEntry& entry : listFiles(".")) names.push_back(entry.path.filename().string());
+    EXPECT_EQ(names, (std::vector<std::string>{"z", "a.png", "b.JSON"}));
+    EXPECT_TRUE(listFiles("nowhere").empty());
+}
+
+}  // namespace
+}  // namespace glint::view::test::parts_test

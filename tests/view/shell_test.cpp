@@ -1,0 +1,242 @@
+// The window's shell: lens and cameras, layers, comparison, messages, sizes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/image_diff.h"
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::view::test::shell_test {
+namespace {
+
+class Shell : public FolderTest {
+  protected:
+    nlohmann::json scene_ = nlohmann::json::parse(sceneText());
+
+    static nlohmann::json cameraIn(const Ran& ran) {
+        const size_t at = ran.out.find("\"camera\"");
+        return nlohmann::json::parse("{" + ran.out.substr(at, ran.out.find('\n', at) - at) + "}")["camera"];
+    }
+    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
+        std::vector<std::string> list;
+        std::istringstream lines(ran.out);
+        for (std::string line; std::getline(lines, line);)
+            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
+        return list;
+    }
+};
+
+// ---- the camera goes through unchanged ----
+
+TEST_F(Shell, EveryFieldOfTheCameraGoesThrough) {
+    const std::vector<nlohmann::json> all = {{{"type", "perspective"},
+                                              {"eye", {0, 1.5, 7}},
+                                              {"target", {0, 0.8, 0}},
+                                              {"up", {0, 1, 0}},
+                                              {"fovY", 45.0},
+                                              {"near", 0.5},
+                                              {"far", 30.0},
+                                              {"lensRadius", 0.15},
+                                              {"focusDistance", 6.25}},
+                                             {{"type", "perspective"},
+                                              {"eye", {0, 1.5, 7}},
+                                              {"target", {0, 0.8, 0}},
+                                              {"up", {0, 1, 0}},
+                                              {"planeNormal", {0, 0.1, 1}},
+                                              {"window", {-0.5, 0.6, -0.4, 0.3}}},
+                                             {{"type", "orthographic"},
+                                              {"eye", {0, 1.5, 7}},
+                                              {"target", {0, 0.8, 0}},
+                                              {"up", {0, 1, 0}},
+                                              {"planeNormal", {0, 0, 1}},
+                                              {"height", 5.0},
+                                              {"near", 1.0}}};
+    for (const nlohmann::json& camera : all) {
+        scene_["camera"] = camera;
+        writeText("scene.json", scene_.dump());
+        const Ran ran = view("key C\nwait 2\nscreenshot shot.png\n", {"--spp", "4"});
+        ASSERT_EQ(ran.code, 0) << ran.err;
+        const nlohmann::json copied = cameraIn(ran);
+        for (const auto& [key, value] : camera.items()) EXPECT_EQ(copied[key], value) << key;
+        scene_["camera"] = copied;
+        writeText("copied.json", scene_.dump());
+        render("scene.json", "rendered.png", {"--spp", "4"});
+        render("copied.json", "again.png", {"--spp", "4"});
+        EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png")) << camera;
+        EXPECT_EQ(readBytes("again.png"), readBytes("rendered.png")) << camera;
+    }
+}
+
+// At rest the lens is seen: what is out of focus is blurred as in the rendered picture, up to the noise of
+// the samples, and not as through a pinhole.
+TEST_F(Shell, TheLensIsSeen) {
+    scene_["camera"]["lensRadius"] = 0.4;
+    scene_["camera"]["focusDistance"] = 3.0;
+    writeText("scene.json", scene_.dump());
+    const Ran ran = view("key H\nset samples 16\nsettle\nsave shown.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "lens.png", {"--spp", "128"});
+    scene_["camera"]["lensRadius"] = 0;
+    writeText("pinhole.json", scene_.dump());
+    render("pinhole.json", "pinhole.png", {"--spp", "16"});
+    const Image shown = readImage("shown.png");
+    const double toLens = compareImages(shown, readImage("lens.png"), 0).rmse;
+    const double toPinhole = compareImages(shown, readImage("pinhole.png"), 0).rmse;
+    EXPECT_LT(3 * toLens, toPinhole) << toLens << " " << toPinhole;
+}
+
+// ---- layers ----
+
+TEST_F(Shell, SwitchingLayersTracesNothingAgain) {
+    const Ran ran = view(
+        "set samples 2\nsettle\nidle 0.2\nprint submissions\naov normal\nwait 3\naov cost\nwait 3\naov "
+        "color\nwait 3\n"
+        "aov depth\nwait 3\nidle 0.2\nprint submissions\nprint samples\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::vector<std::string> counts = printed(ran, "submissions");
+    ASSERT_EQ(counts.size(), 2u);
+    EXPECT_EQ(counts[0], counts[1]);
+    EXPECT_EQ(printed(ran, "samples").at(0), "2");
+}
+
+// ---- comparison ----
+
+TEST_F(Shell, APictureEqualsItself) {
+    const Ran ran = view(
+        "key H\nset samples 1\nsettle\nsave before.png\nkey K\nkey B\nwait 3\nexpect figures 0\nsave "
+        "wipe.png\n"
+        "key B\nwait 3\nsave difference.png\nkey B\nkey B\nwait 2\nsave after.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(readBytes("before.png"), readBytes("after.png"));
+    const Image difference = readImage("difference.png");
+    EXPECT_EQ(*std::max_element(difference.pixels.begin(), difference.pixels.end()), 0.0f);
+    const Image wipe = readImage("wipe.png"), before = readImage("before.png");
+    EXPECT_EQ(pixelOf(wipe, 120, 90), (Rgb{255, 255, 255}));  // the line
+    EXPECT_EQ(pixelOf(wipe, 60, 90), pixelOf(before, 60, 90));
+}
+
+TEST_F(Shell, ADroppedPictureIsComparedWith) {
+    scene_["background"] = {0.9, 0.1, 0.1};
+    writeText("red.json", scene_.dump());
+    render("red.json", "red.png");
+    const Ran ran =
+        view("key H\nset samples 1\nsettle\ndrop red.png\nwait 3\nsave wipe.png\nprint figures\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Image wipe = readImage("wipe.png"), red = readImage("red.png");
+    EXPECT_EQ(pixelOf(wipe, 3, 3), pixelOf(red, 3, 3));
+    EXPECT_NE(pixelOf(wipe, 236, 3), pixelOf(red, 236, 3));
+    EXPECT_GT(std::stod(printed(ran, "figures").at(0)), 0.05);
+}
+
+// The same samples in double: no more than the edges differ.
+TEST_F(Shell, TheReferenceDrawsTheSame) {
+    size_ = "640x480";
+    const Ran ran = view(
+        "set samples 2\nsettle\npress compare\nwait 3\npress reference\nsettle\nwait 5\nprint figures\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_LT(std::stod(printed(ran, "figures").at(0)), 2e-3);
+    EXPECT_GT(std::stod(printed(ran, "figures").at(0)), 0);
+}
+
+// ---- other scenes ----
+
+TEST_F(Shell, ADroppedSceneIsOpened) {
+    nlohmann::json other = scene_;
+    other["camera"]["eye"] = {3, 2, 6};
+    other["maxDepth"] = 1;
+    writeText("other.json", other.dump());
+    const Ran ran = view(
+        "set samples 1\nkey Left\nset depth 7\ndrop other.json\nsettle\nexpect depth 1\nscreenshot shot.png\n"
+        "drop broken.json\nsettle\nexpect-error broken.json\nscreenshot still.png\n",
+        {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("other.json", "other.png");
+    EXPECT_EQ(readBytes("shot.png"), readBytes("other.png"));
+    EXPECT_EQ(readBytes("still.png"), readBytes("other.png"));
+}
+
+// By its list: the folder of the scene, and what can be opened there.
+TEST_F(Shell, ASceneIsOpenedFromTheList) {
+    size_ = "640x480";
+    nlohmann::json other = scene_;
+    other["maxDepth"] = 1;
+    writeText("other.json", other.dump());
+    const Ran ran = view("set samples 1\nkey ctrl+O\nwait 3\npress other.json\nsettle\nexpect depth 1\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+// Every traversal draws the same bits.
+TEST_F(Shell, TraversalsDrawTheSame) {
+    size_ = "400x900";  // the whole panel is seen
+    const Ran ran = view(
+        "set samples 1\nsettle\nsave auto.png\npress traversal\nwait 3\npress "
+        "lane\nwait 3\n"
+        "settle\nsave lane.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(readBytes("auto.png"), readBytes("lane.png"));
+}
+
+// ---- messages, sizes ----
+
+TEST_F(Shell, MessagesGoAwayByThemselves) {
+    const Ran ran = view(
+        "set samples 1\nsettle\nkey C\nwait 2\nexpect toast copied as scene JSON: camera\nidle 6\nexpect "
+        "toast none\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+// Letters twice as large are drawn anew: a picture of doubled pixels has no square of two by two that
+// differs within.
+TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
+    size_ = "640x480";
+    const Ran ran = view("set samples 1\nkey F1\nwait 4\nwindow help.png\n", {"--scale", "2"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Image image = readImage("help.png");
+    int mixed = 0;
+    for (int y = 0; y + 1 < 30; y += 2)  // the heading
+        for (int x = 0; x + 1 < 400; x += 2) {
+            const std::set<int> reds = {pixelOf(image, x, y).r, pixelOf(image, x + 1, y).r,
+                                        pixelOf(image, x, y + 1).r, pixelOf(image, x + 1, y + 1).r};
+            mixed += reds.size() > 1 ? 1 : 0;
+        }
+    EXPECT_GT(mixed, 200);
+}
+
+TEST_F(Shell, BuildQualityIsUsed) {
+    writeText("script.txt", "print tree\n");
+    const std::string knot = glint::test::sourcePath("scenes/knot.json");
+    std::set<std::string> costs;
+    for (const char* quality : {"default", "high"}) {
+        const Ran ran =
+            runGlint({"view", knot, "--size", size_, "--script", "script.txt", "--build-quality", quality});
+        ASSERT_EQ(ran.code, 0) << ran.err;
+        costs.insert(printed(ran, "tree").at(0));
+    }
+    EXPECT_EQ(costs.size(), 2u);
+}
+
+// In glass every ray is named by what the surface did, and hangs below the one that it comes from.
+TEST_F(Shell, ThePickIsATreeOfRays) {
+    scene_["materials"]["one"] = {{"transmission", 1}, {"ior", 1.5}};
+    writeText("scene.json", scene_.dump());
+    const Ran ran = view("key H\nset samples 1\nclick 70 90\nprint pick\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("% eye: /objects/0"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("\n  "), std::string::npos);
+    EXPECT_NE(ran.out.find("% transmitted: "), std::string::npos);
+    EXPECT_NE(ran.out.find("% reflected: "), std::string::npos);
+    double sum = 0;
+    std::istringstream lines(ran.out.substr(ran.out.find("pick ") + 5));
+    for (std::string line; std::getline(lines, line);) {
+        double share = 0;
+        if (std::sscanf(line.c_str(), " %lf %%", &share) == 1) sum += share;
+    }
+    EXPECT_NEAR(sum, 100, 1.5);  // each is rounded to a tenth
+}
+
+}  // namespace
+}  // namespace glint::view::test::shell_test
