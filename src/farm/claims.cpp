@@ -1,13 +1,16 @@
 #include "farm/claims.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <system_error>
 
@@ -22,12 +25,6 @@ namespace fs = std::filesystem;
 constexpr const char* kMark = ".claim-";
 constexpr const char* kReleased = "released\n";
 constexpr int kBeatsOfLease = 10;
-
-std::string hostAndProcess() {
-    std::array<char, 256> host{};
-    if (::gethostname(host.data(), host.size() - 1) != 0) host = {'?'};
-    return std::string(host.data()) + " " + std::to_string(::getpid());
-}
 
 [[noreturn]] void cannotWrite(const fs::path& path, int number) {
     throw Error(ErrorKind::Failed,
@@ -45,6 +42,13 @@ std::string readText(const fs::path& path) {
     return text.str();
 }
 
+// A link that a server made and whose answer got lost is refused when it is asked for again (open(2), on
+// NFS).
+bool hasTwoNames(const fs::path& path) {
+    struct stat found {};
+    return ::stat(path.c_str(), &found) == 0 && found.st_nlink == 2;
+}
+
 // False if there is such a file already. A link appears whole and is exclusive on file systems where O_EXCL
 // may not be; where there are no links, O_EXCL.
 bool createExclusively(const fs::path& path, const std::string& text, const fs::path& temporary) {
@@ -56,8 +60,9 @@ bool createExclusively(const fs::path& path, const std::string& text, const fs::
         ::unlink(temporary.c_str());
         cannotWrite(temporary, number);
     }
-    const bool linked = ::link(temporary.c_str(), path.c_str()) == 0;
+    bool linked = ::link(temporary.c_str(), path.c_str()) == 0;
     number = errno;
+    linked = linked || hasTwoNames(temporary);
     ::unlink(temporary.c_str());
     if (linked) return true;
     if (number == EEXIST) return false;
@@ -74,10 +79,19 @@ bool createExclusively(const fs::path& path, const std::string& text, const fs::
 
 }  // namespace
 
+std::string newHolder() {
+    std::array<char, 256> host{};
+    if (::gethostname(host.data(), host.size() - 1) != 0) host = {'?'};
+    std::random_device random;
+    std::array<char, 17> token{};
+    std::snprintf(token.data(), token.size(), "%08x%08x", random(), random());
+    return std::string(host.data()) + "-" + std::to_string(::getpid()) + "-" + token.data();
+}
+
 Claims::Claims(const fs::path& folder, double lease)
     : folder_(folder),
       lease_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(lease))),
-      holder_(hostAndProcess()),
+      holder_(newHolder()),
       thread_([this] { beat(); }) {}
 
 Claims::~Claims() {
@@ -124,10 +138,8 @@ bool Claims::lapsed(const std::string& name, int generation) {
 
 bool Claims::take(const std::string& name, int generation) {
     const fs::path path = folder_ / (name + kMark + std::to_string(generation));
-    std::string own = holder_;
-    std::replace(own.begin(), own.end(), ' ', '-');
     const std::lock_guard lock(mutex_);
-    if (!createExclusively(path, text(), folder_ / ("." + name + "." + own))) return false;
+    if (!createExclusively(path, text(), folder_ / ("." + name + "." + holder_))) return false;
     held_ = path;
     seen_.erase(name);
     changed_.notify_all();

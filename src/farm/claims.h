@@ -19,6 +19,10 @@
 
 namespace glint::farm {
 
+// A name that no other has: host, process, and 64 random bits, as containers on one host may have the name of
+// the host and the numbers of processes in common. Fit for a file's name.
+std::string newHolder();
+
 class Claims {
   public:
     using Clock = std::chrono::steady_clock;
@@ -48,7 +52,7 @@ class Claims {
 
     const std::filesystem::path folder_;
     const Clock::duration lease_;
-    const std::string holder_;          // host and process
+    const std::string holder_;
     std::map<std::string, Seen> seen_;  // of the newest claim on work that another has
 
     std::mutex mutex_;  // guards what follows

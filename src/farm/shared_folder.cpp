@@ -33,8 +33,7 @@ void agree(const fs::path& folder, const UnitHeader& header) {
     const fs::path path = folder / kPicture;
     std::error_code code;
     if (!fs::exists(path, code)) {
-        const fs::path mine = folder / ("." + std::string(kPicture) + "." + header.identity.hash() + "." +
-                                        std::to_string(::getpid()));
+        const fs::path mine = folder / ("." + std::string(kPicture) + "." + newHolder());
         writeFiles({{mine, encodeHeader(header)}});
         fs::create_hard_link(mine, path, code);
         const bool noLinks = code && !fs::exists(path);
