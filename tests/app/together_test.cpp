@@ -155,15 +155,24 @@ TEST_F(Together, CheckpointsGoOn) {
 }
 
 TEST_F(Together, InterruptedCheckpointsSayHowMuchTheyHold) {
-    Child child(with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"}));
-    const Stopwatch watch;
-    std::error_code code;
-    while (watch.seconds() < 60 &&
-           (!std::filesystem::exists("c.part") || std::filesystem::file_size("c.part", code) < 50'000))
-        std::this_thread::sleep_for(1ms);
-    child.send(SIGINT);
-    EXPECT_EQ(child.wait(), 130);
-    EXPECT_TRUE(child.err().starts_with("glint: interrupted: c.part holds ")) << child.err();
+    std::string said;
+    int code = 0;
+    // On a busy machine the child may be done before this process gets its turn to interrupt it.
+    for (int trial = 0; trial < 20 && code == 0; ++trial) {
+        Child child(with({"--checkpoint", "c.part", "-o", "all.pfm", "-q"}));
+        const Stopwatch watch;
+        const auto held = [] {
+            std::error_code missing;
+            const auto size = std::filesystem::file_size("c.part", missing);
+            return missing ? 0 : size;
+        };
+        while (watch.seconds() < 10 && held() < 50'000) std::this_thread::sleep_for(1ms);
+        child.send(SIGINT);
+        code = child.wait();
+        said = child.err();
+    }
+    EXPECT_EQ(code, 130);
+    EXPECT_TRUE(said.starts_with("glint: interrupted: c.part holds ")) << said;
     const Ran other = runGlint(with({"--checkpoint", "c.part", "-o", "all.pfm", "--max-depth", "1"}));
     EXPECT_EQ(other.code, 1);
     EXPECT_EQ(other.err,
