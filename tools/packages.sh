@@ -22,12 +22,13 @@ install_missing() {
     local as_root=""
     if [ "$(id -u)" -ne 0 ]; then as_root="sudo"; fi
     echo "== packages: installing$missing"
+    # A fresh machine often updates itself in the background, and holds the lock meanwhile.
+    local get="$as_root env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300"
     # An index may be missing or too old to install from; then it is fetched once.
     # shellcheck disable=SC2086
-    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing >/dev/null 2>&1 ||
+    $get install -y --no-install-recommends $missing >/dev/null 2>&1 ||
         { echo "== packages: updating the package lists first"
-          $as_root apt-get update >/dev/null &&
-          $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing >/dev/null; }
+          $get update >/dev/null && $get install -y --no-install-recommends $missing >/dev/null; }
 }
 
 step() { echo "== $*"; }
