@@ -45,62 +45,61 @@ void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, f
 #endif
 }
 
-// Hits beyond the first count where it may be passed: through a hole of the surface, and by shadow rays
-// through dielectrics.
-#ifdef GLINT_CROSSINGS
-const bool kMayGoThrough = true;
-#elif defined(GLINT_SHADOW_RAYS)
-const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
-#else
-const bool kMayGoThrough = FEATURE_ALPHA_MASK;
-#endif
-
-void testTriangle(inout Traversal traversal, uint index) {
+// The triangle's hit between the ray's ends; Hit.primitive is `primitive`.
+bool hitTriangleAt(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
     Triangle triangle = loadTriangle(index);
-    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
     float t, u, v;
 #ifdef GLINT_CROSSINGS
     bool doubtful;
-    bool isHit = crossTriangle(traversal.ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
+    bool isHit = crossTriangle(ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
     traversal.doubtful |= doubtful ? 1u : 0u;
 #else
-    bool isHit = meetTriangle(traversal.ray, traversal.frame, triangle, t, u, v) &&
+    bool isHit = meetTriangle(ray, traversal.frame, triangle, t, u, v) &&
                  !isOwnTriangle(traversal, primitive, triangle.id);
 #endif
 #ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS)
-        traversal.passage.counts = crossesOnce(traversal.ray, traversal.frame, triangle);
+    if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(ray, traversal.frame, triangle);
 #endif
-    offer(traversal, kKindTriangle, isHit, t, u, v, primitive, triangle.id);
+    hit = Hit(t, u, v, primitive, kNone, triangle.id);
+    return isHit;
 }
 
-// Of a kind by itself: through a hole or a dielectric further hits count, from the one before on.
-#define GLINT_TEST_ALONE(Kind, crossings)                                                                \
-    void test##Kind(inout Traversal traversal, uint index) {                                             \
-        Kind one = load##Kind(index);                                                                    \
-        uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                                   \
-        Hit hit;                                                                                         \
-        Ray rest = traversal.ray;                                                                        \
-        bool isHit = hit##Kind(traversal.ray, traversal.frame, one, primitive, traversal.trips, hit);    \
-        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);                \
-        if (crossings == 2) {                                                                            \
-            if (kMayGoThrough) {                                                                         \
-                rest.tMax = traversal.ray.tMax;                                                          \
-                rest.tMin = isHit ? hit.t : rest.tMin;                                                   \
-                isHit = isHit && hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
-                offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);        \
-            }                                                                                            \
-        }                                                                                                \
-        if (crossings > 2) {                                                                             \
-            if (kMayGoThrough) {                                                                         \
-                for (uint further = 1u; isHit && further < uint(crossings); ++further) {                 \
-                    rest.tMin = hit.t;                                                                   \
-                    isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit);      \
-                    offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);    \
-                    ++traversal.trips;                                                                   \
-                }                                                                                        \
-            }                                                                                            \
-        }                                                                                                \
+void testTriangle(inout Traversal traversal, uint index) {
+    uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
+    Hit hit;
+    bool isHit = hitTriangleAt(traversal, traversal.ray, index, primitive, hit);
+    offer(traversal, kKindTriangle, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+}
+
+#ifdef GLINT_CROSSINGS
+// A ray that counts passes through: further hits count too, each looked for from the one before on.
+#define GLINT_FURTHER(Kind, crossings)                                                           \
+    Ray rest = traversal.ray;                                                                    \
+    if (crossings == 2) {                                                                        \
+        rest.tMin = isHit ? hit.t : rest.tMin;                                                   \
+        isHit = isHit && hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
+        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);        \
+    }                                                                                            \
+    if (crossings > 2) {                                                                         \
+        for (uint further = 1u; isHit && further < uint(crossings); ++further) {                 \
+            rest.tMin = hit.t;                                                                   \
+            isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit);      \
+            offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);    \
+            ++traversal.trips;                                                                   \
+        }                                                                                        \
+    }
+#else
+#define GLINT_FURTHER(Kind, crossings)
+#endif
+
+#define GLINT_TEST_ALONE(Kind, crossings)                                                             \
+    void test##Kind(inout Traversal traversal, uint index) {                                          \
+        Kind one = load##Kind(index);                                                                 \
+        uint primitive = (kKind##Kind << kPrimitiveKindShift) | index;                                \
+        Hit hit;                                                                                      \
+        bool isHit = hit##Kind(traversal.ray, traversal.frame, one, primitive, traversal.trips, hit); \
+        offer(traversal, kKind##Kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);             \
+        GLINT_FURTHER(Kind, crossings)                                                                \
     }
 #define GLINT_TEST_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                            loops, uv)                                                                      \
@@ -112,7 +111,8 @@ void testTriangle(inout Traversal traversal, uint index) {
 #define GLINT_TEST_INSTANCES(Kind, crossings)
 GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
 
-// One loop for each kind, as lavapipe skips work only by not entering a loop.
+// One loop for each kind, as lavapipe skips work only by not entering a loop; a `while` that is not entered
+// would run its body once. Each primitive takes a trip of the budget.
 #define GLINT_LOOP(Kind, FEATURE)                       \
     if (FEATURE_##FEATURE) {                            \
         uint index = kind == kKind##Kind ? first : end; \
@@ -135,6 +135,13 @@ GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
     GLINT_LOOP_##ROLE(Kind, FEATURE)
 
 #ifndef GLINT_CROSSINGS
+// Through a hole of the surface, and as a shadow ray through dielectrics.
+#ifdef GLINT_SHADOW_RAYS
+const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
+#else
+const bool kMayGoThrough = FEATURE_ALPHA_MASK;
+#endif
+
 // Where the ray may go through what it hits, what decides about that is much code, in which the drivers'
 // compilers spend seconds if each kind has it for itself. So one loop tests all kinds: a trip asks for the
 // next hit of the primitive at hand, or else takes the next primitive.
@@ -146,7 +153,7 @@ GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
         isHit = hit##Kind(rest, traversal.frame, load##Kind(index), primitive, traversal.trips, hit);
 #define GLINT_MEET_TRIANGLES(Kind, FEATURE)       \
     if (FEATURE_##FEATURE && kind == kKind##Kind) \
-        isHit = nextTriangle(traversal, rest, index, primitive, hit);
+        isHit = hitTriangleAt(traversal, rest, index, primitive, hit);
 #define GLINT_MEET_PACKETS(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_LEAVES(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_UNBOUNDED(Kind, FEATURE)
@@ -155,18 +162,6 @@ GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
 #define GLINT_MEET_AGAIN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                          loops, uv)                                                                      \
     || (crossings > 1 && kind == kKind##Kind)
-
-bool nextTriangle(inout Traversal traversal, Ray rest, uint index, uint primitive, out Hit hit) {
-    Triangle triangle = loadTriangle(index);
-    float t, u, v;
-    bool isHit = meetTriangle(rest, traversal.frame, triangle, t, u, v) &&
-                 !isOwnTriangle(traversal, primitive, triangle.id);
-#ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(rest, traversal.frame, triangle);
-#endif
-    hit = Hit(t, u, v, primitive, kNone, triangle.id);
-    return isHit;
-}
 
 void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;

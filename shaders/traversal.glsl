@@ -186,7 +186,6 @@ uint traverse(inout Traversal traversal, uint root) {
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
     do {
         if (current != kNone && traversal.trips < budget) {
-            bool stays;
             do {
                 if (isAtHand(current) && traversal.trips < budget) {
                     current = descend(traversal, current, base, budget, top);
@@ -198,9 +197,7 @@ uint traverse(inout Traversal traversal, uint root) {
                     }
                     if (FEATURE_INSTANCES) ++traversal.trips;
                 }
-                // No constant in the loop's own condition: without instances the compiler unrolls it.
-                stays = FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget;
-            } while (stays);
+            } while (FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget);
             if (FEATURE_INSTANCES) {
                 // The way out of an instance may lead straight into the next.
                 bool leaves =

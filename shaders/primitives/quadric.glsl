@@ -171,14 +171,16 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
         // The ray starts on the side: C is zero, whatever rounding says, and so is B where rounding decides
         // its sign. The direction errs by gamma_3 of what its components here are sums of, and was rounded
         // itself; so does the origin, which moreover stands off the surface by C over the gradient.
-        vec3 size3 = abs(ray.direction) * unit;
-        vec3 terms =
+        precise vec3 size3 = abs(ray.direction) * unit;
+        precise vec3 terms =
             vec3(dot(abs(q.toLocal0), size3), dot(abs(q.toLocal1), size3), dot(abs(q.toLocal2), size3));
-        vec3 far = abs(ray.origin) + abs(q.point);
-        vec3 reach = vec3(dot(abs(q.toLocal0), far), dot(abs(q.toLocal1), far), dot(abs(q.toLocal2), far));
-        float errorSide = gammaBound(8.0) * (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) +
-                                             dot(abs(q.linear), terms));
-        float steepness = length(form - q.linear);
+        precise vec3 far = abs(ray.origin) + abs(q.point);
+        precise vec3 reach =
+            vec3(dot(abs(q.toLocal0), far), dot(abs(q.toLocal1), far), dot(abs(q.toLocal2), far));
+        precise float errorSide =
+            gammaBound(8.0) *
+            (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) + dot(abs(q.linear), terms));
+        precise float steepness = length(form - q.linear);
         if (steepness > 0.0) errorSide += quotient(0.5 * abs(C), steepness) * length(image);
         C = 0.0;
         if (abs(B) <= errorSide) B = 0.0;

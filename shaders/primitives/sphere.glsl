@@ -43,8 +43,9 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
         // The ray starts on the surface: c is zero, whatever rounding says, and so is b where rounding
         // decides its sign: that of the origin and the direction, too. A ray that a limb mirrors does not
         // meet it again.
-        vec3 reach = abs(ray.origin) + abs(sphere.point) + sphere.radius * abs(sphere.anchorNormal);
-        if (abs(b) <= gammaBound(8.0) * dot(reach, abs(ray.direction))) b = 0.0;
+        precise vec3 reach = abs(ray.origin) + abs(sphere.point) + sphere.radius * abs(sphere.anchorNormal);
+        precise float errorB = gammaBound(8.0) * dot(reach, abs(ray.direction));
+        if (abs(b) <= errorB) b = 0.0;
         precise float square = b * b;
         c = 0.0;
         disc = square;

@@ -192,14 +192,17 @@ std::optional<uint32_t> valueOfPhi(const Known& known, const Instruction& phi) {
     return value;
 }
 
-// A branch whose condition is known becomes a jump. That of a loop's header stays: its structure needs it.
-bool foldBranch(Block& block, const Known& known) {
+// A branch whose condition is known becomes a jump. That of a loop's header stays, and so does a loop's only
+// way back, to one of `headers`: the loop's structure needs them (SPIR-V 1.3, section 2.11).
+bool foldBranch(Block& block, const Known& known, const Labels& headers) {
     const Instruction& last = block.terminator();
     if (opOf(last) != OpBranchConditional) return false;
     const Instruction* merge = block.merge();
     const std::optional<uint32_t> condition = valueOf(known, last[1]);
     if (!condition || (merge && opOf(*merge) == OpLoopMerge)) return false;
-    const Instruction jump = make(OpBranch, {*condition != 0 ? last[2] : last[3]});
+    const bool holds = *condition != 0;
+    if (headers.contains(holds ? last[3] : last[2])) return false;
+    const Instruction jump = make(OpBranch, {holds ? last[2] : last[3]});
     block.body.pop_back();
     if (merge) block.body.pop_back();
     block.body.push_back(jump);
@@ -236,7 +239,10 @@ void dropUnreached(Function& function) {
 void simplify(Function& function, Known& known) {
     for (bool changed = true; changed;) {
         changed = false;
+        Labels headers;  // of the loops that have begun
         for (Block& block : function.blocks) {
+            const Instruction* merge = block.merge();
+            if (merge && opOf(*merge) == OpLoopMerge) headers.insert(block.label);
             for (const Instruction& i : block.body) {
                 const uint32_t op = opOf(i);
                 std::optional<uint32_t> value;
@@ -248,7 +254,7 @@ void simplify(Function& function, Known& known) {
                 }
                 if (value) known[i[2]] = *value;
             }
-            changed |= foldBranch(block, known);
+            changed |= foldBranch(block, known, headers);
         }
         if (changed) dropUnreached(function);
     }

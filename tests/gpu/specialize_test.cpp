@@ -12,6 +12,7 @@
 
 #include <unistd.h>
 
+#include "once.spv.h"
 #include "render/kernels.h"
 
 namespace glint::gpu::specialize_test {
@@ -108,6 +109,15 @@ TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {
     const auto made = specialize(code.light, {});
     EXPECT_EQ(specIdsIn(made), specIdsIn(code.light));
     EXPECT_TRUE(isValid(made));
+}
+
+// Without its way back a loop is none, and the module invalid.
+TEST(Specialize, ALoopThatAConstantEndsKeepsItsForm) {
+    for (const uint32_t goesOn : {0u, 1u}) {
+        const std::vector<uint32_t> made = specialize(once_spv, std::vector<uint32_t>{goesOn});
+        EXPECT_EQ(specIdsIn(made), 0u);
+        EXPECT_TRUE(isValid(made)) << goesOn;
+    }
 }
 
 TEST(Specialize, RefusesWhatIsNoModule) {

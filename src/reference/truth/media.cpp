@@ -124,16 +124,23 @@ class MediaAround {
                     turnsOf(v[0].position - eye_, v[i].position - eye_, v[i + 1].position - eye_);
         }
     }
+
+    // The eye in the solid's own coordinates; the medium's box grows by the solid's.
+    template <typename Solid>
+    dvec3 eyeIn(const Solid& solid, uint32_t medium) {
+        const glm::dmat3 toLocal = glm::transpose(glm::dmat3(solid.toLocal0, solid.toLocal1, solid.toLocal2));
+        const glm::dmat3 back = glm::inverse(toLocal);
+        Bounds local;
+        local.include(solid.lo);
+        local.include(solid.hi);
+        for (int i = 0; i < 8; ++i) boxes_[medium].include(solid.point + back * local.corner(i));
+        return toLocal * (eye_ - solid.point);
+    }
+
     void addQuadric(const rows::Quadric& q) {
         const uint32_t medium = mediumOf(q.material);
         if (medium == 0) return;
-        const glm::dmat3 toLocal = glm::transpose(glm::dmat3(q.toLocal0, q.toLocal1, q.toLocal2));
-        const glm::dmat3 back = glm::inverse(toLocal);
-        Bounds local;
-        local.include(q.lo);
-        local.include(q.hi);
-        for (int i = 0; i < 8; ++i) boxes_[medium].include(q.point + back * local.corner(i));
-        const dvec3 y = toLocal * (eye_ - q.point);
+        const dvec3 y = eyeIn(q, medium);
         for (int i = 0; i < 3; ++i)
             if (y[i] < q.lo[i] || y[i] > q.hi[i]) return;
         const double value = glm::dot(q.squares, y * y) +
@@ -145,13 +152,7 @@ class MediaAround {
     void addCuboid(const rows::Cuboid& c) {
         const uint32_t medium = mediumOf(c.material);
         if (medium == 0) return;
-        const glm::dmat3 toLocal = glm::transpose(glm::dmat3(c.toLocal0, c.toLocal1, c.toLocal2));
-        const glm::dmat3 back = glm::inverse(toLocal);
-        Bounds local;
-        local.include(c.lo);
-        local.include(c.hi);
-        for (int i = 0; i < 8; ++i) boxes_[medium].include(c.point + back * local.corner(i));
-        const dvec3 y = toLocal * (eye_ - c.point);
+        const dvec3 y = eyeIn(c, medium);
         const bool inside = glm::all(glm::lessThan(c.lo, y)) && glm::all(glm::lessThan(y, c.hi));
         turns_[medium] += inside ? 1 : 0;
     }
