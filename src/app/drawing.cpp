@@ -1,5 +1,6 @@
 #include "app/drawing.h"
 
+#include <ostream>
 #include <utility>
 
 #include "app/common.h"
@@ -10,7 +11,8 @@
 
 namespace glint::app {
 
-Drawing::Drawing(Backend backend, const DeviceChoice& choice) : backend_(backend), choice_(choice) {
+Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings)
+    : backend_(backend), choice_(choice), warnings_(warnings) {
     if (backend == Backend::Cpu) return;
     opening_ = std::async(std::launch::async | std::launch::deferred, [&choice] {
         gpu::Device device = openDevice(choice, true);
@@ -23,19 +25,46 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected) {
     loaded_ = &loaded;
     camera_ = cameraOf(loaded);
     methods_ = expected.methods;
-    if (backend_ == Backend::Cpu) {
-        const Stopwatch watch;
-        truth_ = reference::truthOf(loaded);
-        truthCamera_ = reference::truthCamera(loaded);
-        hostSeconds_ += watch.seconds();
+    try {
+        if (backend_ == Backend::Gpu) return loadDevice(expected);
+    } catch (const Error& error) {
+        if (!fallBack(error)) throw;
         return;
     }
+    loadTruth();
+}
+
+void Drawing::loadTruth() {
+    const Stopwatch watch;
+    truth_ = reference::truthOf(*loaded_);
+    truthCamera_ = reference::truthCamera(*loaded_);
+    hostSeconds_ += watch.seconds();
+}
+
+void Drawing::loadDevice(const Request& expected) {
     if (!device_) device_.emplace(opening_.get());
     render::Options options;
     options.traversal = choice_.traversal;
     options.ownArithmetic = choice_.reproducible;
     options.expected = &expected;
-    renderer_.emplace(*device_, loaded.packed, options);
+    renderer_.emplace(*device_, loaded_->packed, options);
+}
+
+bool Drawing::fallBack(const Error& error) {
+    if (backend_ == Backend::Cpu || choice_.fallback != Fallback::Cpu || error.kind() != ErrorKind::Device)
+        return false;
+    backend_ = Backend::Cpu;
+    failed_ = {device_ ? device_->info().name : "", error.what()};
+    if (warnings_) {
+        // On a terminal in the place of the bar, which is shorter.
+        *warnings_ << (isTerminal(*warnings_) ? "\r" : "") << "glint: warning: " << failed_->reason
+                   << "; drawn by the reference instead (--fallback cpu)\n"
+                   << std::flush;
+    }
+    renderer_.reset();
+    device_.reset();
+    loadTruth();
+    return true;
 }
 
 void Drawing::reload(const Request& expected, bool cameraAlone) {
@@ -61,6 +90,7 @@ DrawingFacts Drawing::facts() const {
         facts.device = "CPU reference (double precision)";
         facts.driver = counted(defaultThreadCount(), "thread");
         facts.times.trace = hostSeconds_;
+        facts.failed = failed_;
         return facts;
     }
     facts.device = device_->info().name;

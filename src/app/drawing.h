@@ -2,11 +2,13 @@
 #pragma once
 
 #include <future>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "app/option_groups.h"
+#include "core/error.h"
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
 #include "reference/model.h"
@@ -16,11 +18,18 @@
 
 namespace glint::app {
 
+// A device that failed, where --fallback had the reference draw on.
+struct FailedDevice {
+    std::string name;  // empty if it could not be opened
+    std::string reason;
+};
+
 struct DrawingFacts {
     std::string device, driver;
     std::string traversal;                      // empty on the host
     std::optional<gpu::Arithmetic> arithmetic;  // the device's
     render::StageTimes times;
+    std::optional<FailedDevice> failed;
     bool sharesBits() const { return arithmetic && arithmetic->sharesBits(); }
 };
 
@@ -28,11 +37,12 @@ class Drawing {
   public:
     // Starts to open the device, which needs nothing of the scene (50 ms for lavapipe, whose libraries are
     // large). What is wrong with it is thrown by load(), so that faults of the scene come first. `choice`
-    // must outlive the object.
-    Drawing(Backend backend, const DeviceChoice& choice);
+    // must outlive the object. `warnings`: where it is said that the reference draws on, see whole(); null:
+    // nowhere.
+    Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings = nullptr);
 
     // Uploads the scene, which must outlive its pictures, and translates kernels for `expected`. On the host
-    // makes the truth of it.
+    // makes the truth of it; and so if the device fails and may be replaced.
     void load(const LoadedScene& loaded, const Request& expected);
 
     // To be called when the scene that was loaded has been changed in its place: its camera alone, or
@@ -42,6 +52,22 @@ class Drawing {
     // A picture of the scene that was loaded, by its camera.
     Picture draw(const Request& request);
 
+    // What `work` makes by draw(). If the device fails on the way and --fallback allows it, what it has drawn
+    // is dropped and `work` begins anew on the reference, which draws from then on: a result is of one of
+    // them alone.
+    template <typename Work>
+    auto whole(const Work& work) {
+        try {
+            return work();
+        } catch (const Error& error) {
+            if (!fallBack(error)) throw;
+        }
+        return work();
+    }
+
+    // Who draws now.
+    Backend backend() const { return backend_; }
+
     // Of all pictures so far.
     DrawingFacts facts() const;
 
@@ -49,8 +75,14 @@ class Drawing {
     void reportValidation(std::ostream& err) const;
 
   private:
+    void loadDevice(const Request& expected);
+    void loadTruth();
+    // False if the error is not the device's, or it must not be replaced.
+    bool fallBack(const Error& error);
+
     Backend backend_;
     const DeviceChoice& choice_;
+    std::ostream* warnings_;
     std::future<gpu::Device> opening_;
     std::optional<gpu::Device> device_;
     std::optional<render::Renderer> renderer_;
@@ -60,6 +92,7 @@ class Drawing {
     std::shared_ptr<reference::Model> truth_;
     reference::rows::Camera truthCamera_;
     Methods methods_;
+    std::optional<FailedDevice> failed_;
     double hostSeconds_ = 0;
 };
 

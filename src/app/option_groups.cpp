@@ -96,6 +96,12 @@ void addTraversal(OptionTable& table, DeviceChoice& device) {
         device.traversal);
 }
 
+void addFallback(OptionTable& table, DeviceChoice& device) {
+    table.choice<Fallback>("--fallback",
+                           "if the device fails or cannot be opened: " + explainedChoices<Fallback>(),
+                           device.fallback);
+}
+
 void addProgress(OptionTable& table, ProgressMode& mode) {
     table.choice<ProgressMode>("--progress", "on standard error (default auto: a bar on a terminal)", mode);
 }
@@ -108,7 +114,12 @@ void addStats(OptionTable& table, const Text& what, bool& json) {
 }
 
 void checkDeviceOptions(Backend backend, const DeviceChoice& device) {
+    if (device.validation && device.fallback != Fallback::None)
+        throw Error(ErrorKind::Argument,
+                    "--fallback: not together with --validation, which is there to see the device fail");
     if (backend == Backend::Gpu) return;
+    if (device.fallback != Fallback::None)
+        throw Error(ErrorKind::Argument, "--fallback: needs --backend gpu");
     if (!device.selector.empty()) throw Error(ErrorKind::Argument, "--device: needs --backend gpu");
     if (device.validation) throw Error(ErrorKind::Argument, "--validation: needs --backend gpu");
     if (device.traversal != render::Traversal::Auto)

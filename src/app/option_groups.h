@@ -39,6 +39,7 @@ struct DeviceChoice {
     bool validation = false;
     render::Traversal traversal = render::Traversal::Auto;
     bool reproducible = false;  // render::Options::ownArithmetic
+    Fallback fallback = Fallback::None;
 };
 
 void addScene(OptionTable& table, SceneOptions& options);                       // one SCENE
@@ -53,6 +54,7 @@ void addSampling(OptionTable& table, SceneOptions& options);  // --sampler, --fi
 void addBackend(OptionTable& table, Backend& backend);
 void addDevice(OptionTable& table, DeviceChoice& device);  // --device, --validation
 void addTraversal(OptionTable& table, DeviceChoice& device);
+void addFallback(OptionTable& table, DeviceChoice& device);
 void addProgress(OptionTable& table, ProgressMode& mode);
 // --stats json; `what` says what it prints.
 void addStats(OptionTable& table, const std::string& what, bool& json);

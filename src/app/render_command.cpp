@@ -7,6 +7,7 @@
 #include "app/drawing.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
+#include "app/render_bands.h"
 #include "app/render_frames.h"
 #include "app/render_options.h"
 #include "app/render_result.h"
@@ -18,6 +19,7 @@
 #include "core/near_names.h"
 #include "core/picture_hash.h"
 #include "core/stopwatch.h"
+#include "scene/limits.h"
 
 namespace glint::app {
 
@@ -36,6 +38,7 @@ void declare(OptionTable& table, RenderCommand& c) {
     addBackend(table, c.backend);
     addDevice(table, c.device);
     addTraversal(table, c.device);
+    addFallback(table, c.device);
     table.flag(
         "--reproducible",
         "do not rely on the device's quotients and square roots, even where they proved to be correctly "
@@ -48,6 +51,10 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.value("--crop", "x0,y0,x1,y1",
                 "only the pixels x0 <= x < x1, y0 <= y < y1, from the top left corner",
                 [&](const std::string& t) { c.crop = parseCrop(t); });
+    table.whole("--band-rows", "N",
+                "write the picture in bands of so many rows, straight into the file (default: if it does not "
+                "fit into memory)",
+                1, kMaxImageSize, c.bandRows);
     table.value("--part", "K/N", "draws part K of N of the picture, K from 1, into a file for glint merge",
                 [&](const std::string& t) { c.part = parsePart(t); });
     table.path(
@@ -78,14 +85,13 @@ void declare(OptionTable& table, RenderCommand& c) {
 
 // Throws for a render that was cut short, once what there is has been written.
 void checkComplete(const Outcome& outcome) {
-    const Picture& picture = outcome.picture;
-    if (picture.complete) return;
-    const auto done = static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1));
-    if (done == 0)
+    if (outcome.picture.complete) return;
+    const double share = outcome.doneShare();
+    if (share == 0)
         throw Error(ErrorKind::Interrupted,
                     "interrupted before any part of the picture was finished; nothing written");
     char percent[16];
-    std::snprintf(percent, sizeof(percent), "%.3g %%", 100 * done / static_cast<double>(picture.done.size()));
+    std::snprintf(percent, sizeof(percent), "%.3g %%", 100 * share);
     if (!outcome.files.empty()) {
         throw Error(ErrorKind::Interrupted, "interrupted: " + outcome.files.front().string() + " holds the " +
                                                 percent + " of the picture that was finished");
@@ -99,6 +105,7 @@ void checkManner(const RenderCommand& command) {
     if (!command.checkpoint.empty()) given.emplace_back("--checkpoint");
     if (!command.join.empty()) given.emplace_back("--join");
     if (command.frames) given.emplace_back("--frames");
+    if (command.bandRows) given.emplace_back("--band-rows");
     if (given.size() > 1)
         throw Error(
             ErrorKind::Argument,
@@ -117,15 +124,22 @@ void check(const RenderCommand& command, const std::ostream& out) {
     if (!command.quiet || command.json) checkStandardOutput(out);
 }
 
+void writePicture(Outcome& outcome, const RenderCommand& command, const std::filesystem::path& output) {
+    blackenNotFinite(outcome.picture);
+    const Stopwatch writing;
+    outcome.hash = pictureHash(outcome.picture.color);
+    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs));
+    outcome.writeSeconds = writing.seconds();
+}
+
 int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
-    Drawing drawing(command.backend, command.device);
+    Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     const Region region = checkedRegion(command, loaded.scene);
-    checkMemory(region.width(), region.height(), bytesPerPixel(command.aovs, needsData(command)),
-                availableMemory());
+    const int bandRows = bandRowsOf(command, output, region, availableMemory());
 
     installInterruptHandler();
     Outcome outcome;
@@ -136,19 +150,15 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
         drawing.load(loaded, request);
-        outcome.picture = drawPicture(drawing, request, job, outcome);
+        if (bandRows > 0)
+            drawBands(drawing, command, loaded, request, output, bandRows, outcome);
+        else
+            outcome.picture = drawPicture(drawing, request, job, outcome);
     }
     outcome.drawn = drawing.facts();
     if (!command.quiet) warnAboutPicture(outcome, command, loaded, err);
-    blackenNotFinite(outcome.picture);
-    const bool anyDone =
-        std::find(outcome.picture.done.begin(), outcome.picture.done.end(), 1) != outcome.picture.done.end();
-    if (!anyDone) checkComplete(outcome);
-
-    const Stopwatch writing;
-    outcome.hash = pictureHash(outcome.picture.color);
-    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs));
-    outcome.writeSeconds = writing.seconds();
+    if (outcome.doneShare() == 0) checkComplete(outcome);
+    if (!outcome.bands) writePicture(outcome, command, output);
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, loaded, out);
     drawing.reportValidation(err);

@@ -91,7 +91,10 @@ std::vector<Frame> framesToDraw(const RenderCommand& command) {
 class FrameRenderer {
   public:
     FrameRenderer(const RenderCommand& command, std::ostream& out, std::ostream& err)
-        : command_(command), out_(out), err_(err), drawing_(command.backend, command.device) {}
+        : command_(command),
+          out_(out),
+          err_(err),
+          drawing_(command.backend, command.device, command.quiet ? nullptr : &err) {}
 
     // False if it was interrupted.
     bool draw(const std::vector<Frame>& frames);
@@ -175,13 +178,15 @@ bool FrameRenderer::draw(const std::vector<Frame>& frames) {
 }
 
 void FrameRenderer::print(size_t there) const {
+    const DrawingFacts facts = loaded_ ? drawing_.facts() : DrawingFacts();
     if (command_.json) {
         nlohmann::json json = {{"scene", command_.scene.scene.string()},
-                               {"backend", nameOf(command_.backend)},
+                               {"backend", nameOf(facts.failed ? Backend::Cpu : command_.backend)},
                                {"there", there},
                                {"treesBuilt", scene_ ? scene_->treesBuilt() : 0},
                                {"seconds", total_.seconds()},
                                {"frames", nlohmann::json::array()}};
+        if (facts.failed) json["fallback"] = fallbackJson(*facts.failed);
         for (const Drawn& drawn : drawn_) {
             nlohmann::json frame = {{"frame", drawn.number},
                                     {"time", drawn.time},
@@ -195,7 +200,6 @@ void FrameRenderer::print(size_t there) const {
         return;
     }
     if (command_.quiet) return;
-    const DrawingFacts facts = loaded_ ? drawing_.facts() : DrawingFacts();
     if (!drawn_.empty())
         out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << drawn_.front().files.front().string()
              << (drawn_.size() > 1 ? " to " + drawn_.back().files.front().string() : "") << '\n';

@@ -22,6 +22,7 @@ struct RenderCommand {
     DeviceChoice device;
     std::vector<Aov> aovs = {Aov::Radiance};
     std::optional<Region> crop;
+    std::optional<int> bandRows;  // of a picture that is written in bands; empty: if it must be
     ErrorTarget target;
     std::optional<PartChoice> part;
     std::filesystem::path checkpoint, join;  // empty: none

@@ -14,40 +14,37 @@ namespace glint::app {
 
 namespace {
 
-// Of the finished pixels.
-nlohmann::json samplesJson(const Picture& picture) {
-    uint64_t sum = 0, count = 0;
-    uint32_t least = 0, most = 0;
-    for (size_t i = 0; i < picture.done.size(); ++i) {
-        if (!picture.done[i]) continue;
-        const uint32_t taken = picture.samples.empty() ? picture.samplesPerPixel : picture.samples[i];
-        least = count == 0 ? taken : std::min(least, taken);
-        most = std::max(most, taken);
-        sum += taken;
-        ++count;
-    }
-    const double mean = count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0;
-    return {{"min", least}, {"mean", mean}, {"max", most}};
+nlohmann::json samplesJson(const Outcome& outcome) {
+    BandTotals totals;
+    if (outcome.bands)
+        totals = *outcome.bands;
+    else
+        totals.add(outcome.picture);
+    const double mean =
+        totals.done > 0 ? static_cast<double>(totals.sum) / static_cast<double>(totals.done) : 0;
+    return {{"min", totals.least}, {"mean", mean}, {"max", totals.most}};
 }
 
 nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded) {
     const render::StageTimes& t = outcome.drawn.times;
     nlohmann::json json;
     json["scene"] = command.scene.scene.string();
-    json["backend"] = nameOf(command.backend);
+    json["backend"] = nameOf(outcome.drawn.failed ? Backend::Cpu : command.backend);
     json["device"] = outcome.drawn.device;
     json["driver"] = outcome.drawn.driver;
+    if (outcome.drawn.failed) json["fallback"] = fallbackJson(*outcome.drawn.failed);
     if (!outcome.drawn.traversal.empty()) json["traversal"] = outcome.drawn.traversal;
     json["files"] = nlohmann::json::array();
     for (const auto& file : outcome.files) json["files"].push_back(file.string());
     json["hash"] = outcome.hash;
     json["reproducible"] = outcome.drawn.arithmetic && outcome.drawn.arithmetic->sharesBits();
     json["complete"] = outcome.picture.complete;
+    if (outcome.bands) json["bands"] = outcome.bands->bands;
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
     json["sampler"] = nameOf(samplerOf(loaded.scene.image));
-    json["samplesTaken"] = samplesJson(outcome.picture);
+    json["samplesTaken"] = samplesJson(outcome);
     json["maxDepth"] = loaded.scene.maxDepth;
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
@@ -103,11 +100,36 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
 
 }  // namespace
 
+void BandTotals::add(const Picture& band) {
+    for (size_t i = 0; i < band.done.size(); ++i) {
+        if (!band.done[i]) continue;
+        const uint32_t taken = band.samples.empty() ? band.samplesPerPixel : band.samples[i];
+        least = done == 0 ? taken : std::min(least, taken);
+        most = std::max(most, taken);
+        sum += taken;
+        ++done;
+    }
+    ++bands;
+}
+
+double Outcome::doneShare() const {
+    const Region& r = picture.region;
+    const double pixels = static_cast<double>(r.width()) * r.height();
+    if (bands) return static_cast<double>(bands->done) / pixels;
+    return static_cast<double>(std::count(picture.done.begin(), picture.done.end(), 1)) / pixels;
+}
+
 Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
                     Outcome& outcome) {
-    if (!job) return drawing.draw(request);
-    outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
-    return std::move(outcome.converged->picture);
+    return drawing.whole([&] {
+        if (!job) return drawing.draw(request);
+        outcome.converged = converge::converge([&](const Request& r) { return drawing.draw(r); }, *job);
+        return std::move(outcome.converged->picture);
+    });
+}
+
+nlohmann::json fallbackJson(const FailedDevice& failed) {
+    return {{"device", failed.name}, {"reason", failed.reason}};
 }
 
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err) {
@@ -127,9 +149,10 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     if (loaded.packed.features.transmission || command.scene.minContribution > 0)
         warnOfLosses(picture, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
-    if (const auto advice =
-            pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene)))
-        err << start << *advice << '\n';
+    const auto advice =
+        outcome.bands ? outcome.bands->advice
+                      : pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene));
+    if (advice) err << start << *advice << '\n';
 }
 
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,

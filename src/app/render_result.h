@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,9 +16,22 @@
 
 namespace glint::app {
 
+// Of a picture in bands, none of which is kept.
+struct BandTotals {
+    int bands = 0;
+    uint64_t done = 0, sum = 0;  // pixels, and their samples
+    uint32_t least = 0, most = 0;
+    std::optional<std::string> advice;  // that all bands agree on
+
+    void add(const Picture& band);
+};
+
 struct Outcome {
-    Picture picture;
+    Picture picture;  // in bands: without pixels
+    std::optional<BandTotals> bands;
     std::optional<converge::Result> converged;  // its picture is `picture`
+
+    double doneShare() const;  // of the pixels
     DrawingFacts drawn;
     std::vector<std::filesystem::path> files;
     std::string hash;  // of the picture, as it is written
@@ -35,6 +49,9 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
 // The summary, or with --stats JSON; with --quiet nothing else.
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out);
+
+// Of --stats, about the device that --fallback replaced.
+nlohmann::json fallbackJson(const FailedDevice& failed);
 
 // Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);

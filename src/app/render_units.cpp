@@ -72,20 +72,21 @@ struct Done {
 void print(const Done& done, const RenderCommand& command, const LoadedScene& loaded, std::ostream& out) {
     const farm::Unit unit = {0, command.part->number, command.part->of};
     if (command.json) {
-        const nlohmann::json json = {{"scene", command.scene.scene.string()},
-                                     {"files", {done.file.string()}},
-                                     {"part", unit.part},
-                                     {"parts", unit.parts},
-                                     {"pixels", done.pixels},
-                                     {"backend", nameOf(command.backend)},
-                                     {"device", done.drawn.device},
-                                     {"driver", done.drawn.driver},
-                                     {"reproducible", done.drawn.sharesBits()},
-                                     {"seconds",
-                                      {{"load", loaded.loadSeconds},
-                                       {"pack", loaded.packSeconds},
-                                       {"trace", done.drawn.times.trace},
-                                       {"total", done.totalSeconds}}}};
+        nlohmann::json json = {{"scene", command.scene.scene.string()},
+                               {"files", {done.file.string()}},
+                               {"part", unit.part},
+                               {"parts", unit.parts},
+                               {"pixels", done.pixels},
+                               {"backend", nameOf(done.drawn.failed ? Backend::Cpu : command.backend)},
+                               {"device", done.drawn.device},
+                               {"driver", done.drawn.driver},
+                               {"reproducible", done.drawn.sharesBits()},
+                               {"seconds",
+                                {{"load", loaded.loadSeconds},
+                                 {"pack", loaded.packSeconds},
+                                 {"trace", done.drawn.times.trace},
+                                 {"total", done.totalSeconds}}}};
+        if (done.drawn.failed) json["fallback"] = fallbackJson(*done.drawn.failed);
         out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     } else if (!command.quiet) {
         out << "wrote " << done.file.string() << " (" << farm::nameOf(unit) << ", "
@@ -135,7 +136,7 @@ int partsFor(const farm::CostMap& costs, uint32_t samples) {
 
 UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err)
     : command_(command),
-      drawing_(command.backend, command.device),
+      drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
       loaded_(loadAndPack(command.scene, err, command.quiet)) {
     constexpr int kLikelyParts = 64;  // to know how many before they are cut
     const Region region = checkedRegion(command, loaded_.scene);
@@ -160,14 +161,16 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, double from, double
     request.progress = [&](double done) { progress.update(from + (to - from) * done); };
     if (!uploaded_) drawing_.load(loaded_, request);
     uploaded_ = true;
-    auto result = farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
-                                 cut_[static_cast<size_t>(part) - 1], command_.aovs);
+    auto result = drawing_.whole([&] {
+        return farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
+                              cut_[static_cast<size_t>(part) - 1], command_.aovs);
+    });
     if (!result) return result;
     // Losses are told where a picture drawn at once would tell them.
     if (!loaded_.packed.features.transmission && command_.scene.minContribution == 0) result->losses = {};
     const DrawingFacts facts = drawing_.facts();
     result->unit = {0, part, header_.parts};
-    result->producer = {facts.device, command_.backend == Backend::Cpu ? "" : facts.driver,
+    result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
                         facts.sharesBits()};
     return result;
 }

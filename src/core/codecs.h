@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -20,6 +21,13 @@ using ByteView = std::span<const uint8_t>;
 class CodecError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
+};
+
+// Where the bytes of a file go, in any order.
+class ByteSink {
+  public:
+    virtual ~ByteSink() = default;
+    virtual void write(ByteView bytes, uint64_t offset) = 0;
 };
 
 // 1 to 4 interleaved 8-bit channels: grey, grey and alpha, RGB, RGBA.
@@ -42,6 +50,50 @@ struct ExrChannel {
 // By OpenEXR. 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample
 // is kept.
 Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels);
+
+// The same, written as rows arrive from the top.
+class ExrRows {
+  public:
+    ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels);
+    ~ExrRows();
+    ExrRows(const ExrRows&) = delete;
+    ExrRows& operator=(const ExrRows&) = delete;
+
+    void add(int rows, std::vector<ExrChannel>& channels);
+    void finish();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+// encodePng as rows arrive from the top, of any size. The pixels are the same, the bytes need not be.
+class PngRows {
+  public:
+    PngRows(ByteSink& sink, int width, int height, int channels);
+    ~PngRows();
+    PngRows(const PngRows&) = delete;
+    PngRows& operator=(const PngRows&) = delete;
+
+    void add(ByteView samples);  // of whole rows
+    void finish();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+// encodePfm as rows arrive from the top.
+class PfmRows {
+  public:
+    PfmRows(ByteSink& sink, int width, int height, int channels);
+    void add(const Image& rows);
+
+  private:
+    ByteSink& sink_;
+    int width_, kept_, left_;  // rows that are still to come
+    uint64_t first_;           // byte behind the header
+};
 
 // The largest picture that is decoded: 16,384 x 16,384 pixels, 4 GiB of RGBA floats.
 inline constexpr uint64_t kMostPicturePixels = kMostPixels;

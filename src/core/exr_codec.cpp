@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
+#include <optional>
 #include <string_view>
 
 #include "core/codecs.h"
@@ -58,24 +60,13 @@ class MemoryReader : public Imf::IStream {
     uint64_t position_ = 0;
 };
 
-class MemoryWriter : public Imf::OStream {
+class MemorySink : public ByteSink {
   public:
-    MemoryWriter() : OStream("the file") {}
-
-    // Where offsets are known late, the library goes back and fills them in.
-    void write(const char bytes[], int count) override {
-        const size_t end = position_ + static_cast<size_t>(count);
-        if (end > file.size()) file.resize(end);
-        std::memcpy(file.data() + position_, bytes, static_cast<size_t>(count));
-        position_ = end;
+    void write(ByteView added, uint64_t offset) override {
+        if (offset + added.size() > bytes.size()) bytes.resize(offset + added.size());
+        std::memcpy(bytes.data() + offset, added.data(), added.size());
     }
-    uint64_t tellp() override { return position_; }
-    void seekp(uint64_t position) override { position_ = position; }
-
-    Bytes file;
-
-  private:
-    uint64_t position_ = 0;
+    Bytes bytes;
 };
 
 // The text at `position` up to its zero byte, which `position` then stands behind.
@@ -244,28 +235,108 @@ Image readPart(Imf::InputPart& part) {
 
 }  // namespace
 
-Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels) {
-    Imf::Header header(width, height);
-    header.compression() = kCompression;
-    Imf::FrameBuffer source;
-    for (ExrChannel& channel : channels) {
-        if (channel.name.size() >= 256)
-            throw CodecError("the layer name " + channel.name + " is too long for EXR");
-        header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
-        source.insert(channel.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data()),
-                                               sizeof(float), sizeof(float) * static_cast<size_t>(width)));
+namespace exr {
+
+class SinkStream : public Imf::OStream {
+  public:
+    explicit SinkStream(ByteSink& sink) : OStream("the file"), sink_(sink) {}
+
+    // Where offsets are known late, the library goes back and fills them in.
+    void write(const char bytes[], int count) override {
+        const ByteView view(reinterpret_cast<const uint8_t*>(bytes), static_cast<size_t>(count));
+        try {
+            sink_.write(view, position_);
+        } catch (...) {
+            // The library turns errors into others of its own, or drops them.
+            if (!fault_) fault_ = std::current_exception();
+            throw;
+        }
+        position_ += view.size();
     }
-    MemoryWriter stream;
+    void check() const {
+        if (fault_) std::rethrow_exception(fault_);
+    }
+    uint64_t tellp() override { return position_; }
+    void seekp(uint64_t position) override { position_ = position; }
+
+  private:
+    ByteSink& sink_;
+    uint64_t position_ = 0;
+    std::exception_ptr fault_;
+};
+
+}  // namespace exr
+
+struct ExrRows::State {
+    State(ByteSink& sink, int w, int height, const std::vector<std::string>& names)
+        : width(w), channels(names), stream(sink), header(w, height) {
+        header.compression() = kCompression;
+        for (const std::string& name : names) {
+            if (name.size() >= 256) throw CodecError("the layer name " + name + " is too long for EXR");
+            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        }
+    }
+
+    int width;
+    int written = 0;
+    std::vector<std::string> channels;
+    exr::SinkStream stream;
+    Imf::Header header;
+    std::optional<Imf::OutputFile> file;
+};
+
+namespace {
+
+template <typename Work>
+void encoding(const exr::SinkStream& stream, const Work& work) {
     try {
-        Imf::OutputFile file(stream, header, 0);
-        file.setFrameBuffer(source);
-        file.writePixels(height);
+        work();
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
+        stream.check();
         throw CodecError(std::string("cannot encode EXR (") + error.what() + ")");
     }
-    return std::move(stream.file);
+    stream.check();
+}
+
+}  // namespace
+
+ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels)
+    : state_(std::make_unique<State>(sink, width, height, channels)) {
+    encoding(state_->stream, [&] { state_->file.emplace(state_->stream, state_->header, 0); });
+}
+
+ExrRows::~ExrRows() = default;
+
+void ExrRows::add(int rows, std::vector<ExrChannel>& channels) {
+    Imf::FrameBuffer source;
+    // The library asks for row y of the picture at base + y * stride.
+    const auto before = static_cast<std::ptrdiff_t>(state_->written) * state_->width;
+    for (ExrChannel& channel : channels) {
+        source.insert(channel.name,
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel.samples.data() - before),
+                                 sizeof(float), sizeof(float) * static_cast<size_t>(state_->width)));
+    }
+    encoding(state_->stream, [&] {
+        state_->file->setFrameBuffer(source);
+        state_->file->writePixels(rows);
+    });
+    state_->written += rows;
+}
+
+void ExrRows::finish() {
+    encoding(state_->stream, [&] { state_->file.reset(); });
+}
+
+Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels) {
+    std::vector<std::string> names;
+    for (const ExrChannel& channel : channels) names.push_back(channel.name);
+    MemorySink sink;
+    ExrRows rows(sink, width, height, names);
+    rows.add(height, channels);
+    rows.finish();
+    return std::move(sink.bytes);
 }
 
 Image decodeExr(ByteView file, uint64_t mostPixels) {

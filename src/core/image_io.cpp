@@ -2,22 +2,18 @@
 
 #include <algorithm>
 #include <cctype>
-#include <new>
 #include <optional>
 #include <string>
 
 #include "core/codecs.h"
-#include "core/error.h"
 #include "core/file_io.h"
+#include "core/layer_formats.h"
 #include "core/quantize.h"
-#include "core/text_file.h"
 
 namespace glint {
 namespace {
 
 namespace fs = std::filesystem;
-
-enum class Format { Png, Exr, Pfm, Hdr };
 
 std::optional<Format> formatOf(const fs::path& path) {
     std::string extension = path.extension().string();
@@ -30,39 +26,11 @@ std::optional<Format> formatOf(const fs::path& path) {
     return std::nullopt;
 }
 
-Format writableFormat(const fs::path& path) {
-    if (const auto format = formatOf(path)) {
-        return *format;
-    }
-    const std::string extension = path.extension().string();
-    throw Error(ErrorKind::Argument,
-                path.string() + ": " +
-                    (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
-                    " (use .png, .exr, .pfm or .hdr)");
-}
-
-// Runs an encoder or decoder; its failures get the file's name.
-template <typename Function>
-auto withPath(const fs::path& path, Function function) {
-    try {
-        return function();
-    } catch (const CodecError& error) {
-        throw Error(ErrorKind::Failed, printable(path.string() + ": " + error.what()));
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::Failed, path.string() + ": not enough memory for the picture");
-    }
-}
-
 bool isColor(const Layer& layer) {
     return layer.name == "color";
 }
 bool isAlpha(const Layer& layer) {
     return layer.name == "alpha";
-}
-
-const Layer* findLayer(const std::vector<Layer>& layers, bool (*predicate)(const Layer&)) {
-    const auto found = std::find_if(layers.begin(), layers.end(), predicate);
-    return found == layers.end() ? nullptr : &*found;
 }
 
 void checkImage(const Image& image, const std::string& what, bool isColorImage) {
@@ -75,34 +43,6 @@ void checkImage(const Image& image, const std::string& what, bool isColorImage) 
         throw CodecError(what + " of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
                          " pixels with " + std::to_string(image.channels) + " channels cannot be written");
     }
-}
-
-void checkLayers(const std::vector<Layer>& layers) {
-    if (layers.empty()) {
-        throw CodecError("there is no layer to write");
-    }
-    for (const Layer& layer : layers) {
-        checkImage(layer.image, "a layer \"" + layer.name + "\"", isColor(layer));
-        if (layer.image.width != layers[0].image.width || layer.image.height != layers[0].image.height) {
-            throw CodecError("the layers \"" + layers[0].name + "\" and \"" + layer.name +
-                             "\" differ in size");
-        }
-        if (isAlpha(layer) && layer.image.channels != 1) {
-            throw CodecError("the layer \"alpha\" must have one channel");
-        }
-    }
-}
-
-// The picture with `channels` channels: missing ones are 0, surplus ones are left out.
-Image withChannels(const Image& image, int channels) {
-    Image result(image.width, image.height, channels);
-    const auto from = static_cast<size_t>(image.channels);
-    const auto to = static_cast<size_t>(channels);
-    for (size_t i = 0; i < result.pixels.size(); ++i) {
-        const size_t channel = i % to;
-        result.pixels[i] = channel < from ? image.pixels[i / to * from + channel] : 0.0f;
-    }
-    return result;
 }
 
 std::vector<float> plane(const Image& image, int channel) {
@@ -134,20 +74,65 @@ void appendExrChannels(const Layer& layer, bool withAlpha, std::vector<ExrChanne
     }
 }
 
-Bytes encodeLayersExr(const std::vector<Layer>& layers) {
-    const bool alphaIsLayer = findLayer(layers, isAlpha) != nullptr;
-    std::vector<ExrChannel> channels;
-    for (const Layer& layer : layers) {
-        appendExrChannels(layer, !alphaIsLayer, channels);
+}  // namespace
+
+Format writableFormat(const fs::path& path) {
+    if (const auto format = formatOf(path)) {
+        return *format;
     }
-    return encodeExr(layers[0].image.width, layers[0].image.height, std::move(channels));
+    const std::string extension = path.extension().string();
+    throw Error(ErrorKind::Argument,
+                path.string() + ": " +
+                    (extension.empty() ? "no file name extension" : "unknown picture format " + extension) +
+                    " (use .png, .exr, .pfm or .hdr)");
 }
 
-// `alpha` (may be null) replaces the picture's own.
-Bytes encodeColorPng(const Image& image, const Image* alpha) {
-    if (alpha == nullptr) {
-        return encodePng(image.width, image.height, image.channels, quantizeColor(image));
+const Layer* findLayer(const std::vector<Layer>& layers, std::string_view name) {
+    const auto found =
+        std::find_if(layers.begin(), layers.end(), [&](const Layer& layer) { return layer.name == name; });
+    return found == layers.end() ? nullptr : &*found;
+}
+
+void checkLayers(const std::vector<Layer>& layers) {
+    if (layers.empty()) {
+        throw CodecError("there is no layer to write");
     }
+    for (const Layer& layer : layers) {
+        checkImage(layer.image, "a layer \"" + layer.name + "\"", isColor(layer));
+        if (layer.image.width != layers[0].image.width || layer.image.height != layers[0].image.height) {
+            throw CodecError("the layers \"" + layers[0].name + "\" and \"" + layer.name +
+                             "\" differ in size");
+        }
+        if (isAlpha(layer) && layer.image.channels != 1) {
+            throw CodecError("the layer \"alpha\" must have one channel");
+        }
+    }
+}
+
+Image withChannels(const Image& image, int channels) {
+    Image result(image.width, image.height, channels);
+    const auto from = static_cast<size_t>(image.channels);
+    const auto to = static_cast<size_t>(channels);
+    for (size_t i = 0; i < result.pixels.size(); ++i) {
+        const size_t channel = i % to;
+        result.pixels[i] = channel < from ? image.pixels[i / to * from + channel] : 0.0f;
+    }
+    return result;
+}
+
+std::vector<ExrChannel> exrChannels(const std::vector<Layer>& layers) {
+    const bool alphaIsLayer = findLayer(layers, "alpha") != nullptr;
+    std::vector<ExrChannel> channels;
+    for (const Layer& layer : layers) appendExrChannels(layer, !alphaIsLayer, channels);
+    return channels;
+}
+
+int colorSampleChannels(const Image& image, const Image* alpha) {
+    return alpha == nullptr ? image.channels : std::min(image.channels, 3) + 1;
+}
+
+Bytes colorSamples(const Image& image, const Image* alpha) {
+    if (alpha == nullptr) return quantizeColor(image);
     const int colors = std::min(image.channels, 3);
     Bytes samples;
     samples.reserve(alpha->pixels.size() * static_cast<size_t>(colors + 1));
@@ -158,20 +143,27 @@ Bytes encodeColorPng(const Image& image, const Image* alpha) {
         }
         samples.push_back(linearByte(static_cast<double>(alpha->pixels[i])));
     }
-    return encodePng(image.width, image.height, colors + 1, samples);
+    return samples;
 }
 
-Bytes encodeAlphaPng(const Image& image) {
+Bytes alphaSamples(const Image& image) {
     Bytes samples(image.pixels.size());
     std::transform(image.pixels.begin(), image.pixels.end(), samples.begin(),
                    [](float value) { return linearByte(static_cast<double>(value)); });
-    return encodePng(image.width, image.height, 1, samples);
+    return samples;
+}
+
+namespace {
+
+Bytes encodeLayersExr(const std::vector<Layer>& layers) {
+    return encodeExr(layers[0].image.width, layers[0].image.height, exrChannels(layers));
 }
 
 Bytes encodeColor(Format format, const Image& image, const Image* alpha) {
     switch (format) {
         case Format::Png:
-            return encodeColorPng(image, alpha);
+            return encodePng(image.width, image.height, colorSampleChannels(image, alpha),
+                             colorSamples(image, alpha));
         case Format::Exr:
             return encodeLayersExr({{"color", image}});
         case Format::Pfm:
@@ -185,7 +177,7 @@ Bytes encodeColor(Format format, const Image& image, const Image* alpha) {
 // A layer other than color, in a file of its own.
 Bytes encodeData(Format format, const Layer& layer) {
     if (format == Format::Png && isAlpha(layer)) {
-        return encodeAlphaPng(layer.image);
+        return encodePng(layer.image.width, layer.image.height, 1, alphaSamples(layer.image));
     }
     if (format == Format::Png) {
         // Padding comes after scaling: the zero must not take part in the range.
@@ -215,8 +207,8 @@ std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const 
     if (format == Format::Exr) {
         return {{path, encodeLayersExr(layers)}};
     }
-    const bool hasColor = findLayer(layers, isColor) != nullptr;
-    const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, isAlpha) : nullptr;
+    const bool hasColor = findLayer(layers, "color") != nullptr;
+    const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, "alpha") : nullptr;
     std::vector<OutputFile> files;
     for (const Layer& layer : layers) {
         if (&layer == alpha) {

@@ -60,26 +60,46 @@ float decodeFloat(const uint8_t* bytes, bool bigEndian) {
     return std::bit_cast<float>(bits);
 }
 
+std::string headerOf(int width, int height, int channels) {
+    return std::string(channels == 1 ? "Pf" : "PF") + "\n" + std::to_string(width) + " " +
+           std::to_string(height) + "\n-1.0\n";
+}
+
+// The first `kept` channels of a row.
+void appendRow(const Image& image, int y, int kept, Bytes& bytes) {
+    std::vector<float> row;
+    row.reserve(static_cast<size_t>(image.width) * kept);
+    for (int x = 0; x < image.width; ++x) {
+        for (int c = 0; c < kept; ++c) row.push_back(image.at(x, y, c));
+    }
+    const auto* from = reinterpret_cast<const uint8_t*>(row.data());
+    bytes.insert(bytes.end(), from, from + row.size() * sizeof(float));
+}
+
 }  // namespace
+
+PfmRows::PfmRows(ByteSink& sink, int width, int height, int channels)
+    : sink_(sink), width_(width), kept_(channels == 1 ? 1 : 3), left_(height) {
+    const std::string header = headerOf(width, height, kept_);
+    sink_.write(ByteView(reinterpret_cast<const uint8_t*>(header.data()), header.size()), 0);
+    first_ = header.size();
+}
+
+// The file's rows go from the bottom to the top.
+void PfmRows::add(const Image& rows) {
+    Bytes bytes;
+    for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
+    left_ -= rows.height;
+    const uint64_t rowBytes = static_cast<uint64_t>(width_) * static_cast<uint64_t>(kept_) * sizeof(float);
+    sink_.write(bytes, first_ + static_cast<uint64_t>(left_) * rowBytes);
+}
 
 Bytes encodePfm(const Image& image) {
     const int kept = image.channels == 1 ? 1 : 3;
-    const std::string header = std::string(kept == 1 ? "Pf" : "PF") + "\n" + std::to_string(image.width) +
-                               " " + std::to_string(image.height) + "\n-1.0\n";
+    const std::string header = headerOf(image.width, image.height, kept);
     Bytes file(header.begin(), header.end());
-    const size_t rowBytes = static_cast<size_t>(image.width) * kept * sizeof(float);
-    file.reserve(file.size() + rowBytes * image.height);
-    std::vector<float> row;
-    for (int y = image.height - 1; y >= 0; --y) {
-        row.clear();
-        for (int x = 0; x < image.width; ++x) {
-            for (int c = 0; c < kept; ++c) {
-                row.push_back(image.at(x, y, c));
-            }
-        }
-        const auto* bytes = reinterpret_cast<const uint8_t*>(row.data());
-        file.insert(file.end(), bytes, bytes + rowBytes);
-    }
+    file.reserve(file.size() + static_cast<size_t>(image.width) * kept * sizeof(float) * image.height);
+    for (int y = image.height - 1; y >= 0; --y) appendRow(image, y, kept, file);
     return file;
 }
 

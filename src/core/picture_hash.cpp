@@ -13,16 +13,33 @@ namespace glint {
 
 static_assert(std::endian::native == std::endian::little, "the hash is of floats with the lowest byte first");
 
-std::string pictureHash(const Image& image) {
+struct PictureHash::State {
     XXH3_state_t state;
-    XXH3_64bits_reset(&state);
-    std::vector<std::array<float, 3>> row(static_cast<size_t>(image.width));
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x)
-            row[static_cast<size_t>(x)] = {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
-        XXH3_64bits_update(&state, row.data(), row.size() * sizeof(row[0]));
+};
+
+PictureHash::PictureHash() : state_(std::make_unique<State>()) {
+    XXH3_64bits_reset(&state_->state);
+}
+
+PictureHash::~PictureHash() = default;
+
+void PictureHash::add(const Image& rows) {
+    std::vector<std::array<float, 3>> row(static_cast<size_t>(rows.width));
+    for (int y = 0; y < rows.height; ++y) {
+        for (int x = 0; x < rows.width; ++x)
+            row[static_cast<size_t>(x)] = {rows.at(x, y, 0), rows.at(x, y, 1), rows.at(x, y, 2)};
+        XXH3_64bits_update(&state_->state, row.data(), row.size() * sizeof(row[0]));
     }
-    return hashText(XXH3_64bits_digest(&state));
+}
+
+std::string PictureHash::text() const {
+    return hashText(XXH3_64bits_digest(&state_->state));
+}
+
+std::string pictureHash(const Image& image) {
+    PictureHash hash;
+    hash.add(image);
+    return hash.text();
 }
 
 }  // namespace glint

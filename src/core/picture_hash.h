@@ -1,6 +1,7 @@
 // One number for all bits of a picture.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "core/image.h"
@@ -11,5 +12,21 @@ namespace glint {
 // all pixels, rows from the top, as 32-bit floats, lowest byte first. Equal for pictures of the same bits; it
 // tells apart what differs, not what is forged. `image`: at least three channels; further ones do not count.
 std::string pictureHash(const Image& image);
+
+// The same of a picture whose rows arrive from the top.
+class PictureHash {
+  public:
+    PictureHash();
+    ~PictureHash();
+    PictureHash(const PictureHash&) = delete;
+    PictureHash& operator=(const PictureHash&) = delete;
+
+    void add(const Image& rows);
+    std::string text() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace glint

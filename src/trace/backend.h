@@ -13,4 +13,12 @@ constexpr auto entriesOf(Backend) {
     return std::to_array<EnumEntry<Backend>>({{Backend::Gpu, "gpu"}, {Backend::Cpu, "cpu"}});
 }
 
+// Who draws on when the device fails.
+enum class Fallback { None, Cpu };
+constexpr auto entriesOf(Fallback) {
+    return std::to_array<EnumEntry<Fallback>>(
+        {{Fallback::None, "none", "the device's failure is the command's"},
+         {Fallback::Cpu, "cpu", "the reference draws on, with a warning"}});
+}
+
 }  // namespace glint

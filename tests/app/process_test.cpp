@@ -89,14 +89,43 @@ TEST_F(Process, FilesThatGrowBeyondTheLimitAreNotLeft) {
 #ifndef __SANITIZE_ADDRESS__  // whose shadow memory takes terabytes of address space
 // The limit of address space counts: refused before the work, with both figures.
 TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreRefused) {
+    // A format that cannot be written in bands.
     EXPECT_EQ(shell("ulimit -v 2000000; '" GLINT_PROGRAM
-                    "' render a.json --backend cpu --size 20000x20000 2> err.txt"),
+                    "' render a.json --backend cpu --size 20000x20000 -o a.hdr 2> err.txt"),
               1);
     const std::string message = readText("err.txt");
     EXPECT_TRUE(message.starts_with("glint: a picture of 20000x20000 pixels takes ")) << message;
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
 }
+
+// The others are written in bands of what there is: the pixels of one that was drawn at once.
+TEST_F(Process, PicturesBeyondTheLimitOfAddressSpaceAreDrawnInBands) {
+    const std::string render =
+        "'" GLINT_PROGRAM "' render a.json --backend cpu --size 2000x1500 --stats json ";
+    ASSERT_EQ(shell(render + "-o whole.pfm > whole.txt"), 0);
+    // In this much address space the program starts, with some 60 MB to spare, and the picture takes 87 MB.
+    int status = -1;
+    for (int kilobytes = 100000; status != 0 && kilobytes < 400000; kilobytes += 20000)
+        status = shell("ulimit -v " + std::to_string(kilobytes) + "; " + render +
+                       "-o bands.pfm > bands.txt 2> err.txt");
+    ASSERT_EQ(status, 0) << readText("err.txt");
+    EXPECT_NE(readText("bands.txt").find("\"bands\": "), std::string::npos) << readText("bands.txt");
+    EXPECT_EQ(readBytes("whole.pfm"), readBytes("bands.pfm"));
+}
 #endif
+
+TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
+    Child child(with(kLong, {"--progress", "plain", "--band-rows", "16"}));
+    ASSERT_TRUE(child.waitForPercent(1)) << child.err();
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_NE(child.err().find("glint: interrupted: out.png holds the "), std::string::npos) << child.err();
+    const Image image = readImage("out.png");
+    ASSERT_EQ(std::pair(image.width, image.height), std::pair(1000, 4000));
+    EXPECT_GT(image.at(0, 0, 2), 0.5f);
+    EXPECT_EQ(image.at(0, 3999, 2), 0.0f);
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
+}
 
 TEST_F(Process, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {

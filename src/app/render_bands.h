@@ -1,0 +1,25 @@
+// Pictures that do not fit into memory: drawn from the top in bands of rows, each of which goes straight into
+// the file. Pixels do not depend on each other, so they are those of a picture that was drawn at once.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "app/drawing.h"
+#include "app/render_options.h"
+#include "app/render_result.h"
+
+namespace glint::app {
+
+// Rows of a band; 0: the picture is drawn at once, because it fits into `available` bytes and no bands were
+// asked for. Throws Error(Failed) if not even a band fits, or the picture cannot be written in bands, and
+// Error(Argument) if bands were asked for where there can be none.
+int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region,
+               uint64_t available);
+
+// Draws and writes the picture; `outcome` gets all but what is known of a drawing later. An interrupted one
+// is blank from where it was interrupted, and is not written if that is everywhere.
+void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene& loaded,
+               const Request& request, const std::filesystem::path& output, int rows, Outcome& outcome);
+
+}  // namespace glint::app

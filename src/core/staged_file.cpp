@@ -1,0 +1,149 @@
+#include "core/staged_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, int errorNumber) {
+    throw Error(ErrorKind::Failed,
+                path.string() + ": cannot write: " + std::generic_category().message(errorNumber));
+}
+
+// False with errno set if not every byte could be written. Without an offset for what has none.
+bool writeBytes(int file, std::span<const uint8_t> bytes, const uint64_t* offset) {
+    size_t written = 0;
+    while (written < bytes.size()) {
+        const uint8_t* const from = bytes.data() + written;
+        const size_t left = bytes.size() - written;
+        const ssize_t count = offset ? ::pwrite(file, from, left, static_cast<off_t>(*offset + written))
+                                     : ::write(file, from, left);
+        if (count < 0 && errno != EINTR) return false;
+        written += count > 0 ? static_cast<size_t>(count) : 0;
+    }
+    return true;
+}
+
+// To the disk, so that a name never stands for what a power cut has kept from being written. Some file
+// systems know no such thing.
+bool sync(int file) {
+    return ::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
+
+// Where a link leads, even if there is no file yet. A link in a circle stays: writing it fails.
+fs::path followLinks(const fs::path& path) {
+    constexpr int kMostLinks = 40;  // as many as Linux follows
+    std::error_code error;
+    fs::path target = path;
+    for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++i) {
+        const fs::path next = fs::read_symlink(target, error);
+        if (error) break;
+        target = target.parent_path() / next;
+    }
+    return target;
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+}
+
+bool Descriptor::close() {
+    return ::close(std::exchange(fd_, -1)) == 0;
+}
+
+StagedFile::StagedFile(const fs::path& path) : path_(path), target_(followLinks(path)) {
+    struct stat status {};
+    existed_ = ::stat(target_.c_str(), &status) == 0;
+    if (existed_ && S_ISDIR(status.st_mode)) fail(path_, EISDIR);
+    if (existed_ && ::access(target_.c_str(), W_OK) != 0) fail(path_, errno);
+    isDevice_ = existed_ && !S_ISREG(status.st_mode);
+    if (!isDevice_) makeTemporary(status);
+}
+
+StagedFile::~StagedFile() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+// A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system).
+void StagedFile::makeTemporary(const struct stat& status) {
+    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+    nameless_ = file_.isOpen();
+    if (!nameless_) {
+        file_ = Descriptor(tryNames([](const fs::path& name) {
+            return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        }));
+    }
+    if (!file_.isOpen()) fail(path_, errno);
+    if (existed_) {
+        // Without success the new file has the mode of any other new file.
+        [[maybe_unused]] const int ignored = ::fchmod(file_.get(), status.st_mode & 07777);
+    }
+}
+
+void StagedFile::write(std::span<const uint8_t> bytes, uint64_t offset) {
+    if (!writeBytes(file_.get(), bytes, &offset)) fail(path_, errno);
+}
+
+void StagedFile::finish() {
+    if (isDevice_) return;
+    if (!sync(file_.get())) fail(path_, errno);
+    if (!nameless_ && !file_.close()) fail(path_, errno);
+}
+
+void StagedFile::commit(std::span<const uint8_t> bytes) {
+    if (isDevice_) {
+        Descriptor device(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
+        if (!device.isOpen() || !writeBytes(device.get(), bytes, nullptr) || !device.close())
+            fail(path_, errno);
+        return;
+    }
+    if (nameless_) giveName();
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
+    temporary_.clear();
+}
+
+void StagedFile::revoke() const {
+    if (!existed_) ::unlink(target_.c_str());
+}
+
+// Nothing replaces a file but a rename, so the file has another name for a moment.
+void StagedFile::giveName() {
+    const std::string self = "/proc/self/fd/" + std::to_string(file_.get());
+    const int failed = tryNames([&](const fs::path& name) {
+        return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
+    });
+    if (failed < 0 || !file_.close()) fail(path_, errno);
+}
+
+// Calls make(name) with names beside the target until there is no such file yet; `temporary_` is then the
+// name. Less than 0, with errno set, if that fails.
+template <typename Make>
+int StagedFile::tryNames(Make make) {
+    static std::atomic<unsigned> counter{0};
+    // Names end at 255 bytes; the process and a counter make the shortened name unique.
+    std::string stem(1, '.');
+    stem += target_.filename().string().substr(0, 200);
+    stem += '.' + std::to_string(::getpid());
+    for (;;) {
+        const fs::path name = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
+        const int made = make(name);
+        if (made < 0 && errno == EEXIST) continue;
+        if (made >= 0) temporary_ = name;
+        return made;
+    }
+}
+
+}  // namespace glint

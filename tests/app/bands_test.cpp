@@ -1,0 +1,123 @@
+// Pictures in bands: the pixels, and what is said of them, are those of a picture that was drawn at once.
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
+#include "core/picture_rows.h"
+#include "support.h"
+
+namespace glint::app::test::bands_test {
+namespace {
+
+class Bands : public FolderTest {
+  protected:
+    void SetUp() override { writeSmallScene("a.json"); }
+
+    static nlohmann::json render(const std::string& output, std::vector<std::string> more) {
+        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu",
+                                         "-o",     output,   "--stats",   "json"};
+        args.insert(args.end(), more.begin(), more.end());
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        EXPECT_EQ(ran.err, "");
+        return ran.code == 0 ? nlohmann::json::parse(ran.out) : nlohmann::json();
+    }
+
+    static void expectSamePixels(const std::string& a, const std::string& b) {
+        const Image first = readImage(a), second = readImage(b);
+        EXPECT_EQ(std::pair(first.width, first.height), std::pair(second.width, second.height));
+        EXPECT_EQ(first.channels, second.channels);
+        EXPECT_EQ(first.pixels, second.pixels);
+    }
+
+    // In bands of every height, the last one shorter or not.
+    static void compare(const std::string& kind, const std::vector<std::string>& options, bool sameBytes) {
+        const auto whole = render("whole" + kind, options);
+        for (const int rows : {1, 8, 16, 40, 1000}) {
+            std::vector<std::string> more = options;
+            more.insert(more.end(), {"--band-rows", std::to_string(rows)});
+            const auto bands = render("bands" + kind, more);
+            EXPECT_EQ(bands.at("hash"), whole.at("hash")) << kind << rows;
+            EXPECT_EQ(bands.at("samplesTaken"), whole.at("samplesTaken"));
+            EXPECT_EQ(bands.at("lost"), whole.at("lost"));
+            EXPECT_EQ(bands.at("complete"), true);
+            EXPECT_EQ(bands.at("bands"), rows == 1 ? 6 : (48 + rows - 1) / rows) << rows;
+            ASSERT_EQ(bands.at("files").size(), whole.at("files").size());
+            for (size_t i = 0; i < whole.at("files").size(); ++i) {
+                const std::string a = whole.at("files")[i], b = bands.at("files")[i];
+                if (sameBytes)
+                    EXPECT_EQ(readBytes(a), readBytes(b)) << b;
+                else
+                    expectSamePixels(a, b);
+            }
+        }
+    }
+};
+
+const std::string kLayers = "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,samples";
+
+TEST_F(Bands, EveryFormatHasTheSamePixels) {
+    compare(".png", {}, false);
+    compare(".png", {"--aov", "color,alpha"}, false);
+    compare(".png", {"--aov", "alpha"}, false);
+    compare(".exr", {"--aov", kLayers}, true);
+    compare(".pfm", {"--aov", kLayers}, true);
+}
+
+TEST_F(Bands, SamplesAndCropsToo) {
+    compare(".exr", {"--spp", "4", "--sampler", "jittered", "--adaptive", "12,0.05"}, true);
+    const auto whole = render("whole.pfm", {"--crop", "5,3,50,30"});
+    const auto bands = render("bands.pfm", {"--crop", "5,3,50,30", "--band-rows", "8"});
+    EXPECT_EQ(readBytes("whole.pfm"), readBytes("bands.pfm"));
+    EXPECT_EQ(bands.at("bands"), 4);
+}
+
+// Of a picture that shows nothing the reason is told once; of one whose upper bands are empty, none.
+TEST_F(Bands, AdviceIsOfTheWholePicture) {
+    writeText("empty.json",
+              sceneText(32, 32, R"("objects": [{"type": "sphere", "center": [0, 0, 50], "radius": 1}])"));
+    const Ran whole = runGlint({"render", "empty.json", "--backend", "cpu"});
+    const Ran bands = runGlint({"render", "empty.json", "--backend", "cpu", "--band-rows", "8"});
+    EXPECT_NE(whole.err.find("shows background only"), std::string::npos) << whole.err;
+    EXPECT_EQ(bands.err, whole.err);
+    writeText(
+        "low.json",
+        sceneText(32, 32,
+                  R"("ambient": 1, "objects": [{"type": "sphere", "center": [0, -4, 0], "radius": 1}])"));
+    EXPECT_EQ(runGlint({"render", "low.json", "--backend", "cpu", "--band-rows", "8"}).err, "");
+}
+
+TEST_F(Bands, WhereThereCanBeNone) {
+    const auto message = [](std::vector<std::string> more) {
+        std::vector<std::string> args = {"render", "a.json", "--backend", "cpu", "--band-rows", "8"};
+        args.insert(args.end(), more.begin(), more.end());
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 2);
+        return ran.err;
+    };
+    const std::string where =
+        "glint: --band-rows: bands go into .png (layers color and alpha alone), .exr and .pfm, and not with "
+        "--error\n";
+    EXPECT_EQ(message({"-o", "a.hdr"}), where);
+    EXPECT_EQ(message({"-o", "a.png", "--aov", "color,depth"}), where);
+    EXPECT_EQ(message({"-o", "a.png", "--error", "0.1"}), where);
+    EXPECT_EQ(message({"--part", "1/2"}), "glint: --part: not together with --band-rows\n");
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+}
+
+// A file appears whole or not at all.
+TEST_F(Bands, WhatIsNotFinishedLeavesNoFile) {
+    {
+        PictureRows rows("a.png", 8, 8, {{"color", Image(0, 0, 3)}});
+        rows.add({{"color", Image(8, 4, 3)}});
+    }
+    EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    std::filesystem::create_symlink("/dev/null", "null.pfm");
+    EXPECT_EQ(errorOf(ErrorKind::Failed,
+                      [] {
+                          PictureRows("null.pfm", 8, 8, {{"color", Image(0, 0, 3)}});
+                      }),
+              "null.pfm: is no regular file, which a picture in bands goes into");
+}
+
+}  // namespace
+}  // namespace glint::app::test::bands_test

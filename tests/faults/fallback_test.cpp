@@ -1,0 +1,203 @@
+// Devices that fail (fault_layer.cpp), and `glint render --fallback cpu`, which gets over it.
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "app/support.h"
+#include "support/environment.h"
+
+namespace glint::app::test::fallback_test {
+namespace {
+
+using glint::test::ScopedEnvironment;
+
+class Fallback : public FolderTest {
+  protected:
+    void SetUp() override {
+        writeSmallScene("a.json");
+        ASSERT_EQ(runGlint({"render", "a.json", "-q", "--backend", "cpu", "-o", "cpu.pfm"}).code, 0);
+        ASSERT_EQ(runGlint({"render", "a.json", "-q", "-o", "gpu.pfm"}).code, 0);
+        ASSERT_NE(readBytes("cpu.pfm"), readBytes("gpu.pfm")) << "tells nothing about who drew";
+    }
+
+    static Ran render(const std::string& fault, std::vector<std::string> more = {}) {
+        const ScopedEnvironment environment("GLINT_FAULT", fault.empty() ? nullptr : fault.c_str());
+        std::vector<std::string> args = {"render", "a.json", "-o", "out.pfm"};
+        args.insert(args.end(), more.begin(), more.end());
+        return runGlint(args);
+    }
+
+    // The reference's picture, one warning that says why, and the facts in --stats.
+    static void expectFallback(const std::string& fault, const std::string& reason) {
+        std::filesystem::remove("out.pfm");
+        const Ran ran = render(fault, {"--fallback", "cpu", "--stats", "json"});
+        ASSERT_EQ(ran.code, 0) << fault << ran.err;
+        EXPECT_TRUE(ran.err.starts_with("glint: warning: ")) << ran.err;
+        EXPECT_NE(ran.err.find(reason), std::string::npos) << ran.err;
+        EXPECT_TRUE(ran.err.ends_with("; drawn by the reference instead (--fallback cpu)\n")) << ran.err;
+        EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+        EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm")) << fault;
+        const auto json = nlohmann::json::parse(ran.out);
+        EXPECT_EQ(json.at("backend"), "cpu");
+        EXPECT_NE(json.at("fallback").at("reason").get<std::string>().find(reason), std::string::npos);
+        EXPECT_EQ(json.at("reproducible"), false);
+    }
+
+    // Exit code 4, one line, and no picture.
+    static void expectFailure(const std::string& fault, const std::string& reason) {
+        std::filesystem::remove("out.pfm");
+        const Ran ran = render(fault);
+        EXPECT_EQ(ran.code, 4) << fault;
+        EXPECT_NE(ran.err.find(reason), std::string::npos) << ran.err;
+        EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+        EXPECT_FALSE(std::filesystem::exists("out.pfm"));
+    }
+
+    // Runs `work` with the device lost at ever later submissions, until it is lost no more. True if it found
+    // for one of them what it looks for.
+    static bool anyFault(const std::function<std::pair<Ran, bool>()>& work) {
+        bool any = false;
+        for (int submission = 5; submission < 2000; submission += 1 + submission / 5) {
+            const std::string fault = "vkQueueSubmit " + std::to_string(submission);
+            const ScopedEnvironment environment("GLINT_FAULT", fault.c_str());
+            const auto [ran, found] = work();
+            EXPECT_EQ(ran.code, 0) << ran.err;
+            any = any || found;
+            if (!fellBack(ran)) return any;
+        }
+        ADD_FAILURE() << "no end of submissions";
+        return any;
+    }
+
+    static bool fellBack(const Ran& ran) { return ran.err.find("(--fallback cpu)") != std::string::npos; }
+};
+
+TEST_F(Fallback, ALostDeviceIsReplaced) {
+    for (const char* fault : {"vkQueueSubmit 1", "vkQueueSubmit 3", "vkQueueSubmit 9"}) {
+        expectFailure(fault, "vkQueueSubmit failed: VK_ERROR_DEVICE_LOST");
+        expectFallback(fault, "vkQueueSubmit failed: VK_ERROR_DEVICE_LOST");
+    }
+}
+
+TEST_F(Fallback, AHungDeviceIsReplaced) {
+    for (const char* fault : {"vkWaitForFences 1", "vkWaitForFences 8"}) {
+        expectFailure(fault, "hangs: a batch of work has not finished after 60 s");
+        expectFallback(fault, "hangs: a batch of work has not finished after 60 s");
+    }
+}
+
+TEST_F(Fallback, KernelsThatDoNotCompileAreReplaced) {
+    for (const char* fault : {"vkCreateComputePipelines 1", "vkCreateComputePipelines 3"}) {
+        expectFailure(fault, "VK_ERROR_INVALID_SHADER_NV");
+        expectFallback(fault, "VK_ERROR_INVALID_SHADER_NV");
+    }
+}
+
+TEST_F(Fallback, DevicesThatDoNotOpenAreReplaced) {
+    expectFailure("vkCreateDevice 1", "vkCreateDevice failed: VK_ERROR_INITIALIZATION_FAILED");
+    expectFallback("vkCreateDevice 1", "vkCreateDevice failed: VK_ERROR_INITIALIZATION_FAILED");
+    const Ran none = render("", {"--device", "no such device", "--fallback", "cpu"});
+    EXPECT_EQ(none.code, 0);
+    EXPECT_TRUE(fellBack(none)) << none.err;
+    EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm"));
+    const ScopedEnvironment old("VK_ICD_FILENAMES", "/nonexistent.json"),
+        files("VK_DRIVER_FILES", "/nonexistent.json");
+    expectFailure("", "no Vulkan device");
+    expectFallback("", "no Vulkan device");
+}
+
+// One after the other, until a picture needs no more of them.
+TEST_F(Fallback, EveryAllocationMayFail) {
+    for (const std::string call : {"vkAllocateMemory", "vkCreateBuffer"}) {
+        int first = 1;
+        for (;; ++first) {
+            ASSERT_LT(first, 200);
+            const std::string fault = call + " " + std::to_string(first);
+            std::filesystem::remove("out.pfm");
+            const Ran ran = render(fault);
+            if (ran.code == 0) break;
+            EXPECT_EQ(ran.code, 4);
+            EXPECT_NE(ran.err.find(call + " failed: VK_ERROR_OUT_OF_"), std::string::npos) << ran.err;
+            EXPECT_FALSE(std::filesystem::exists("out.pfm"));
+            expectFallback(fault, call + " failed: VK_ERROR_OUT_OF_");
+        }
+        EXPECT_GT(first, 5) << call;
+        EXPECT_EQ(readBytes("out.pfm"), readBytes("gpu.pfm"));
+    }
+}
+
+TEST_F(Fallback, APartIsOfOneOfThem) {
+    for (const char* fault : {"vkQueueSubmit 4", "vkQueueSubmit 8", "vkWaitForFences 9"}) {
+        const ScopedEnvironment environment("GLINT_FAULT", fault);
+        const Ran part = runGlint(
+            {"render", "a.json", "--part", "1/1", "-o", "a.part", "--fallback", "cpu", "--stats", "json"});
+        ASSERT_EQ(part.code, 0) << part.err;
+        ASSERT_TRUE(fellBack(part)) << part.err;
+        EXPECT_EQ(nlohmann::json::parse(part.out).at("backend"), "cpu");
+        ASSERT_EQ(runGlint({"merge", "a.part", "-q", "-o", "merged.pfm"}).code, 0);
+        EXPECT_EQ(readBytes("merged.pfm"), readBytes("cpu.pfm"));
+    }
+}
+
+// Units that the device finished are kept, and the warning about mixed bits is that of mixed farms.
+TEST_F(Fallback, ACheckpointKeepsWhatTheDeviceFinished) {
+    EXPECT_TRUE(anyFault([&] {
+        const Ran ran =
+            runGlint({"render", "a.json", "-o", "out.pfm", "--checkpoint", "a.check", "--fallback", "cpu"});
+        EXPECT_FALSE(std::filesystem::exists("a.check"));
+        const auto bytes = readBytes("out.pfm");
+        if (!fellBack(ran)) {
+            EXPECT_EQ(bytes, readBytes("gpu.pfm"));
+        }
+        // Of the background both know the same bits.
+        return std::pair(ran, bytes != readBytes("gpu.pfm") && bytes != readBytes("cpu.pfm"));
+    })) << "no fault came between two units";
+}
+
+TEST_F(Fallback, FramesAreOfOneOfThem) {
+    const std::string scene = glint::test::sourcePath("scenes/turntable.json");
+    const auto frames = [&](const std::string& output, std::vector<std::string> more) {
+        std::vector<std::string> args = {"render", scene, "--frames", "0:3",        "--size",
+                                         "24x16",  "-o",  output,     "--overwrite"};
+        args.insert(args.end(), more.begin(), more.end());
+        return runGlint(args);
+    };
+    ASSERT_EQ(frames("gpu.#.pfm", {}).code, 0);
+    ASSERT_EQ(frames("cpu.#.pfm", {"--backend", "cpu"}).code, 0);
+    EXPECT_TRUE(anyFault([&] {
+        const Ran ran = frames("out.#.pfm", {"--fallback", "cpu"});
+        int byDevice = 0;
+        for (const std::string number : {"0", "1", "2", "3"}) {
+            const auto bytes = readBytes("out." + number + ".pfm");
+            if (bytes == readBytes("gpu." + number + ".pfm"))
+                ++byDevice;
+            else
+                EXPECT_EQ(bytes, readBytes("cpu." + number + ".pfm")) << "frame " << number;
+        }
+        return std::pair(ran, byDevice > 0 && byDevice < 4);
+    })) << "no fault came between two frames";
+}
+
+TEST_F(Fallback, AnErrorIsReachedByTheReference) {
+    const ScopedEnvironment environment("GLINT_FAULT", "vkQueueSubmit 30");
+    const Ran ran = runGlint({"render", "a.json", "-o", "out.pfm", "--error", "0.02", "--fallback", "cpu",
+                              "--stats", "json", "--size", "32x24"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_TRUE(fellBack(ran)) << ran.err;
+    EXPECT_EQ(nlohmann::json::parse(ran.out).at("error").at("reached"), true) << ran.out;
+}
+
+TEST_F(Fallback, OtherFaultsStayWhatTheyAre) {
+    EXPECT_EQ(runGlint({"render", "b.json", "--fallback", "cpu"}).code, 3);
+    EXPECT_EQ(render("", {"--fallback", "cpu", "--backend", "cpu"}).err,
+              "glint: --fallback: needs --backend gpu\n");
+    EXPECT_EQ(render("", {"--fallback", "cpu", "--validation"}).code, 2);
+    EXPECT_EQ(render("", {"--fallback", "gpu"}).code, 2);
+    const Ran well = render("", {"--fallback", "cpu"});
+    EXPECT_EQ(well.code, 0);
+    EXPECT_FALSE(fellBack(well)) << well.err;
+    EXPECT_EQ(readBytes("out.pfm"), readBytes("gpu.pfm"));
+    EXPECT_EQ(render("vkQueueSubmit 2", {"--fallback", "cpu", "-q"}).err, "");
+}
+
+}  // namespace
+}  // namespace glint::app::test::fallback_test
