@@ -11,6 +11,7 @@
 #include "pack/scene_arrays.h"
 #include "render/traversal_choice.h"
 #include "scene/camera_frame.h"
+#include "scene/cameras.h"
 #include "scene/sampling.h"
 #include "shared/dispatch.h"
 
@@ -133,8 +134,9 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
         << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel" << samplerText(scene.image)
         << ", at most " << counted(scene.maxDepth, "reflection") << '\n'
-        << "  camera        " << cameraKind(scene.camera) << '\n'
-        << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
+        << "  camera        " << cameraKind(scene.camera) << '\n';
+    if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, scene.cameras.size()) << '\n';
+    out << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
     printInstances(packed, out);
     out << "  materials     " << scene.materials.size() << '\n'
         << "  lights        " << scene.lights.size() << '\n';
@@ -197,6 +199,7 @@ Run infoCommand(OptionTable& table) {
     const auto options = std::make_shared<SceneOptions>();
     addScene(table, *options);
     addSceneOverrides(table, *options);
+    addCamera(table, *options);
     addTime(table, *options);
     addMethods(table, *options);
     return [options](std::ostream& out, std::ostream& err) { return printInfo(*options, out, err); };

@@ -41,6 +41,14 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                                options.buildQuality);
 }
 
+void addCamera(OptionTable& table, SceneOptions& options) {
+    table.value("--camera", "NAME", "the scene's camera of this name (glint info lists them)",
+                [&](const Text& t) {
+                    if (t.empty()) throw Error(ErrorKind::Argument, "the name is empty");
+                    options.camera = t;
+                });
+}
+
 void addTime(OptionTable& table, SceneOptions& options) {
     table.value("--time", "SECONDS",
                 "the scene at this moment of its animation (default: as its file says it)",

@@ -21,6 +21,7 @@ namespace glint::app {
 struct SceneOptions {
     std::filesystem::path scene;
     bool allowOutside = false;  // files outside the scene's folder may be read
+    std::string camera;         // by its name; empty: the scene's own
     std::optional<Size> size;
     std::optional<int> spp;
     std::optional<int> maxDepth;
@@ -47,6 +48,7 @@ void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  
                bool& allowOutside);
 void addSceneOverrides(OptionTable& table,
                        SceneOptions& options);               // --size, --spp, --max-depth, --build-quality
+void addCamera(OptionTable& table, SceneOptions& options);   // --camera
 void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);

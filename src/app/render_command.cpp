@@ -31,6 +31,7 @@ void declare(OptionTable& table, RenderCommand& c) {
                "picture to write: .png .exr .pfm .hdr (default: SCENE's name with .png, here)",
                "the file name", c.output);
     addSceneOverrides(table, c.scene);
+    addCamera(table, c.scene);
     addTime(table, c.scene);
     addMethods(table, c.scene);
     addMinContribution(table, c.scene);

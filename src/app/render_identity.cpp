@@ -42,6 +42,7 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     add("glint", std::string(GLINT_VERSION) + " of commit " + builtCommit());
     add("scene", command.scene.scene.filename().string());
     for (const SourceFile& file : scene.sources) add("file " + file.name, hashText(file.hash));
+    if (!command.scene.camera.empty()) add("camera", command.scene.camera);
     if (command.scene.time) add("time", describe(*command.scene.time));
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));

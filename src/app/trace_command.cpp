@@ -33,6 +33,7 @@ void declare(OptionTable& table, TraceCommand& c) {
     table.flag("--any", "only whether anything is hit", c.any);
     table.value("--size", "WxH", "size of the picture that --pixel counts in, instead of the scene's",
                 [&](const std::string& t) { c.scene.size = parseSize(t); });
+    addCamera(table, c.scene);
     addMethods(table, c.scene);
     addBackend(table, c.backend);
     addDevice(table, c.device);

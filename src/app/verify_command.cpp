@@ -32,6 +32,7 @@ void declare(OptionTable& table, VerifyCommand& c) {
     table.path("-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
                "the folder's name", c.folder);
     addSceneOverrides(table, c.common);
+    addCamera(table, c.common);
     addTime(table, c.common);
     addMethods(table, c.common);
     addMinContribution(table, c.common);

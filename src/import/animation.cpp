@@ -63,12 +63,12 @@ bool isNumbers(const JsonValue& value) {
 
 // All but the last step must lead somewhere; the last may be a key that stands for its default so far.
 void checkTarget(const JsonCursor& root, const JsonCursor& target, const AnimationTrack& track) {
-    static constexpr std::array<std::string_view, 5> kParts = {"camera", "background", "ambient", "lights",
-                                                               "materials"};
+    static constexpr std::array<std::string_view, 6> kParts = {"camera",  "cameras", "background",
+                                                               "ambient", "lights",  "materials"};
     const std::string& first = track.steps.front();
     if (first != "objects" && std::find(kParts.begin(), kParts.end(), first) == kParts.end())
         target.fail("\"" + first +
-                    "\" cannot be animated (camera, background, ambient, lights, materials and "
+                    "\" cannot be animated (camera, cameras, background, ambient, lights, materials and "
                     "objects can)");
     const JsonValue* value = &root.value();
     for (size_t i = 0; i < track.steps.size(); ++i) {

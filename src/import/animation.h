@@ -17,7 +17,7 @@ struct AnimationTrack {
     std::vector<std::string> steps;  // the same, step by step, unescaped
     Keyframes keyframes;
     bool isList = false;  // the value is a list of numbers, else one number
-    bool movesCamera() const { return steps.front() == "camera"; }
+    bool movesCamera() const { return steps.front() == "camera" || steps.front() == "cameras"; }
 };
 
 struct Animation {

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/error.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"
 #include "import/gltf_mesh.h"
 #include "import/readers.h"
+#include "scene/cameras.h"
 #include "scene/frame_model.h"
 #include "scene/limits.h"
 #include "scene/transform.h"
@@ -53,6 +55,10 @@ class GltfReader {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
         walk();
+        if (!scene_.cameras.empty()) {
+            scene_.camera = scene_.cameras.front().camera;
+            scene_.image.width = pictureWidth(scene_.image, scene_.cameras.front().aspect);
+        }
         const bool lit = !scene_.lights.empty();
         GltfMaterials materials(file_, scene_, lit);
         addObjects(materials);
@@ -60,7 +66,8 @@ class GltfReader {
         if (scene_.objects.empty()) file_.root().fail("the scene shows no triangles");
         warnOfRest();
         scene_.warnings = file_.takeWarnings();
-        return {std::move(scene_), hasCamera_};
+        const bool hasCamera = !scene_.cameras.empty();
+        return {std::move(scene_), hasCamera};
     }
 
   private:
@@ -123,67 +130,79 @@ class GltfReader {
         if (const auto mesh = node.find("mesh"))
             instances_.push_back({index, file_.index(GltfList::Meshes, *mesh), place});
         if (node.find("skin")) file_.warn("skins are ignored: meshes stand as they were modelled");
-        if (const auto camera = node.find("camera")) readCamera(*camera, place);
+        if (const auto camera = node.find("camera")) addCamera(*camera, node, place);
         withExtension(node, "KHR_lights_punctual", [&](const JsonCursor& extension) {
             readLight(file_.item(GltfList::Lights, file_.index(GltfList::Lights, extension.require("light"))),
                       place);
         });
     }
 
-    void readCamera(const JsonCursor& reference, const Affine& place) {
+    // The camera's own name, or its node's; each once.
+    std::string cameraName(const JsonCursor& object, const JsonCursor& node, size_t index) {
+        std::string name = gltfString(object, "name");
+        if (name.empty()) name = gltfString(node, "name");
+        if (name.empty()) name = "camera " + std::to_string(index);
+        const std::string wanted = name;
+        while (!cameraNames_.insert(name).second)
+            name = wanted + " (" + std::to_string(++sameNames_[wanted] + 1) + ")";
+        return name;
+    }
+
+    // What is wrong with a camera beside the first one must not make the file useless.
+    void addCamera(const JsonCursor& reference, const JsonCursor& node, const Affine& place) {
         const size_t index = file_.index(GltfList::Cameras, reference);
         const JsonCursor object = file_.item(GltfList::Cameras, index);
-        const std::string name = gltfString(object, "name");
-        if (hasCamera_) {
-            file_.warn("the camera " + (name.empty() ? std::to_string(index) : '"' + name + '"') +
-                       " is not the first one and is not used");
-            return;
+        const std::string name = cameraName(object, node, index);
+        try {
+            scene_.cameras.push_back(readCamera(object, place));
+            scene_.cameras.back().name = name;
+        } catch (const Error& error) {
+            if (scene_.cameras.empty()) throw;
+            const std::string what = error.what(), file = file_.name() + ": ";
+            file_.warn(what.substr(what.starts_with(file) ? file.size() : 0) + "; this camera is left out");
         }
-        hasCamera_ = true;
-        Camera& camera = scene_.camera;
-        camera.eye = place.offset;
-        camera.target = place.offset - glm::normalize(place.linear[2]);
-        camera.up = place.linear[1];
+    }
+
+    NamedCamera readCamera(const JsonCursor& object, const Affine& place) const {
+        NamedCamera named;
+        named.camera.eye = place.offset;
+        named.camera.target = place.offset - glm::normalize(place.linear[2]);
+        named.camera.up = place.linear[1];
         const JsonCursor type = object.require("type");
         if (type.string() == "perspective")
-            readPerspective(object.require("perspective"));
+            readPerspective(object.require("perspective"), named);
         else if (type.string() == "orthographic")
-            readOrthographic(object.require("orthographic"));
+            readOrthographic(object.require("orthographic"), named);
         else
             type.failWanted("must be perspective or orthographic");
+        return named;
     }
 
-    // A picture of the camera's aspect, 600 pixels high.
-    void setAspect(double aspect) {
-        if (!(aspect > 0)) return;
-        scene_.image.width = static_cast<int>(
-            std::clamp(std::round(scene_.image.height * aspect), 1.0, double{kMaxImageSize}));
-    }
-
-    void readPerspective(const JsonCursor& lens) {
+    void readPerspective(const JsonCursor& lens, NamedCamera& named) const {
         lens.expectObject();
-        Camera& camera = scene_.camera;
+        Camera& camera = named.camera;
         const double yfov = lens.require("yfov").number();
         camera.fovY = yfov * kDegrees;
         if (!(camera.fovY > 0 && camera.fovY < 180))
             lens.require("yfov").fail("must be between 0 and pi (got " + describe(yfov) + ")");
-        setAspect(gltfNumber(lens, "aspectRatio", 0));
+        named.aspect = gltfNumber(lens, "aspectRatio", 0);
+        if (!(named.aspect > 0)) named.aspect = 1.0 * scene_.image.width / scene_.image.height;
         camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
         // zfar is a plane, farT a distance: what lies in front of the plane is no farther than its corners.
         const double zfar = gltfNumber(lens, "zfar", 0);
         const double tangent = std::tan(yfov / 2);
-        const double aspect = static_cast<double>(scene_.image.width) / scene_.image.height;
+        const double aspect = 1.0 * pictureWidth(scene_.image, named.aspect) / scene_.image.height;
         if (zfar > 0) camera.farT = zfar * std::sqrt(1 + tangent * tangent * (1 + aspect * aspect));
     }
 
-    void readOrthographic(const JsonCursor& lens) {
+    static void readOrthographic(const JsonCursor& lens, NamedCamera& named) {
         lens.expectObject();
-        Camera& camera = scene_.camera;
+        Camera& camera = named.camera;
         camera.projection = Projection::Orthographic;
         const double xmag = lens.require("xmag").number(), ymag = lens.require("ymag").number();
         if (xmag == 0 || ymag == 0) lens.fail("xmag and ymag must not be 0");
         camera.height = 2 * std::abs(ymag);
-        setAspect(std::abs(xmag / ymag));
+        named.aspect = std::abs(xmag / ymag);
         camera.nearT = std::max(gltfNumber(lens, "znear", 0), 0.0);
         const double zfar = gltfNumber(lens, "zfar", 0);
         if (zfar > 0) camera.farT = zfar;
@@ -249,8 +268,9 @@ class GltfReader {
 
     GltfFile file_;
     Scene scene_;
-    bool hasCamera_ = false;
     std::vector<Instance> instances_;
+    std::set<std::string> cameraNames_;
+    std::map<std::string, int> sameNames_;
 };
 
 }  // namespace

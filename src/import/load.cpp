@@ -4,6 +4,7 @@
 #include "core/text_file.h"
 #include "import/importers.h"
 #include "import/readers.h"
+#include "scene/cameras.h"
 #include "scene/frame_model.h"
 #include "scene/validate.h"
 
@@ -25,19 +26,29 @@ Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
     return scene;
 }
 
+// Those beside the file's first camera must not make it useless.
+void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
+    std::erase_if(scene.cameras, [&](const NamedCamera& named) {
+        try {
+            validateCamera(named.camera, {path.string(), "camera \"" + named.name + '"'});
+            return false;
+        } catch (const Error& error) {
+            scene.warnings.push_back(error.what() + std::string("; this camera is left out"));
+            return true;
+        }
+    });
+}
+
 // Camera and light are added where the file brings none.
 Scene completed(ImportedScene imported, const std::filesystem::path& path) {
     Scene scene = std::move(imported.scene);
     if (!imported.hasCamera) frameCamera(scene);
     validateCamera(scene.camera, {path.string(), "camera"});
+    dropFaultyCameras(scene, path);
     if (scene.lights.empty()) lightModel(scene);
     validateScene(scene, path.string());
     return scene;
 }
-
-}  // namespace
-
-namespace {
 
 Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
     const std::string extension = lowerExtension(path);
@@ -56,10 +67,26 @@ Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
 
 }  // namespace
 
+namespace {
+
+// Whoever wrote several cameras must hear that one is taken.
+void warnOfOtherCameras(Scene& scene, const std::filesystem::path& path) {
+    if (scene.cameras.size() < 2) return;
+    const std::string first = scene.cameras.front().name;
+    scene.warnings.push_back(path.string() + ": has " + std::to_string(scene.cameras.size()) +
+                             " cameras; the first is used, \"" + printable(first) + "\"");
+}
+
+}  // namespace
+
 Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
     SceneFiles files(path.parent_path(), options);
     Scene scene = loadFrom(path, files);
     scene.sources = files.sources();
+    if (!options.camera.empty())
+        chooseCamera(scene, options.camera, path.string());
+    else if (lowerExtension(path) != ".json")
+        warnOfOtherCameras(scene, path);
     return scene;
 }
 

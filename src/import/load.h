@@ -15,6 +15,7 @@ namespace glint {
 // .stl), chosen by extension, any case. Relative paths inside a file are relative to that file. A model alone
 // gets a camera that frames it and a light (frameModel), a scene of another program what it lacks of these.
 // Throws Error(Scene) with one line "file: where: what" for anything wrong: docs/reference/scene-format.md.
+// Error(Argument) for a name in options.camera that the file does not have.
 // Files that it names must lie in its folder or below, but by options.allowOutside.
 Scene loadScene(const std::filesystem::path& path, const LoadOptions& options = {});
 

@@ -223,11 +223,19 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
     return parseScene(parseJson(text, name), name, folder, files, memory);
 }
 
-Camera parseCamera(const JsonCursor& root, const std::string& name) {
-    Camera result;
-    if (const auto camera = root.find("camera")) readCamera(*camera, result);
-    validateCamera(result, {name, "/camera"});
-    return result;
+void parseCameras(const JsonCursor& root, Scene& scene) {
+    scene.camera = {};
+    scene.cameras.clear();
+    if (const auto camera = root.find("camera")) readCamera(*camera, scene.camera);
+    const auto cameras = root.find("cameras");
+    if (!cameras) return;
+    cameras->expectObject();
+    for (size_t i = 0; i < cameras->memberCount(); i++) {
+        NamedCamera named{std::string(cameras->memberName(i)), {}};
+        if (named.name.empty()) cameras->fail("a camera's name must not be empty");
+        readCamera(cameras->member(i), named.camera);
+        scene.cameras.push_back(std::move(named));
+    }
 }
 
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
@@ -238,7 +246,7 @@ Scene parseScene(const JsonValue& document, const std::string& name, const std::
     Scene scene;
     if (const auto schema = root.find("$schema")) schema->string();
     if (const auto image = root.find("image")) parseImage(*image, scene.image);
-    if (const auto camera = root.find("camera")) readCamera(*camera, scene.camera);
+    parseCameras(root, scene);
     TextureParser textures(scene, folder, files);
     textures.readBackground(root);
     readColor(root, "ambient", scene.ambient);

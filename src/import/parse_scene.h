@@ -15,7 +15,7 @@ namespace glint {
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory);
 
-// The document's camera alone, checked.
-Camera parseCamera(const JsonCursor& root, const std::string& name);
+// The document's cameras into `scene`, not yet validated.
+void parseCameras(const JsonCursor& root, Scene& scene);
 
 }  // namespace glint

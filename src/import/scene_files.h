@@ -20,6 +20,8 @@ struct LoadOptions {
     bool allowOutside = false;
     // Bytes that reading may take.
     uint64_t memory = std::numeric_limits<uint64_t>::max();
+    // The camera of this name becomes the scene's own (scene/cameras.h); empty: the file's default.
+    std::string camera = {};
 };
 
 class SceneFiles {

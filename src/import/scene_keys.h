@@ -17,8 +17,8 @@ constexpr std::array<std::string_view, sizeof...(Names)> names(Names... list) {
 }
 inline constexpr auto kNothing = std::array<std::string_view, 0>{};
 inline constexpr auto kScene =
-    names("$schema", "image", "camera", "background", "ambient", "maxDepth", "transmissiveShadows", "lights",
-          "materials", "meshes", "objects", "animation");
+    names("$schema", "image", "camera", "cameras", "background", "ambient", "maxDepth", "transmissiveShadows",
+          "lights", "materials", "meshes", "objects", "animation");
 inline constexpr auto kImage =
     names("width", "height", "samplesPerPixel", "sampler", "filter", "filterRadius", "seed", "adaptive");
 inline constexpr auto kAdaptive = names("maxSamples", "threshold");

@@ -8,6 +8,7 @@
 #include "core/text_file.h"
 #include "import/animation.h"
 #include "import/parse_scene.h"
+#include "scene/cameras.h"
 #include "scene/validate.h"
 
 namespace glint {
@@ -15,6 +16,7 @@ namespace glint {
 struct SceneReader::State {
     std::filesystem::path path, folder;
     std::string name;
+    std::string camera;  // that was chosen; empty: the file's own
     SceneFiles files;
     MeshMemory meshes;
     JsonValue document;  // of a .json file, as it stands in it
@@ -23,12 +25,22 @@ struct SceneReader::State {
     Scene scene;
 
     State(const std::filesystem::path& file, const LoadOptions& options)
-        : path(file), folder(file.parent_path()), name(file.string()), files(folder, options) {}
+        : path(file),
+          folder(file.parent_path()),
+          name(file.string()),
+          camera(options.camera),
+          files(folder, options) {}
 
     Scene parsed(const JsonValue& json) {
         Scene made = parseScene(json, name, folder, files, meshes);
         made.sources = files.sources();
+        if (!camera.empty()) chooseCamera(made, camera, name);
         return made;
+    }
+    void moveCameras(const JsonValue& json) {
+        parseCameras(JsonCursor(json, name), scene);
+        validateCameras(scene, name);
+        if (!camera.empty()) chooseCamera(scene, camera, name);
     }
     Change show(double time, bool everything);
 };
@@ -45,7 +57,7 @@ SceneReader::Change SceneReader::State::show(double time, bool everything) {
         change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
     }
     try {
-        if (change == Change::Camera) scene.camera = parseCamera(JsonCursor(moved, name), name);
+        if (change == Change::Camera) moveCameras(moved);
         if (change == Change::Scene) scene = parsed(moved);
     } catch (const Error& error) {
         throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));

@@ -21,7 +21,7 @@ class SceneReader {
 
     const Scene& scene() const;
 
-    // What a later moment changes. Camera: Scene::camera and nothing else.
+    // What a later moment changes. Camera: Scene::camera and cameras, and nothing else.
     enum class Change { Nothing, Camera, Scene };
     // Throws Error(Scene) where the file's rules forbid what the animation comes to.
     Change moveTo(double time);

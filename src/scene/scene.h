@@ -92,6 +92,13 @@ struct Camera {
     double focusDistance = 0;  // > 0 with a lens; 0: the distance to the target
 };
 
+// One of several cameras of a file, for --camera and the window to choose.
+struct NamedCamera {
+    std::string name;  // not empty
+    Camera camera;
+    double aspect = 0;  // width over height of its picture; 0: the image's
+};
+
 // How light fades with the distance: not at all, or as intensity / distance^2.
 enum class Falloff { None, InverseSquare };
 constexpr auto entriesOf(Falloff) {
@@ -326,6 +333,7 @@ struct AnimationSpan {
 struct Scene {
     ImageSettings image;
     Camera camera;
+    std::vector<NamedCamera> cameras;  // besides, or among them, `camera`; each name once
     Color background{0};
     std::optional<EnvironmentMap> environment;  // instead of the background
     Color ambient{0};                           // Ia

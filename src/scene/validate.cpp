@@ -287,6 +287,12 @@ void validateCamera(const Camera& camera, const Place& place) {
         place.fail("far", "must be greater than near, " + describe(camera.nearT) + got(camera.farT));
 }
 
+void validateCameras(const Scene& scene, const std::string& name) {
+    validateCamera(scene.camera, {name, "/camera"});
+    for (const NamedCamera& named : scene.cameras)
+        validateCamera(named.camera, {name, "/cameras/" + escapePointer(named.name)});
+}
+
 void validateLight(const Light& light, const Place& place) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
         checkPoint(place, "position", point->position);
@@ -374,7 +380,7 @@ void checkTextures(const Scene& scene, const Material& material, const Place& pl
 void validateScene(const Scene& scene, const std::string& name) {
     const Place root{name, ""};
     validateImage(scene.image, {name, "/image"});
-    validateCamera(scene.camera, {name, "/camera"});
+    validateCameras(scene, name);
     checkColor(root, "background", scene.background);
     checkEnvironment(scene, {name, "/background"});
     checkColor(root, "ambient", scene.ambient);

@@ -24,6 +24,7 @@ struct Place {
 
 void validateImage(const ImageSettings& image, const Place& place);
 void validateCamera(const Camera& camera, const Place& place);
+void validateCameras(const Scene& scene, const std::string& name);  // its own and those with names
 void validateLight(const Light& light, const Place& place);
 void validateMaterial(const Material& material, const Place& place);
 void validateTexture(const Texture& texture, const Place& place);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-#include <nlohmann/json.hpp>
 
+#include "import/camera_writer.h"
 #include "scene/camera_frame.h"
 
 namespace glint::view {
@@ -214,27 +214,7 @@ void CameraControl::view(Side side, const Ball& ball) {
 }
 
 std::string cameraJson(const Camera& camera) {
-    const auto vector = [](const glm::dvec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-    nlohmann::ordered_json json;
-    const bool parallel = camera.projection == Projection::Orthographic;
-    json["type"] = parallel ? "orthographic" : "perspective";
-    json["eye"] = vector(camera.eye);
-    json["target"] = vector(camera.target);
-    json["up"] = vector(camera.up);
-    if (camera.planeNormal) json["planeNormal"] = vector(*camera.planeNormal);
-    if (camera.window) {
-        const ViewWindow& w = *camera.window;
-        json["window"] = {w.left, w.right, w.bottom, w.top};
-    } else if (parallel) {
-        json["height"] = camera.height;
-    } else {
-        json["fovY"] = camera.fovY;
-    }
-    if (!parallel && camera.lensRadius > 0) json["lensRadius"] = camera.lensRadius;
-    if (!parallel && camera.focusDistance > 0) json["focusDistance"] = camera.focusDistance;
-    if (camera.nearT > 0) json["near"] = camera.nearT;
-    if (std::isfinite(camera.farT)) json["far"] = camera.farT;
-    return "\"camera\": " + json.dump();
+    return "\"camera\": " + cameraText(camera);
 }
 
 }  // namespace glint::view

@@ -182,12 +182,14 @@ Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move
         font.SizePixels = 13 * std::round(scale);  // the built-in font is made of pixels
         io.Fonts->AddFontDefault(&font);
     }
+    fontPixels_ = font.SizePixels;
     unsigned char* texels = nullptr;
     io.Fonts->GetTexDataAsAlpha8(&texels, &fontWidth_, &fontHeight_);
     font_.assign(texels, texels + static_cast<size_t>(fontWidth_) * static_cast<size_t>(fontHeight_));
     io.Fonts->ClearTexData();
     ImGuiStyle& style = ImGui::GetStyle();
     ImGui::StyleColorsDark();
+    style.Colors[ImGuiCol_PlotHistogram] = ImVec4(0.16f, 0.38f, 0.62f, 1);  // white letters stand on it
     style.WindowPadding = ImVec2(6, 6);
     style.ItemSpacing = ImVec2(6, 3);
     style.FramePadding = ImVec2(4, 2);
@@ -244,16 +246,16 @@ bool Gui::wantsKeys() const {
     return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive();
 }
 
-double Gui::covered(int width, int height) const {
+double Gui::covered(int left, int width, int height) const {
     std::vector<bool> hidden(static_cast<size_t>(width) * static_cast<size_t>(height));
     for (const Rectangle& r : windows_) {
         for (int y = std::max(0, static_cast<int>(r.y0)); y < std::min(height, static_cast<int>(r.y1)); ++y)
-            for (int x = std::max(0, static_cast<int>(r.x0)); x < std::min(width, static_cast<int>(r.x1));
+            for (int x = std::max(left, static_cast<int>(r.x0)); x < std::min(width, static_cast<int>(r.x1));
                  ++x)
                 hidden[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = true;
     }
     return static_cast<double>(std::count(hidden.begin(), hidden.end(), true)) /
-           static_cast<double>(std::max<size_t>(hidden.size(), 1));
+           std::max(1.0, static_cast<double>(width - left) * height);
 }
 
 std::optional<Gui::Place> Gui::controlAt(const std::string& label) const {

@@ -31,14 +31,16 @@ class Gui {
     // on.
     bool covers(double x, double y) const;
     bool wantsKeys() const;  // something is being typed, or a control is held
-    // The part of the picture that windows hide, 0..1; of the last frame.
-    double covered(int width, int height) const;
+    // The part of the picture that windows hide, 0..1; of the last frame. The picture reaches from `left` to
+    // `width`.
+    double covered(int left, int width, int height) const;
     // The middle of a control of the last frame, by its label.
     struct Place {
         double x, y;
     };
     std::optional<Place> controlAt(const std::string& label) const;
     float scale() const { return scale_; }
+    float line() const { return fontPixels_; }  // the height of letters, pixels
 
     // Between the two, ImGui's functions describe the panel; end() draws it over the picture.
     void begin(int width, int height, double seconds);
@@ -55,6 +57,7 @@ class Gui {
     bool held(int first, int second) const;
 
     float scale_;
+    float fontPixels_ = 0;
     Clipboard clipboard_;
     std::string pasted_;  // what ImGui was given last
     std::vector<Rectangle> windows_, nextWindows_;

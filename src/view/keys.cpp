@@ -13,6 +13,7 @@ namespace {
 constexpr KeyBinding kBindings[] = {
     {Action::Help, key::kF1, 0, "F1", "show or hide this list (also ?)"},
     {Action::HidePanel, 'H', 0, "H", "hide or show the panel"},
+    {Action::DockPanel, 'H', kShift, "Shift+H", "the panel beside the picture, or over it"},
     {Action::Close, key::kEscape, 0, "Esc", "close what lies over the picture"},
     {Action::Quit, 'Q', kControl, "Ctrl+Q", "quit"},
     {Action::ToggleFly, key::kTab, 0, "Tab", "fly or orbit"},

@@ -13,6 +13,7 @@ enum class Action {
     Close,
     Quit,
     HidePanel,
+    DockPanel,
     NextLayer,
     PreviousLayer,
     ExposureDown,

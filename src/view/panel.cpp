@@ -75,9 +75,12 @@ bool resetButton(Gui& gui, const char* name, bool differs) {
     return pressed;
 }
 
-bool beginCorner(const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more, float part) {
-    const ImVec2 size = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos(ImVec2(size.x * pivot.x, size.y * pivot.y), ImGuiCond_Always, pivot);
+bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more,
+                 float part) {
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const auto x = static_cast<float>(left);
+    const ImVec2 size(screen.x - x, screen.y);
+    ImGui::SetNextWindowPos(ImVec2(x + size.x * pivot.x, size.y * pivot.y), ImGuiCond_Always, pivot);
     ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(width, size.x), 0),
                                         ImVec2(std::min(width, size.x), part * size.y));
     ImGui::SetNextWindowBgAlpha(0.85f);
@@ -102,24 +105,43 @@ void drawStatus(const PanelModel& m) {
     ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), line);
 }
 
-// Movable, and closed by its heading's triangle; its groups are closed at first in a small window, so that
-// the picture is seen.
-void drawMain(Gui& gui, PanelModel& m) {
+constexpr float kPanelLines = 16.5f;  // the panel's width in heights of a line
+
+// Over the picture: movable, and closed by its heading's triangle.
+bool beginOverlay(float width) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    const float width = std::min(16.5f * line, screen.x);
     ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(12 * line, screen.x), 0),
                                         ImVec2(screen.x, std::max(screen.y, 2 * line)));
     ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowBgAlpha(0.85f);
-    const bool large = screen.y >= 50 * line;
     constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoSavedSettings |
                                         ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
                                         ImGuiWindowFlags_AlwaysAutoResize;
-    if (ImGui::Begin("glint - F1: keys, H: hide", nullptr, kFlags)) {
-        ImGui::Dummy(ImVec2(width - 2 * ImGui::GetStyle().WindowPadding.x, 0));
-        ImGui::PushItemWidth(width - 8 * line);
+    const bool open = ImGui::Begin("glint - F1: keys, H: hide", nullptr, kFlags);
+    if (open) ImGui::Dummy(ImVec2(width - 2 * ImGui::GetStyle().WindowPadding.x, 0));
+    return open;
+}
+
+// Beside the picture, as high as the window.
+bool beginDocked(float width) {
+    ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_Always);
+    ImGui::SetNextWindowSize(ImVec2(width, ImGui::GetIO().DisplaySize.y), ImGuiCond_Always);
+    ImGui::SetNextWindowBgAlpha(1);
+    constexpr ImGuiWindowFlags kFlags = kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse;
+    return ImGui::Begin("glint - F1: keys, H: hide##docked", nullptr, kFlags);
+}
+
+// Its groups are closed at first in a small window, so that the picture is seen.
+void drawMain(Gui& gui, PanelModel& m) {
+    const float line = ImGui::GetFontSize();
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const bool docked = m.docked && m.left > 0;
+    const float width = docked ? static_cast<float>(m.left) : std::min(kPanelLines * line, screen.x);
+    const bool large = screen.y >= 50 * line;
+    if (docked ? beginDocked(width) : beginOverlay(width)) {
+        ImGui::PushItemWidth(width - 8 * line - (docked ? ImGui::GetStyle().ScrollbarSize : 0));
         drawStatus(m);
         drawView(gui, m);
         drawFiles(gui, m);
@@ -138,6 +160,11 @@ void drawMain(Gui& gui, PanelModel& m) {
 
 }  // namespace
 
+int dockWidth(const Gui& gui, int window) {
+    const float wanted = (kPanelLines + 1) * gui.line();  // and a scroll bar
+    return std::min(static_cast<int>(wanted), window / 2);
+}
+
 void drawPanel(Gui& gui, PanelModel& model) {
     if (model.helpVisible) {  // alone: it takes the whole window
         drawHelp(gui, model);
@@ -146,6 +173,7 @@ void drawPanel(Gui& gui, PanelModel& model) {
     }
     drawMarks(model);
     drawLegend(gui, model);
+    if (model.hints != nullptr) drawHints(gui, model);
     if (model.panelVisible) drawMain(gui, model);
     if (model.saveAsVisible) drawSaveAs(gui, model);
     if (model.openVisible) drawOpen(gui, model);

@@ -13,6 +13,7 @@
 #include "view/edits.h"
 #include "view/file_list.h"
 #include "view/gui.h"
+#include "view/hints.h"
 #include "view/picker.h"
 #include "view/ray_lines.h"
 #include "view/session.h"
@@ -44,7 +45,8 @@ enum class Wish {
     Undo,
     Redo,
     Bookmark,
-    GoToBookmark,  // PanelModel::bookmark
+    GoToCamera,    // PanelModel::camera
+    WriteCameras,  // the bookmarks, into the scene's file
     ResetCamera,
     FocusPicked,
     PrintCamera
@@ -56,6 +58,7 @@ struct PanelModel {
     const gpu::DeviceInfo* device = nullptr;
     const Scene* scene = nullptr;
     const Canvas* picture = nullptr;  // without what stands over it
+    int left = 0;                     // of the picture in the window: the docked panel's width
     FrameFacts facts;
     bool moving = false;
     int samples = 0;
@@ -77,9 +80,11 @@ struct PanelModel {
     std::string verdict;     // of the last verify; empty: none to show
     bool verdictPassed = false;
     bool differenceShown = false;
-    size_t bookmarks = 0;
-    std::vector<std::filesystem::path> recent;
-    PictureSettings fileSettings;  // what "reset" goes back to
+    const std::vector<NamedCamera>* fileCameras = nullptr;
+    bool holdsCameras = false;                                   // the scene's file can
+    const std::vector<std::filesystem::path>* recent = nullptr;  // the first is the one that is shown
+    Hints* hints = nullptr;                                      // to be shown; null: none
+    PictureSettings fileSettings;                                // what "reset" goes back to
     SceneEdits fileEdits;
     bool perspective = true;
     double reach = 1;  // radius of the scene
@@ -98,6 +103,7 @@ struct PanelModel {
     gpu::PresentMode mode = gpu::PresentMode::Fifo;
     render::Traversal traversal = render::Traversal::Auto;
     bool panelVisible = true;
+    bool docked = false;  // beside the picture, not over it
     bool helpVisible = false;
     bool inspects = false;
     int zoom = 9;  // pixels across the inspector's magnifier
@@ -106,12 +112,17 @@ struct PanelModel {
     bool saveAsVisible = false, openVisible = false;
     std::filesystem::path openFolder;
     std::vector<FileEntry> openFiles;  // there
-    std::array<char, 512> saveName{}, openName{};
-    bool savesSeen = true;  // SaveAs: what is seen, or at the scene's own sampling
-    size_t bookmark = 0;
+    std::array<char, 4096> saveName{}, openName{};
+    bool savesSeen = true;                          // SaveAs: what is seen, or at the scene's own sampling
+    std::vector<NamedCamera>* bookmarks = nullptr;  // their names
+    static constexpr size_t kNoCamera = ~size_t{0};
+    size_t camera = kNoCamera;  // that was gone to, of the file's and then the bookmarks
     Wish wish = Wish::None;
     double helpScroll = 0;  // pixels
 };
+
+// What a docked panel takes of a window that is so wide, pixels; never more than half.
+int dockWidth(const Gui& gui, int window);
 
 void drawPanel(Gui& gui, PanelModel& model);
 

@@ -133,7 +133,7 @@ void drawHelp(Gui& gui, PanelModel& m) {
     for (const KeyBinding& b : keyBindings()) keys.push_back({b.name, b.help});
     const float width = 62 * ImGui::GetFontSize();
     const bool wide = ImGui::GetIO().DisplaySize.x >= width;
-    if (beginCorner("keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width)) {
+    if (beginCorner(0, "keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width)) {
         drawHelpTable("mouse", mouse, wide);
         ImGui::Separator();
         drawHelpTable("keys", keys, wide);
@@ -145,7 +145,7 @@ void drawHelp(Gui& gui, PanelModel& m) {
 
 void drawPickWindow(Gui& gui, PanelModel& m) {
     const Pick& pick = **m.pick;
-    if (beginCorner("picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
+    if (beginCorner(m.left, "picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
                     25 * ImGui::GetFontSize(), 0, 0.6f)) {
         if (m.pickIsOld) wrapped("from an earlier view", kDim);
         drawPickFacts(pick);
@@ -163,7 +163,7 @@ void drawPickWindow(Gui& gui, PanelModel& m) {
 
 void drawInspector(Gui& gui, PanelModel& m) {
     const float line = ImGui::GetFontSize();
-    if (beginCorner("inspector (I closes)", ImVec2(1, 1), 18 * line)) {
+    if (beginCorner(m.left, "inspector (I closes)", ImVec2(1, 1), 18 * line)) {
         if (!m.pixel) {
             wrapped("Move the mouse over the picture.", kDim);
         } else {
@@ -190,7 +190,7 @@ void drawToasts(Gui& gui, const PanelModel& m) {
     const float width = 26 * ImGui::GetFontSize();
     const bool both = m.inspects && m.pick->has_value();
     const ImVec2 corner(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
-    if (beginCorner("##toasts", corner, width, ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##toasts", corner, width, ImGuiWindowFlags_NoTitleBar)) {
         if (!m.sceneError.empty()) {
             wrapped(m.sceneError, kRed);
             wrapped("The picture is of the scene as it was before.", kDim);
@@ -208,6 +208,27 @@ void drawToasts(Gui& gui, const PanelModel& m) {
     ImGui::End();
 }
 
+// Where neither the panel nor a pick lies, unless the window is small.
+void drawHints(Gui& gui, const PanelModel& m) {
+    const float line = ImGui::GetFontSize();
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const auto left = static_cast<float>(m.left);
+    const float width = std::min(28 * line, screen.x - left);
+    ImGui::SetNextWindowPos(ImVec2(left, screen.y), ImGuiCond_Always, ImVec2(0, 1));
+    ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_Always);
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    bool open = true;
+    if (ImGui::Begin("first steps", &open,
+                     kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse)) {
+        for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
+            if (m.hints->wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
+        wrapped("F1: every key. A control explains itself under the mouse.", kDim);
+    }
+    if (!open) m.hints->close();
+    gui.noteWindow();
+    ImGui::End();
+}
+
 // Also while the panel is hidden.
 void drawProgress(Gui& gui, const PanelModel& m) {
     struct Task {
@@ -219,7 +240,8 @@ void drawProgress(Gui& gui, const PanelModel& m) {
                           {"tracing the reference", m.referenceProgress},
                           {"loading the scene", m.loading ? 0.0 : -1.0}};
     if (std::all_of(std::begin(tasks), std::end(tasks), [](const Task& t) { return t.progress < 0; })) return;
-    if (beginCorner("##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(), ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(),
+                    ImGuiWindowFlags_NoTitleBar)) {
         for (const Task& task : tasks) {
             if (task.progress < 0) continue;
             char label[64];
@@ -237,7 +259,7 @@ void drawLegend(Gui& gui, const PanelModel& m) {
     const bool colors = layer == ViewLayer::Color;
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const float line = ImGui::GetFontSize();
-    if (beginCorner("##legend", ImVec2(0.5f, 0), 14 * line, ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##legend", ImVec2(0.5f, 0), 14 * line, ImGuiWindowFlags_NoTitleBar)) {
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float width = ImGui::GetContentRegionAvail().x;
         constexpr int kSteps = 64;
@@ -269,18 +291,22 @@ void drawMarks(const PanelModel& m) {
     if (!m.pick->has_value()) return;
     const Pick& pick = **m.pick;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const auto left = static_cast<float>(m.left);
+    list.PushClipRect(ImVec2(left, 0), ImGui::GetIO().DisplaySize);
     for (size_t i = 0; i < m.pickLines.size(); ++i) {
         const Segment& s = m.pickLines[i];
-        const ImVec2 from(static_cast<float>(s.from.x), static_cast<float>(s.from.y));
-        const ImVec2 to(static_cast<float>(s.to.x), static_cast<float>(s.to.y));
+        const ImVec2 from(left + static_cast<float>(s.from.x), static_cast<float>(s.from.y));
+        const ImVec2 to(left + static_cast<float>(s.to.x), static_cast<float>(s.to.y));
         list.AddLine(from, to, kOutline, 3);
         list.AddLine(from, to, colorOf(pick.rays[i].kind), 1.5f);
     }
-    if (m.pickIsOld) return;
-    const ImVec2 at(static_cast<float>(pick.x) + 0.5f, static_cast<float>(pick.y) + 0.5f);
-    const float radius = 0.5f * ImGui::GetFontSize();
-    list.AddCircle(at, radius, kOutline, 24, 3);
-    list.AddCircle(at, radius, kEyeRay, 24, 1.5f);
+    if (!m.pickIsOld) {
+        const ImVec2 at(left + static_cast<float>(pick.x) + 0.5f, static_cast<float>(pick.y) + 0.5f);
+        const float radius = 0.5f * ImGui::GetFontSize();
+        list.AddCircle(at, radius, kOutline, 24, 3);
+        list.AddCircle(at, radius, kEyeRay, 24, 1.5f);
+    }
+    list.PopClipRect();
 }
 
 }  // namespace glint::view

@@ -54,9 +54,9 @@ bool group(Gui& gui, const char* name, bool open, const char* help);
 // "reset" at the right of a line; true if it was pressed. Nothing is drawn unless something `differs`.
 bool resetButton(Gui& gui, const char* group, bool differs);
 
-// A window at a corner of the picture, as large as what is in it, at most `part` of the picture's height;
-// then it scrolls. `pivot`: the corner, 0..1. Every Begin needs its End.
-bool beginCorner(const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more = 0,
+// A window at a corner of the picture, which begins at `left`, as large as what is in it, at most `part` of
+// the picture's height; then it scrolls. `pivot`: the corner, 0..1. Every Begin needs its End.
+bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, ImGuiWindowFlags more = 0,
                  float part = 1);
 
 // panel_settings.cpp
@@ -78,6 +78,7 @@ void drawHelp(Gui& gui, PanelModel& m);
 void drawPickWindow(Gui& gui, PanelModel& m);
 void drawInspector(Gui& gui, PanelModel& m);
 void drawToasts(Gui& gui, const PanelModel& m);
+void drawHints(Gui& gui, const PanelModel& m);
 void drawProgress(Gui& gui, const PanelModel& m);
 void drawLegend(Gui& gui, const PanelModel& m);
 void drawMarks(const PanelModel& m);

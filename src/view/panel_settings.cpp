@@ -18,8 +18,12 @@ void drawView(Gui& gui, PanelModel& m) {
     checkbox(gui, "fly", m.flying, "W A S D, Q and E move through the scene (Tab)");
     ImGui::SameLine();
     checkbox(gui, "inspect", m.inspects, "what is under the mouse, in numbers (I)");
+    ImGui::SameLine();
+    checkbox(gui, "dock", m.docked, "the panel beside the picture, or over it (Shift+H)");
     if (m.flying) slider(gui, "speed", m.flySpeed, 0.05, 20, "x %.2f", "of flying", true);
-    if (resetButton(gui, "view", !(m.display == Display{}))) m.display = {};
+    if (!resetButton(gui, "view", !(m.display == Display{}) || m.flySpeed != 1)) return;
+    m.display = {};
+    m.flySpeed = 1;
 }
 
 void drawLens(Gui& gui, PanelModel& m) {

@@ -18,6 +18,19 @@ void openFile(PanelModel& m, const std::filesystem::path& file) {
     m.wish = Wish::Open;
 }
 
+// By name; the folder is in the tooltip.
+void drawRecent(Gui& gui, PanelModel& m) {
+    for (size_t i = 1; i < m.recent->size(); ++i) {
+        const std::filesystem::path& file = (*m.recent)[i];
+        ImGui::PushID(static_cast<int>(i));
+        const std::string name = file.filename().string();
+        const bool pressed = ImGui::Selectable(name.c_str());
+        tip(gui, ("recent " + name).c_str(), file.c_str());
+        if (pressed) openFile(m, file);
+        ImGui::PopID();
+    }
+}
+
 double milliseconds(double seconds) {
     return seconds * 1e3;
 }
@@ -37,8 +50,7 @@ void drawFiles(Gui& gui, PanelModel& m) {
     wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Wish::RenderExr);
     if (button(gui, "open", "another scene, or a picture to compare with (Ctrl+O); or drop it here"))
         m.openVisible = true;
-    for (const std::filesystem::path& file : m.recent)
-        if (ImGui::Selectable(file.string().c_str())) openFile(m, file);
+    drawRecent(gui, m);
 }
 
 void drawOpen(Gui& gui, PanelModel& m) {
@@ -57,6 +69,15 @@ void drawOpen(Gui& gui, PanelModel& m) {
         ImGui::SameLine();
         if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
         std::filesystem::path next;
+        const size_t earlier = m.recent->size() - std::min<size_t>(m.recent->size(), 1);
+        if (earlier > 0) {
+            text("looked at before");
+            const float lines = static_cast<float>(std::min<size_t>(earlier, 4));
+            if (ImGui::BeginChild("recent", ImVec2(0, lines * ImGui::GetTextLineHeightWithSpacing())))
+                drawRecent(gui, m);
+            ImGui::EndChild();
+            ImGui::Separator();
+        }
         if (ImGui::BeginChild("files")) {
             if (ImGui::Selectable("..")) next = m.openFolder.parent_path();
             tip(gui, "..", "");
@@ -103,6 +124,44 @@ void drawSaveAs(Gui& gui, PanelModel& m) {
     ImGui::End();
 }
 
+namespace {
+
+void drawCameraName(Gui& gui, const std::string& name, size_t index, PanelModel& m) {
+    ImGui::PushID(static_cast<int>(index));
+    if (ImGui::Selectable(name.empty() ? "(no name)" : name.c_str(), index == m.camera)) {
+        m.camera = index;
+        m.wish = Wish::GoToCamera;
+    }
+    gui.noteControl(name.c_str());
+    ImGui::PopID();
+}
+
+// The file's cameras, then those that are kept here, whose names can be changed.
+void drawCameraList(Gui& gui, PanelModel& m) {
+    const size_t inFile = m.fileCameras->size();
+    for (size_t i = 0; i < inFile; ++i) drawCameraName(gui, (*m.fileCameras)[i].name, i, m);
+    if (m.bookmarks->empty()) return;
+    ImGui::Separator();
+    for (size_t i = 0; i < m.bookmarks->size(); ++i)
+        drawCameraName(gui, (*m.bookmarks)[i].name, inFile + i, m);
+    if (m.camera >= inFile && m.camera - inFile < m.bookmarks->size()) {
+        std::string& name = (*m.bookmarks)[m.camera - inFile].name;
+        std::array<char, 128> typed{};
+        std::snprintf(typed.data(), typed.size(), "%s", name.c_str());
+        if (ImGui::InputText("name", typed.data(), typed.size())) name = typed.data();
+        tip(gui, "name", "of this bookmark");
+    }
+    if (!m.holdsCameras) return;
+    wish(m,
+         button(
+             gui, "write to file",
+             "adds the bookmarks to the \"cameras\" of the scene's file, where `glint render --camera NAME` "
+             "finds them; all else in the file stays as it is"),
+         Wish::WriteCameras);
+}
+
+}  // namespace
+
 void drawCameras(Gui& gui, PanelModel& m) {
     if (!group(gui, "camera", false, "where one has been, where to go back to, and the lens")) return;
     wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Wish::Undo);
@@ -113,15 +172,7 @@ void drawCameras(Gui& gui, PanelModel& m) {
     wish(m, button(gui, "bookmark", "keep this camera (M)"), Wish::Bookmark);
     ImGui::SameLine();
     wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"), Wish::PrintCamera);
-    for (size_t i = 0; i < m.bookmarks; ++i) {
-        char label[32];
-        std::snprintf(label, sizeof(label), "bookmark %zu", i + 1);
-        if (ImGui::Selectable(label, i == m.bookmark)) {
-            m.bookmark = i;
-            m.wish = Wish::GoToBookmark;
-        }
-        gui.noteControl(label);
-    }
+    drawCameraList(gui, m);
     drawLens(gui, m);
 }
 

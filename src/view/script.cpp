@@ -28,7 +28,7 @@ constexpr ScriptWord kWords[] = {
      "a "
      "control of the panel, and waits for it"},
     {"drop", "FILE", 1, 1, "drop a file onto the window"},
-    {"resize", "W H", 2, 2, "the window's picture"},
+    {"resize", "W H", 2, 2, "the window"},
     {"minimise", "N", 1, 1, "minimise the window for N rounds, then restore it"},
     {"aov", "NAME", 1, 1, "show a layer: color depth normal uv object primitive material bounces cost"},
     {"set", "WHAT VALUE...", 2, 5,
@@ -45,16 +45,21 @@ constexpr ScriptWord kWords[] = {
     {"pace", "N", 1, 1, "turn the camera by one degree a frame for N frames, and print how fast that went"},
     {"idle", "SECONDS", 1, 1,
      "do nothing for a while, and print how many frames and how much processor time that took"},
+    {"hints", "", 0, 0, "show a newcomer's hints, which a script does without otherwise"},
     {"lose-device", "", 0, 0, "behave as if the device had been lost"},
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
-     "print something that `expect` knows: aim, camera, control LABEL, covered, difference, exposure, "
+     "print something that `expect` knows: aim, camera, cameras, control LABEL, covered, difference, "
+     "exposure, "
      "figures, "
-     "focus, fov, layer, lens, limit, panel, pick, pixel, samples, scroll, submissions, toast, tonemap, "
+     "focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, recent, samples, scroll, "
+     "submissions, "
+     "toast, tonemap, "
      "tree, depth"},
     {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},
+    {"await", "WHAT VALUE...", 2, kAny, "until it prints as VALUE; fails after a minute"},
     {"expect-object", "N|none", 1, 1, "the last click picked this object"},
-    {"expect-size", "W H", 2, 2, "the window's picture has this size"},
+    {"expect-size", "W H", 2, 2, "the window has this size"},
     {"expect-layer", "NAME", 1, 1, "this layer is shown"},
     {"expect-error", "TEXT", 1, kAny, "the scene's file is at fault, and the message holds TEXT"},
     {"expect-no-error", "", 0, 0, "the scene's file is not at fault"},

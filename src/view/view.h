@@ -16,6 +16,7 @@ namespace glint::view {
 // How scenes are loaded, the first one and all later.
 struct Loading {
     bool allowOutside = false;  // files outside the scene's folder may be read
+    std::string camera;         // by its name; empty: the scene's own
     std::optional<int> maxDepth, samplesPerPixel;
     BuildQuality quality = BuildQuality::Default;
 };

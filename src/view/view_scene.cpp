@@ -50,7 +50,7 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
 }  // namespace
 
 std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, const Loading& loading) {
-    Scene scene = loadScene(path, {loading.allowOutside, availableMemory()});
+    Scene scene = loadScene(path, {loading.allowOutside, availableMemory(), loading.camera});
     if (loading.maxDepth) scene.maxDepth = *loading.maxDepth;
     if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
     return packViewScene(path, std::move(scene), loading);

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "view/state_folder.h"
 
 namespace glint::view {
 
@@ -20,8 +21,6 @@ constexpr double kRestFrameSeconds = 0.04;  // between frames at rest, which all
 constexpr double kBreathSeconds = 0.005;    // while a frame is not due yet, or the camera may still be moving
 constexpr double kFlickerSeconds = 0.5;     // that each of two pictures is seen
 constexpr size_t kFrameTimes = 120;
-constexpr const char* kFirstHint =
-    "Drag: turn. Wheel: nearer. Click: what is there. S: save. K, then B: compare. F1: every key.";
 
 PixelSize sizeOf(const Options& options, const Scene& scene) {
     if (options.width > 0) return {options.width, options.height};
@@ -42,6 +41,8 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
             [this](const std::string& text) { window_.setClipboard(text); }}),
       control_(scene_->scene.camera, boundsOf(*scene_).radius),
       pace_(kGpuTarget),
+      recent_(stateFile("recent")),
+      hints_(stateFile("hints")),
       seenCamera_(scene_->scene.camera) {
     if (!options_.script.empty()) script_ = readScript(options_.script);
     for (const std::string& w : scene_->scene.warnings) err_ << "glint: warning: " << w << '\n';
@@ -50,11 +51,13 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     model_.settings = model_.fileSettings = PictureSettings::of(scene_->scene);
     model_.edits = model_.fileEdits = editsAtWork_ = SceneEdits::of(scene_->scene);
     model_.mode = options_.presentMode;
+    for (size_t i = 0; i < fileCameras().size(); ++i)
+        if (fileCameras()[i].name == options_.loading.camera) model_.camera = i;
     model_.comparison = &comparison_;
     model_.toasts = &toasts_.shown();
-    // Twice as long as other messages. A script knows its way.
-    if (script_.empty()) toasts_.add(kFirstHint, ToastKind::Info, clock_.seconds() + Toasts::kSeconds);
+    hinting_ = script_.empty();  // a script knows its way
     model_.openFolder = std::filesystem::absolute(options_.scene).parent_path();
+    recent_.add(options_.scene);
     files_.watch(sceneFiles(options_.scene));
 }
 
@@ -132,7 +135,10 @@ double Viewer::restSeconds() const {
 }
 
 bool Viewer::work() {
-    const PixelSize size = window_.size();
+    PixelSize size = window_.size();
+    const int left = model_.docked && model_.panelVisible ? dockWidth(gui_, size.width) : 0;
+    cursorX_ += std::exchange(left_, left) - left;
+    size.width -= left;
     if (size.width != session_->width() || size.height != session_->height()) {
         touchMotion();
         forgetPick(false);
@@ -166,8 +172,15 @@ bool Viewer::work() {
 
 void Viewer::drawFrame() {
     const Stopwatch drawing;
-    frame_ = background();
-    if (frame_.width == 0) return;
+    const Canvas& picture = background();
+    if (picture.width == 0) return;
+    if (left_ == 0) {
+        frame_ = picture;
+    } else {
+        frame_ = Canvas(left_ + picture.width, picture.height);
+        for (int y = 0; y < picture.height; ++y)
+            std::copy_n(picture.row(y), picture.width, frame_.row(y) + left_);
+    }
     fillModel();
     gui_.begin(frame_.width, frame_.height, frameWatch_.seconds());
     drawPanel(gui_, model_);

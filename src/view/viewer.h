@@ -16,10 +16,12 @@
 #include "view/compare.h"
 #include "view/gui.h"
 #include "view/hand.h"
+#include "view/hints.h"
 #include "view/history.h"
 #include "view/jobs.h"
 #include "view/keys.h"
 #include "view/panel.h"
+#include "view/recent_files.h"
 #include "view/scene_files.h"
 #include "view/script.h"
 #include "view/session.h"
@@ -49,6 +51,7 @@ class Viewer {
     void reportValidation();
     void finish();
     void askToClose();
+    bool covered() const { return gui_.covers(cursorX_ + left_, cursorY_); }  // the mouse, by the panel
     bool flash() const;  // of flicker, whether it is the other picture's turn
     bool moving() const { return motion_.seconds() < kRestSeconds; }
     void touchMotion() { motion_.restart(); }
@@ -94,14 +97,21 @@ class Viewer {
     bool performCamera(Action action);
     void flyOn(double seconds);
     void noteCamera();
+    void follow(Hint hint);
     void forgetPick(bool evenPinned);
     void travel(const std::optional<Camera>& camera, const char* otherwise);
-    void goToBookmark(size_t index);
     void pick(int x, int y);
     void focusAt(int x, int y);
     void framePicked();
     void printCamera();
     void changeLayer(int step);
+
+    // viewer_cameras.cpp
+    const std::vector<NamedCamera>& fileCameras() const { return fileScene_->scene.cameras; }
+    void keepCamera();
+    void goToCamera(size_t index);  // of the file's, then the bookmarks
+    void writeCameras();
+    std::string cameraNames() const;
 
     // viewer_script.cpp, viewer_expect.cpp
     void runScript();
@@ -142,9 +152,12 @@ class Viewer {
     Gui gui_;
     CameraControl control_;
     CameraHistory history_;
-    std::vector<Camera> bookmarks_;
+    std::vector<NamedCamera> bookmarks_;  // not in the file
     Pace pace_;
     FileWatch files_;
+    RecentFiles recent_;
+    Hints hints_;
+    bool hinting_ = false;  // the window shows what is left of them
     PanelModel model_;
     Toasts toasts_;
     Comparison comparison_;
@@ -154,6 +167,8 @@ class Viewer {
     std::optional<Button> dragging_;
     bool dragged_ = false, draggingWipe_ = false;
     int dragMods_ = 0;
+    int left_ = 0;  // of the picture in the window, see PanelModel
+    // In pixels of the picture.
     double cursorX_ = -1, cursorY_ = -1, pressX_ = 0, pressY_ = 0;
     std::set<int> held_;
     bool fastFlight_ = false;

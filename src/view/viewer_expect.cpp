@@ -9,6 +9,8 @@ namespace glint::view {
 
 namespace {
 
+constexpr double kPatience = 60;  // seconds
+
 std::string text(const char* format, double value) {
     char buffer[64];
     std::snprintf(buffer, sizeof(buffer), format, value);
@@ -35,21 +37,32 @@ std::string Viewer::stateOf(const ScriptCommand& command) const {
     const Camera& camera = control_.camera();
     if (what == "aim") return text("%g", 1e3 * pace_.target());
     if (what == "camera") return cameraJson(camera);
+    if (what == "cameras") return cameraNames();
     if (what == "control" && command.arguments.size() > 1) {
         const Gui::Place place = placeOf(command, "@" + command.arguments[1]);
-        return text("%.0f", place.x) + " " + text("%.0f", place.y);
+        return text("%.0f", place.x - left_) + " " + text("%.0f", place.y);
     }
-    if (what == "covered") return text("%.3f", gui_.covered(frame_.width, frame_.height));
+    if (what == "covered") return text("%.3f", gui_.covered(left_, frame_.width, frame_.height));
     if (what == "difference") return onOffText(difference_.has_value());
     if (what == "exposure") return text("%g", model_.display.exposure);
     if (what == "figures") return comparison_.figures ? text("%.6g", comparison_.figures->rmse) : "none";
     if (what == "focus") return text("%.6g", camera.focusDistance);
     if (what == "fov") return text("%.6g", camera.fovY);
+    if (what == "hints") {
+        std::string names;
+        for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
+            if (hinting_ && hints_.wanted(entry.value))
+                names += (names.empty() ? "" : " ") + std::string(entry.name);
+        return names.empty() ? "none" : names;
+    }
     if (what == "layer") return std::string(nameOf(model_.settings.layer));
     if (what == "lens") return text("%.6g", camera.lensRadius);
     if (what == "limit") return std::to_string(model_.settings.sampleLimit);
     if (what == "panel") return onOffText(model_.panelVisible);
     if (what == "pick") return pick_ ? pickTree(*pick_) : "none";
+    if (what == "picture")
+        return std::to_string(session_->width()) + " " + std::to_string(session_->height());
+    if (what == "recent") return recent_.list().empty() ? "none" : recent_.list().front().string();
     if (what == "pixel") return pixelText(model_.pixel);
     if (what == "samples") return std::to_string(session_->samples());
     if (what == "scroll") return text("%.0f", model_.helpScroll);
@@ -72,6 +85,15 @@ bool Viewer::startExpectation(const ScriptCommand& command) {
     std::string found;
     if (name == "print") {
         out_ << command.arguments[0] << ' ' << stateOf(command) << std::endl;
+        return true;
+    }
+    if (name == "await") {
+        wanted = wanted.substr(command.arguments[0].size() + 1);
+        scriptWait_ = [this, &command, wanted, watch = Stopwatch()] {
+            if (stateOf(command) == wanted) return true;
+            if (watch.seconds() > kPatience) failScript(command, "it is '" + stateOf(command) + "'");
+            return false;
+        };
         return true;
     }
     if (name == "expect") {

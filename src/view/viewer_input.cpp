@@ -55,8 +55,9 @@ bool Viewer::handle(const Event& event) {
             touchMotion();
             return true;
         case Event::Type::Cursor: {
-            const double dx = event.x - cursorX_, dy = event.y - cursorY_;
-            cursorX_ = event.x;
+            const double x = event.x - left_;
+            const double dx = x - cursorX_, dy = event.y - cursorY_;
+            cursorX_ = x;
             cursorY_ = event.y;
             gui_.feed(event);
             if (draggingWipe_)
@@ -70,7 +71,7 @@ bool Viewer::handle(const Event& event) {
             handleButton(event);
             return false;  // ImGui sees a press and its release in two frames
         case Event::Type::Wheel:
-            if (gui_.covers(cursorX_, cursorY_)) {
+            if (covered()) {
                 gui_.feed(event);
                 return false;
             }
@@ -94,7 +95,7 @@ bool Viewer::handle(const Event& event) {
 void Viewer::handleButton(const Event& event) {
     const auto button = static_cast<Button>(event.code);
     if (event.down) {
-        if (gui_.covers(cursorX_, cursorY_) || dragging_) return;
+        if (covered() || dragging_) return;
         dragging_ = button;
         dragMods_ = event.mods;
         dragged_ = false;
@@ -180,11 +181,10 @@ void Viewer::perform(Action action) {
             travel(history_.redo(control_.camera()), "nothing to redo");
             break;
         case Action::Bookmark:
-            bookmarks_.push_back(control_.camera());
-            say("bookmark " + std::to_string(bookmarks_.size()) + "; N goes to the next one");
+            keepCamera();
             break;
         case Action::NextBookmark:
-            goToBookmark(model_.bookmark + 1);
+            goToCamera(model_.camera + 1);
             break;
         case Action::PrintCamera:
             printCamera();
@@ -210,6 +210,10 @@ bool Viewer::performView(Action action) {
             return true;
         case Action::HidePanel:
             model_.panelVisible = !model_.panelVisible;
+            return true;
+        case Action::DockPanel:
+            model_.docked = !model_.docked || !model_.panelVisible;
+            model_.panelVisible = true;
             return true;
         case Action::Close:
             model_.helpVisible = model_.saveAsVisible = model_.openVisible = false;
@@ -242,6 +246,7 @@ bool Viewer::performView(Action action) {
                 return true;
             }
             comparison_.mode = nextOf(comparison_.mode);
+            follow(Hint::Compare);
             say("compare: " + std::string(nameOf(comparison_.mode)));
             return true;
         case Action::Inspect:
@@ -344,6 +349,7 @@ void Viewer::changeLayer(int step) {
 void Viewer::noteCamera() {
     const Camera& camera = control_.camera();
     if (sameCamera(camera, seenCamera_)) return;
+    follow(Hint::Turn);
     if (gestureEnded_ || sinceMove_.seconds() > kGestureSeconds) history_.remember(seenCamera_);
     gestureEnded_ = false;
     sinceMove_.restart();
@@ -361,6 +367,10 @@ void Viewer::forgetPick(bool evenPinned) {
     pick_.reset();
 }
 
+void Viewer::follow(Hint hint) {
+    if (hinting_ && hints_.done(hint)) say("That is all it takes. F1 lists every key.");
+}
+
 void Viewer::travel(const std::optional<Camera>& camera, const char* otherwise) {
     if (!camera) {
         say(otherwise);
@@ -375,23 +385,12 @@ void Viewer::travel(const std::optional<Camera>& camera, const char* otherwise) 
     touchMotion();
 }
 
-void Viewer::goToBookmark(size_t index) {
-    if (bookmarks_.empty()) {
-        say("M keeps a bookmark");
-        return;
-    }
-    model_.bookmark = index % bookmarks_.size();
-    control_.set(bookmarks_[model_.bookmark]);
-    say("bookmark " + std::to_string(model_.bookmark + 1) + " of " + std::to_string(bookmarks_.size()));
-    gestureEnded_ = true;
-    touchMotion();
-}
-
 void Viewer::pick(int x, int y) {
     if (x < 0 || y < 0 || x >= session_->width() || y >= session_->height()) return;
     pick_ = pickPixel(*session_, x, y);
     pickIsOld_ = false;
     if (pick_->hit()) model_.material = pick_->data.material;
+    follow(Hint::Pick);
     out_ << pickCsv(*pick_) << std::flush;
 }
 

@@ -10,12 +10,6 @@
 
 namespace glint::view {
 
-namespace {
-
-constexpr size_t kMostRecent = 8;
-
-}  // namespace
-
 // Of the same file as before, or of another.
 void Viewer::useScene(std::shared_ptr<const ViewScene> scene) {
     const PictureSettings file = PictureSettings::of(scene->scene);
@@ -29,6 +23,7 @@ void Viewer::useScene(std::shared_ptr<const ViewScene> scene) {
         control_ = CameraControl(scene->scene.camera, radius);
         history_ = {};
         bookmarks_.clear();
+        model_.camera = PanelModel::kNoCamera;
         opensAnother_ = false;
     } else {
         model_.settings.follow(model_.fileSettings, file);
@@ -89,12 +84,8 @@ void Viewer::startLoading() {
 }
 
 void Viewer::open(const std::filesystem::path& scene) {
-    std::vector<std::filesystem::path>& recent = model_.recent;
-    std::erase(recent, options_.scene);
-    recent.insert(recent.begin(), options_.scene);
-    std::erase(recent, scene);
-    if (recent.size() > kMostRecent) recent.resize(kMostRecent);
     options_.scene = scene;
+    options_.loading.camera.clear();  // of the other scene
     opensAnother_ = true;
     startLoading();
 }
@@ -160,6 +151,7 @@ void Viewer::pollLoading() {
         useScene(loading_.take());
         model_.sceneError.clear();
         window_.setTitle(title);
+        if (another) recent_.add(options_.scene);
         say(another ? "opened " + options_.scene.string() : "loaded " + options_.scene.string() + " again");
     } catch (const Error& e) {
         if (e.kind() != ErrorKind::Scene && e.kind() != ErrorKind::Failed) throw;
@@ -175,6 +167,7 @@ void Viewer::pollLoading() {
 }
 
 void Viewer::startSaving(const std::filesystem::path& file, bool seen) {
+    follow(Hint::Save);
     if (!seen) {
         const RenderRequest request = {viewRequest(*session_), file, model_.settings.sampling,
                                        model_.display};
@@ -256,6 +249,7 @@ void Viewer::compareWith(const std::filesystem::path& picture) {
     try {
         comparison_.linear = readImage(picture);
         comparison_.canvas = {};
+        follow(Hint::Compare);
         comparison_.name = picture.filename().string();
         if (comparison_.mode == CompareMode::Off) comparison_.mode = CompareMode::Wipe;
         ++compared_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text_file.h"
 #include "view/viewer.h"
 
 namespace glint::view {
@@ -21,6 +22,7 @@ std::string materialName(const Scene& scene, uint32_t material) {
 void Viewer::fillModel() {
     model_.scene = &scene_->scene;
     model_.picture = &background_;
+    model_.left = left_;
     model_.facts = session_->facts();
     model_.moving = moving();
     model_.samples = session_->samples();
@@ -33,7 +35,11 @@ void Viewer::fillModel() {
     model_.loading = loading_.running();
     model_.closing = closingAsked_;
     model_.differenceShown = difference_.has_value();
-    model_.bookmarks = bookmarks_.size();
+    model_.fileCameras = &fileCameras();
+    model_.bookmarks = &bookmarks_;
+    model_.holdsCameras = lowerExtension(scene_->path) == ".json";
+    model_.recent = &recent_.list();
+    model_.hints = hinting_ && hints_.any() ? &hints_ : nullptr;
     model_.targetSeconds = pace_.target();
     const Camera& camera = control_.camera();
     model_.perspective = camera.projection == Projection::Perspective;
@@ -50,7 +56,7 @@ void Viewer::fillPixel() {
     model_.pixel.reset();
     const int x = static_cast<int>(std::floor(cursorX_)), y = static_cast<int>(std::floor(cursorY_));
     const bool inside = x >= 0 && y >= 0 && x < session_->width() && y < session_->height();
-    if (!model_.inspects || !inside || gui_.covers(cursorX_, cursorY_)) return;
+    if (!model_.inspects || !inside || covered()) return;
     PixelFacts facts;
     facts.x = x;
     facts.y = y;
@@ -147,8 +153,10 @@ void Viewer::grant(Wish wish) {
             return perform(Action::Redo);
         case Wish::Bookmark:
             return perform(Action::Bookmark);
-        case Wish::GoToBookmark:
-            return goToBookmark(model_.bookmark);
+        case Wish::GoToCamera:
+            return goToCamera(model_.camera);
+        case Wish::WriteCameras:
+            return writeCameras();
         case Wish::ResetCamera:
             return perform(Action::Reset);
         case Wish::FocusPicked:

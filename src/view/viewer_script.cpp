@@ -78,7 +78,7 @@ void Viewer::start(const ScriptCommand& command) {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
         window_.resize(wanted);
         scriptWait_ = [this, wanted] {
-            return window_.size() == wanted && session_->width() == wanted.width;
+            return window_.size() == wanted && session_->width() == wanted.width - left_;
         };
     } else if (name == "minimise") {
         window_.setMinimised(true);
@@ -111,6 +111,8 @@ void Viewer::start(const ScriptCommand& command) {
         startIdling(numberOf(command, 0));
     } else if (name == "lose-device") {
         throw gpu::DeviceLost("lose-device: as if VK_ERROR_DEVICE_LOST");
+    } else if (name == "hints") {
+        hinting_ = true;
     } else if (name == "stay") {
         scriptStays_ = true;
     } else {
@@ -120,7 +122,7 @@ void Viewer::start(const ScriptCommand& command) {
 
 bool Viewer::startInput(const ScriptCommand& command) {
     const std::string& name = command.name;
-    const double x = session_->width() / 2, y = session_->height() / 2;
+    const double x = left_ + session_->width() / 2, y = session_->height() / 2;
     if (name == "orbit" || name == "pan") {
         const int mods = name == "pan" ? kShift : 0;
         push(cursorAt(x, y));
@@ -142,7 +144,7 @@ bool Viewer::startInput(const ScriptCommand& command) {
             return true;
         };
     } else if (name == "click") {
-        push(cursorAt(wholeOf(command, 0), wholeOf(command, 1)));
+        push(cursorAt(left_ + wholeOf(command, 0), wholeOf(command, 1)));
         push(press(Button::Left, true));
         push(press(Button::Left, false));
     } else if (name == "press") {
@@ -164,7 +166,7 @@ bool Viewer::startInput(const ScriptCommand& command) {
 
 Gui::Place Viewer::placeOf(const ScriptCommand& command, const std::string& word) const {
     double x = 0, y = 0;
-    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {x, y};
+    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {left_ + x, y};
     std::string label = word.substr(1);
     std::replace(label.begin(), label.end(), '_', ' ');
     const std::optional<Gui::Place> place = gui_.controlAt(label);

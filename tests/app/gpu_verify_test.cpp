@@ -37,6 +37,18 @@ TEST_F(GpuVerify, OptionsReplaceTheScenes) {
     EXPECT_EQ(readImage("out/a.verify.png").width, 20);
 }
 
+TEST_F(GpuVerify, TakesACameraByItsName) {
+    writeText("a.json", R"({"image": {"width": 20, "height": 10}, "cameras": {"up": {"target": [9, 0, 5]}},
+        "ambient": 0.3, "lights": [{"type": "point", "position": [1, 2, 3]}],
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})");
+    const std::string shown = runGlint({"verify", "a.json"}).out;
+    const Ran ran = runGlint({"verify", "a.json", "--camera", "up"});
+    EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+    EXPECT_NE(ran.out, shown);
+    EXPECT_EQ(runGlint({"verify", "a.json", "--camera", "x"}).err,
+              "glint: a.json: no camera \"x\" (there are \"up\")\n");
+}
+
 TEST_F(GpuVerify, ScenesOfTheSameNameGetPicturesOfTheirOwn) {
     std::filesystem::create_directory("x");
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");

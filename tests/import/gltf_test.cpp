@@ -183,8 +183,7 @@ TEST(Gltf, PerspectiveCamera) {
     EXPECT_NEAR(camera.farT, glm::length(corner), 1e-9);
     EXPECT_EQ(scene.image.height, 600);
     EXPECT_EQ(scene.image.width, 1200);
-    EXPECT_EQ(scene.warnings,
-              std::vector<std::string>{"the camera \"other\" is not the first one and is not used"});
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{"has 2 cameras; the first is used, \"camera 0\""});
 }
 
 TEST(Gltf, OrthographicCamera) {

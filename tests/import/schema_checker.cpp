@@ -47,6 +47,15 @@ class Checker {
         if (keyword == "maxItems") return wrong(value.is_array() && value.size() > argument);
         if (keyword == "minProperties") return wrong(value.is_object() && value.size() < argument);
         if (keyword == "maxProperties") return wrong(value.is_object() && value.size() > argument);
+        if (keyword == "minLength")
+            return wrong(value.is_string() && value.get<std::string>().size() < argument.get<size_t>());
+        if (keyword == "propertyNames") {
+            for (size_t i = 0; value.is_object() && i < value.size(); i++) {
+                const std::string violation = check(argument, std::next(value.begin(), i).key(), where);
+                if (!violation.empty()) return violation;
+            }
+            return {};
+        }
         if (keyword == "items") return checkItems(argument, value, where);
         if (keyword == "properties") return checkProperties(argument, value, where);
         if (keyword == "additionalProperties") return checkAdditional(argument, schema, value, where);

@@ -174,8 +174,8 @@ TEST_F(Hand, BookmarksComeBack) {
     ASSERT_EQ(ran.code, 0) << ran.err;
     const std::vector<nlohmann::json> c = cameras(ran);
     EXPECT_NE(c.at(0), c.at(1));
-    EXPECT_EQ(c.at(2), c.at(1));
-    EXPECT_EQ(c.at(3), c.at(0));
+    EXPECT_EQ(c.at(2), c.at(0));  // the one after the last
+    EXPECT_EQ(c.at(3), c.at(1));
 }
 
 TEST_F(Hand, FullscreenAndBack) {

@@ -142,6 +142,25 @@ TEST_F(Shell, TheReferenceDrawsTheSame) {
     EXPECT_GT(std::stod(printed(ran, "figures").at(0)), 0);
 }
 
+// Each of the two is seen in its turn, and nothing else.
+TEST_F(Shell, FlickerShowsOneAfterTheOther) {
+    scene_["background"] = {0.9, 0.1, 0.1};
+    writeText("red.json", scene_.dump());
+    render("red.json", "red.png");
+    render("scene.json", "own.png");
+    std::string script =
+        "key H\nset samples 1\nsettle\nsave own-seen.png\ndrop red.png\nkey B\nkey B\nkey Esc\nkey "
+        "B\nkey B\nkey B\nwait 3\n";
+    for (int i = 0; i < 8; ++i) script += "save " + std::to_string(i) + ".png\nidle 0.2\n";
+    const Ran ran = view(script);
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    std::set<std::vector<uint8_t>> seen;
+    for (int i = 0; i < 8; ++i) seen.insert(readBytes(std::to_string(i) + ".png"));
+    EXPECT_EQ(seen.size(), 2u);
+    EXPECT_EQ(seen.count(readBytes("own-seen.png")), 1u);
+    EXPECT_EQ(seen.count(readBytes("red.png")), 1u);
+}
+
 // ---- other scenes ----
 
 TEST_F(Shell, ADroppedSceneIsOpened) {
@@ -169,6 +188,21 @@ TEST_F(Shell, ASceneIsOpenedFromTheList) {
     EXPECT_EQ(ran.code, 0) << ran.err;
 }
 
+// One window remembers what another one has shown, in its list and its panel.
+TEST_F(Shell, ASceneIsOpenedThatWasSeenBefore) {
+    size_ = "640x480";
+    std::filesystem::create_directory("elsewhere");
+    nlohmann::json other = scene_;
+    other["maxDepth"] = 1;
+    writeText("elsewhere/other.json", other.dump());
+    writeText("script.txt", "");
+    ASSERT_EQ(runGlint({"view", "elsewhere/other.json", "--size", size_, "--frames", "2"}).code, 0);
+    const Ran ran = view(
+        "set samples 1\nkey ctrl+O\nwait 3\npress recent_other.json\nsettle\nexpect depth 1\n"
+        "press save_and_open\nwait 3\npress recent_scene.json\nsettle\nexpect depth 3\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
 // Every traversal draws the same bits.
 TEST_F(Shell, TraversalsDrawTheSame) {
     size_ = "400x900";  // the whole panel is seen
@@ -180,7 +214,35 @@ TEST_F(Shell, TraversalsDrawTheSame) {
     EXPECT_EQ(readBytes("auto.png"), readBytes("lane.png"));
 }
 
+// What was changed in a group goes back to the file's, group by group.
+TEST_F(Shell, ResetsGiveTheFileBack) {
+    size_ = "400x1000";  // the whole panel is seen
+    const Ran ran = view(
+        "set samples 1\nset exposure 2\nset tonemap aces\nwait 3\npress reset_view\nexpect exposure "
+        "0\nexpect "
+        "tonemap linear\n"
+        "set depth 0\nset reflections off\nset background 1 0 0\nwait 3\npress reset_tracing\nexpect depth "
+        "3\n"
+        "press tracing\nwait 3\npress lights\nset light 0 0.5\nwait 3\npress reset_lights\n"
+        "press materials\nset diffuse two 1 1 1\nwait 3\npress reset_materials\nsettle\n"
+        "press sampling\nwait 3\npress adaptive\nwait 3\npress reset_sampling\nwait 3\n"
+        "key 5\npress camera\nwait 3\npress scene's\nwait 3\nscreenshot shot.png\n",
+        {"--spp", "4"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    render("scene.json", "rendered.png", {"--spp", "4"});
+    EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png"));
+}
+
 // ---- messages, sizes ----
+
+TEST_F(Shell, ProgressIsSeenWithoutThePanel) {
+    const Ran ran = view(
+        "key H\nset samples 1\nsettle\nexpect covered 0.000\nhand key alt+s\nwait 3\nprint covered\nstay\n"
+        "hand key ctrl+q key ctrl+q\n",
+        {"--spp", "4096"});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_GT(std::stod(printed(ran, "covered").at(0)), 0.05);
+}
 
 TEST_F(Shell, MessagesGoAwayByThemselves) {
     const Ran ran = view(
@@ -223,7 +285,7 @@ TEST_F(Shell, BuildQualityIsUsed) {
 TEST_F(Shell, ThePickIsATreeOfRays) {
     scene_["materials"]["one"] = {{"transmission", 1}, {"ior", 1.5}};
     writeText("scene.json", scene_.dump());
-    const Ran ran = view("key H\nset samples 1\nclick 70 90\nprint pick\n");
+    const Ran ran = view("key H\nset samples 1\nhand mousemove @70,90 click 1\nprint pick\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("% eye: /objects/0"), std::string::npos) << ran.out;
     EXPECT_NE(ran.out.find("\n  "), std::string::npos);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "support/environment.h"
 #include "support/support.h"
 
 namespace glint::view::test {
@@ -38,6 +39,9 @@ class FolderTest : public glint::test::WorkingFolderTest {
     void render(const std::string& scene, const std::string& output,
                 const std::vector<std::string>& more = {});
 
+    // What windows remember goes here, not to whoever runs the tests.
+    const glint::test::TemporaryFolder stateFolder_;
+    const glint::test::ScopedEnvironment state_{"XDG_STATE_HOME", stateFolder_.path().c_str()};
     std::string size_ = "240x180";  // of the window and of rendered pictures
 };
 
