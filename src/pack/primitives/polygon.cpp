@@ -49,6 +49,14 @@ uint32_t polygonTrips(size_t vertices) {
 
 namespace {
 
+// Of the vertices as they were read: of an outline that crosses itself little may be left of Newell's sum,
+// and rounded vertices would turn the plane by their rounding over that.
+PolygonPlane localPlane(const PolygonShape& polygon, const glm::dvec3& origin) {
+    PolygonPlane plane = polygonPlane(polygon.vertices).value();
+    plane.point -= origin;
+    return plane;
+}
+
 // Length of a polygon's part of the vertex array: its edges and those without length that fill the last trip.
 uint32_t packedVertices(const PolygonShape& polygon) {
     return polygonTrips(polygon.vertices.size()) * shared::kPolygonEdgesPerTrip + 1;
@@ -60,14 +68,17 @@ class PolygonPacker final : public KindPacker {
     Fate judge(const Object& object, uint32_t, const Frame& frame) const override {
         const auto vertices = roundPolygon(std::get<PolygonShape>(object.shape), frame.origin);
         if (!vertices) return Fate::NotFinite;
-        return polygonPlane(widened(*vertices)) ? Fate::Kept : Fate::NoArea;
+        return polygonPlane(widened(*vertices)) && polygonPlane(std::get<PolygonShape>(object.shape).vertices)
+                   ? Fate::Kept
+                   : Fate::NoArea;
     }
     void extend(const Object& object, uint32_t, uint32_t, Extent& extent) const override {
         for (const glm::dvec3& vertex : std::get<PolygonShape>(object.shape).vertices) extent.include(vertex);
     }
     Box box(const Object& object, uint32_t, const Frame& frame) const override {
-        const auto vertices = roundPolygon(std::get<PolygonShape>(object.shape), frame.origin).value();
-        const PolygonPlane plane = polygonPlane(widened(vertices)).value();
+        const auto& shape = std::get<PolygonShape>(object.shape);
+        const auto vertices = roundPolygon(shape, frame.origin).value();
+        const PolygonPlane plane = localPlane(shape, frame.origin);
         return withEdgeMargin(polygonBox(vertices, glm::vec3(plane.point), glm::vec3(plane.normal)));
     }
     void count(const Packing& packing, Primitives::Source source, FurtherRows& rows) const override {
@@ -77,7 +88,7 @@ class PolygonPacker final : public KindPacker {
                FurtherRows& next) const override {
         const auto& shape = std::get<PolygonShape>(packing.objectOf(source).shape);
         const std::vector<glm::vec3> vertices = roundPolygon(shape, packing.frame.origin).value();
-        const PolygonPlane plane = polygonPlane(widened(vertices)).value();
+        const PolygonPlane plane = localPlane(shape, packing.frame.origin);
         shared::Polygon& polygon = packing.packed.polygons[slot];
         polygon.point = glm::vec3(plane.point);
         polygon.normal = glm::vec3(plane.normal);
