@@ -59,10 +59,18 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
         return glm::dot(row, surface.position) + offset;
     };
     const dvec3 own(along(f.toU, f.offsetU), along(f.toV, f.offsetV), along(f.toW, f.offsetW));
+    // What each is a sum of, the point's own rounding included.
+    const auto terms = [&](const dvec3& row, double offset) {
+        const dvec3 magnitude = glm::abs(row);
+        return 2 * glm::dot(magnitude, glm::abs(surface.position)) + std::abs(offset);
+    };
+    const dvec3 sums(terms(f.toU, f.offsetU), terms(f.toV, f.offsetV), terms(f.toW, f.offsetW));
+    const double turn = (sums.x + sums.z) / (2 * std::numbers::pi * std::hypot(own.x, own.z));
     const dvec3 n = surface.geometricNormal;
     switch (f.uvKind) {
         case shared::kUvFlat:
             surface.uv = {own.x, own.y};
+            surface.uvScale = {sums.x, sums.y};
             break;
         case shared::kUvNormal:
             surface.uv = latitudeLongitude({glm::dot(dvec3(f.toObjectX), n), glm::dot(dvec3(f.toObjectY), n),
@@ -70,10 +78,12 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
             break;
         case shared::kUvAxial:
             surface.uv = {latitudeLongitude(own).x, own.y};
+            surface.uvScale = {turn, sums.y};
             keepHeight(scene, surface);
             break;
         default:
             surface.uv = latitudeLongitude(own);
+            surface.uvScale = {turn, (sums.x + sums.y + sums.z) / (std::numbers::pi * glm::length(own))};
     }
 }
 

@@ -22,14 +22,6 @@ namespace {
 
 using glm::dvec3;
 
-// The greatest magnitude among the coordinates that the hit point is computed from.
-double geometryScale(const Model& scene, const Methods& methods, const Hit& hit) {
-    const double own = visitHit(scene, hit.primitive,
-                                [&](const auto& primitive) { return reachOf(scene, methods, primitive); });
-    if (hit.instance == shared::kNone) return own;
-    return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
-}
-
 // One camera ray followed to its end.
 class PathTracer {
   public:
@@ -82,7 +74,7 @@ class PathTracer {
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const;
     // The surface as textures see it, and the environment map's coordinates, moved by rounding.
-    Surface texturedAt(const Hit& hit, const Surface& surface);
+    Surface texturedAt(const Surface& surface);
     glm::dvec2 mapShift();
 
     const Tracer& tracer_;
@@ -127,7 +119,7 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
 
 Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surface& surface,
                                       const Media& media) {
-    const Surface textured = texturedAt(hit, surface);
+    const Surface textured = texturedAt(surface);
     decideCells(textured);
     Interaction at;
     const dvec3 d = glm::normalize(ray.direction);
@@ -143,7 +135,7 @@ Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surf
     // moved onto its primitive, and errs by at most 9 u scale (weights 2 u, products and sums 7 u for a
     // triangle; less for the others): 16 u scale along n. Twice that, as the origin of the next ray is
     // rounded again.
-    at.scale = std::max(greatestCoordinate(at.position), geometryScale(scene_, tracer_.methods(), hit));
+    at.scale = surface.scale;
     // An instance's transform there and back makes more of each rounding.
     const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
     at.normalError = normalError(surface.bend, at.originScale + at.scale, gain - 1);
@@ -263,12 +255,11 @@ PathTracer::Light PathTracer::shadeLights(const Interaction& at, bool first) {
     return sum;
 }
 
-Surface PathTracer::texturedAt(const Hit& hit, const Surface& surface) {
+Surface PathTracer::texturedAt(const Surface& surface) {
     if (scene_.textures.empty()) return surface;
     Surface moved = surface;
-    const double scale = std::max({1.0, std::abs(surface.uv.x), std::abs(surface.uv.y)});
-    const double reach =
-        std::max(greatestCoordinate(surface.position), geometryScale(scene_, tracer_.methods(), hit));
+    const double scale = std::max(1.0, std::max(surface.uvScale.x, surface.uvScale.y));
+    const double reach = surface.scale;
     for (int i = 0; i < 2; ++i) moved.uv[i] += mover_.shift(scale);
     for (int i = 0; i < 3; ++i) moved.position[i] += mover_.shift(reach);
     keepHeight(scene_, moved);

@@ -1,4 +1,5 @@
 // What a ray has hit: the point, moved onto its surface, and the normals there.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -51,6 +52,14 @@ void smoothTriangle(const Model& scene, const Hit& hit, Surface& surface) {
     surface.shadingNormal = side / length * sum;
 }
 
+// The greatest magnitude among the coordinates that the hit point is computed from.
+double geometryScale(const Model& scene, const Methods& methods, const Hit& hit) {
+    const double own = visitHit(scene, hit.primitive,
+                                [&](const auto& primitive) { return reachOf(scene, methods, primitive); });
+    if (hit.instance == shared::kNone) return own;
+    return InstanceFrame(scene.instances[hit.instance]).scaleInWorld(own);
+}
+
 }  // namespace
 
 Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
@@ -71,7 +80,10 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
         surfaceOf(primitive, {scene_, ray, hit, point}, surface);
     });
     if (inInstance) surfaceInWorld(scene_, hit, surface);
+    const dvec3 place = glm::abs(surface.position);
+    surface.scale = std::max({place.x, place.y, place.z, geometryScale(scene_, methods(), hit)});
     smoothTriangle(scene_, hit, surface);
+    surface.uvScale = glm::abs(surface.uv);
     if (kindOf(hit.primitive) == shared::kKindTriangle)
         triangleAttributes(scene_, hit, surface);
     else

@@ -69,7 +69,9 @@ struct Surface {
     glm::dvec3 shadingNormal{0};    // interpolated vertex normal, or the geometric one; outward, unit
     glm::dvec2 uv{0};               // texture coordinates (docs/reference/shading.md)
     glm::dvec3 color{1};            // of the vertices, interpolated
-    double bend = 0;                // of quadrics: at most how far the normal turns for a unit of way
+    double scale = 0;       // the greatest coordinate of the position, and of what it is computed from
+    glm::dvec2 uvScale{0};  // the same of u and v, in units of theirs
+    double bend = 0;        // of quadrics: at most how far the normal turns for a unit of way
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray
@@ -78,8 +80,9 @@ struct Surface {
 // it, and the geometry involved), each component of its unit direction by up to `ulps` * 2^-24, of a camera
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and each contribution before it is compared with the least that is followed. Texture coordinates
-// move by up to `ulps` * 2^-24 * max(1, |u|, |v|), points looked up in a solid checker as origins do. seed 0
-// and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 * `ulps`
+// move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do.
+// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 *
+// `ulps`
 // * 2^-24 * t, either may be taken.
 // `nearby`: each movement is changed by up to this part of the greatest, at random by `nearbySeed`.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more

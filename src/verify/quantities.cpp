@@ -54,16 +54,17 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
 }
 
 // t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
-// coordinates, 16 units with the last rounding; normals and texture coordinates take as many of numbers up to
-// 1 (8 to 12, texcoord.glsl), of coordinates beyond it up to themselves. A camera that is moved with the
-// scene's origin rounds the sum once more.
+// coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
+// coordinates take as many of numbers up to 1 (8 to 12, texcoord.glsl), of coordinates beyond it up to what
+// they are sums of. A camera that is moved with the scene's origin rounds the sum once more.
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray) {
     Quantities f{};
     for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + 0x1p-120;
     if (!record.hit) return f;
     const reference::Surface& surface = *record.surface;
-    const double way = record.hit->t + greatest(ray.origin) + ray.originScale + greatest(surface.position);
+    const double way = record.hit->t + greatest(ray.origin) + ray.originScale +
+                       (isTriangle(*record.hit) ? surface.scale : greatest(surface.position));
     const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
     const double turn = 12 + reference::normalError(surface.bend, way, gain);
     f[kDepth] = 16 * kFloatUnit * way;
@@ -71,8 +72,8 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
         f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatest(scene.origin);
         f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
     }
-    f[kU] = 16 * kFloatUnit * std::max(1.0, std::abs(surface.uv.x));
-    f[kV] = 16 * kFloatUnit * std::max(1.0, std::abs(surface.uv.y));
+    f[kU] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.x);
+    f[kV] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.y);
     return f;
 }
 
