@@ -278,7 +278,7 @@ shared::Quadric roundQuadric(const Object& object, const Frame& frame) {
     const dvec3 eye = form.toLocal * (frame.eye - form.center);
     if (const auto anchor = anchorOf(form, eye)) {
         form.moveTo(*anchor);
-    } else if (std::holds_alternative<CylinderShape>(object.shape)) {
+    } else if (std::holds_alternative<CylinderShape>(object.shape) && form.hi.z > 4) {
         // A pipe is measured from its place nearest the eye: its equation is the same all along the axis.
         form.moveTo({0, 0, std::clamp(eye.z, form.lo.z, form.hi.z)});
     }

@@ -128,5 +128,24 @@ TEST(RoundQuadric, AnchoredNextToTheEye) {
     EXPECT_GT(glm::length(q.linear), 0.1f);
 }
 
+// An eye 1 before the end of a cone of size 1000: the plane of the end is at exactly 0, not at 2^-24 of the
+// way from the middle. Seen from afar the cone is measured from its apex.
+TEST(RoundQuadric, AnchoredAtTheCapNextToTheEye) {
+    const ConeShape shape{{0, 0, 0}, {0, 0, -1000}, 700, 300, true};
+    const auto near = roundQuadric(objectOf(shape), {dvec3(0), {50, 20, 1}});
+    EXPECT_EQ(near.point, glm::vec3(50, 20, 0));
+    EXPECT_EQ(near.lo.z, 0);
+    const auto far = roundQuadric(objectOf(shape), {dvec3(0), {50, 20, 3000}});
+    EXPECT_NEAR(far.point.z, -1750, 1e-3);
+    const auto beside = roundQuadric(objectOf(shape), {dvec3(0), {900, 0, 1}});
+    EXPECT_NEAR(beside.point.z, -1750, 1e-3) << "the eye is not before the cap";
+}
+
+TEST(RoundQuadric, LongPipesAreMeasuredFromTheEyesPlace) {
+    const CylinderShape shape{{-100, 0, 0}, {100, 0, 0}, 10};
+    EXPECT_EQ(roundQuadric(objectOf(shape), {dvec3(0), {60, 0, 100}}).point, glm::vec3(60, 0, 0));
+    EXPECT_EQ(roundQuadric(objectOf(shape), {dvec3(0), {600, 0, 100}}).point, glm::vec3(100, 0, 0));
+}
+
 }  // namespace
 }  // namespace glint::test::quadric_test
