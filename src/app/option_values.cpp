@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/near_names.h"
 #include "core/wording.h"
+#include "farm/unit_file.h"
 #include "report/plan.h"
 #include "scene/limits.h"
 #include "scene/sampling.h"
@@ -88,16 +89,6 @@ void refuse(const std::string& wanted, const std::string& text) {
     throw Error(ErrorKind::Argument, "expected " + wanted + ", got " + quoted(text));
 }
 
-std::string quoted(const std::string& text) {
-    constexpr size_t kLongest = 60;
-    std::string shown = "\"";
-    for (const char c : text.substr(0, kLongest)) {
-        const auto code = static_cast<unsigned char>(c);
-        shown += code < 32 || code == 127 ? '?' : c;
-    }
-    return shown + (text.size() > kLongest ? "...\"" : "\"");
-}
-
 int parseWhole(const std::string& text, int least, int greatest) {
     const auto value = wholeNumber(text);
     if (!value || *value < least || *value > greatest) {
@@ -116,9 +107,8 @@ Size parseSize(const std::string& text) {
 }
 
 PartChoice parsePart(const std::string& text) {
-    constexpr int kMostParts = 1 << 20;
     const auto v = wholeNumbers(text, '/', 2);
-    if (v.empty() || v[1] < 1 || v[1] > kMostParts || v[0] < 1 || v[0] > v[1])
+    if (v.empty() || v[1] < 1 || v[1] > farm::kMostParts || v[0] < 1 || v[0] > v[1])
         refuse("K/N with 1 <= K <= N, such as 3/8", text);
     return {v[0], v[1]};
 }

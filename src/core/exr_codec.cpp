@@ -15,9 +15,9 @@
 #include <cstring>
 #include <exception>
 #include <optional>
-#include <string_view>
 
 #include "core/codecs.h"
+#include "core/exr_header.h"
 
 namespace glint {
 namespace {
@@ -37,9 +37,7 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 // DWA deflates runs of a discrete cosine transform's coefficients: there is no such bound.
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
-constexpr size_t kMostParts = 1000;
-constexpr size_t kFirstHeader = 8;  // behind magic number and version
-constexpr int kBand = 64;           // rows that are asked for at once
+constexpr int kBand = 64;  // rows that are asked for at once
 
 class MemoryReader : public Imf::IStream {
   public:
@@ -68,37 +66,6 @@ class MemorySink : public ByteSink {
     }
     Bytes bytes;
 };
-
-// The text at `position` up to its zero byte, which `position` then stands behind.
-std::string_view readString(ByteView file, size_t& position) {
-    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(position);
-    const auto end = std::find(begin, file.end(), uint8_t{0});
-    if (end == file.end()) throw CodecError("the file is truncated");
-    const std::string_view text(reinterpret_cast<const char*>(&*begin), static_cast<size_t>(end - begin));
-    position += text.size() + 1;
-    return text;
-}
-
-// A header is a list of name, type, size and value that an empty name ends; several parts have as many, and
-// an empty one at the end (OpenEXR, "File Layout"). The library takes memory for a value before it reads it.
-void checkAttributeSizes(ByteView file, bool severalParts) {
-    size_t position = kFirstHeader, parts = 0;
-    while (parts < kMostParts) {
-        size_t attributes = 0;
-        for (; !readString(file, position).empty(); ++attributes) {
-            readString(file, position);
-            uint32_t size = 0;
-            if (file.size() - position < sizeof(size)) throw CodecError("the file is truncated");
-            std::memcpy(&size, file.data() + position, sizeof(size));
-            position += sizeof(size);
-            if (size > file.size() - position) throw CodecError("the file is truncated");
-            position += size;
-        }
-        ++parts;
-        if (!severalParts || attributes == 0) return;
-    }
-    throw CodecError("the EXR file has more than " + std::to_string(kMostParts) + " parts");
-}
 
 struct ChunkShape {
     double bytesPerByte;
@@ -154,13 +121,13 @@ void checkPart(const Imf::Header& header, bool tiled, size_t fileBytes, uint64_t
 
 void checkHeaders(ByteView file, uint64_t mostPixels) {
     uint32_t version = 0;
-    if (file.size() <= kFirstHeader) throw CodecError("the file is truncated");
+    if (file.size() <= kExrFirstHeader) throw CodecError("the file is truncated");
     std::memcpy(&version, file.data() + 4, sizeof(version));
     const int flags = static_cast<int>(version);
     if (Imf::isNonImage(flags)) throw CodecError("EXR files with deep pixels are not supported");
-    checkAttributeSizes(file, Imf::isMultiPart(flags));
+    checkExrAttributes(file, Imf::isMultiPart(flags));
     MemoryReader stream(file);
-    stream.seekg(kFirstHeader);
+    stream.seekg(kExrFirstHeader);
     do {
         Imf::Header header;
         int part = flags;

@@ -101,7 +101,8 @@ UnitHeader headerOf(std::span<const uint8_t> payload) {
         header.aovs.push_back(*aov);
     }
     header.parts = in.get<int32_t>();
-    if (header.parts < 1) damaged("it has no parts");
+    if (header.parts < 1 || header.parts > kMostParts)
+        damaged("it says that the picture has " + std::to_string(header.parts) + " parts");
     return header;
 }
 

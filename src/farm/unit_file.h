@@ -18,6 +18,9 @@
 
 namespace glint::farm {
 
+// Into which a picture may be cut.
+inline constexpr int kMostParts = 1 << 20;
+
 // Of the files that `glint render --part` writes.
 inline constexpr const char* kPartExtension = ".part";
 

@@ -99,7 +99,7 @@ class BinarySource {
     void endElement() {}
     void fail(const std::string& what) const {
         throw Error(ErrorKind::Scene,
-                    file_ + ": " + element_->name + " " + std::to_string(index_) + " " + what);
+                    printable(file_ + ": " + element_->name + " " + std::to_string(index_) + " " + what));
     }
     uint64_t atMost(const PlyElement& element) const {
         uint64_t least = 0;
@@ -110,7 +110,7 @@ class BinarySource {
   private:
     const char* take(size_t size) {
         if (static_cast<size_t>(end_ - at_) < size)
-            throw Error(ErrorKind::Scene, file_ + ": " + endsAfter(*element_, index_));
+            throw Error(ErrorKind::Scene, printable(file_ + ": " + endsAfter(*element_, index_)));
         const char* taken = at_;
         at_ += size;
         return taken;
@@ -153,7 +153,7 @@ class PlyBody {
 
   private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorKind::Scene, file_ + ": " + what);
+        throw Error(ErrorKind::Scene, printable(file_ + ": " + what));
     }
 
     void skipProperty(const PlyProperty& property) {

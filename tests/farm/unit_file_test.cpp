@@ -78,6 +78,17 @@ TEST_F(UnitFiles, NoDamageGoesUnnoticed) {
 }
 
 // What was appended until the process ended, whenever that was.
+// Numbers that are right in form, and would make merge count to two thousand millions.
+TEST_F(UnitFiles, NobodyHasSoManyParts) {
+    for (const int parts : {0, -1, kMostParts + 1, std::numeric_limits<int>::max()}) {
+        UnitHeader header = kHeader;
+        header.parts = parts;
+        writeBytes("a.part", encodeUnits(header, {}));
+        EXPECT_EQ(errorOf(ErrorKind::Failed, [] { readUnits("a.part"); }),
+                  "a.part: damaged: it says that the picture has " + std::to_string(parts) + " parts");
+    }
+}
+
 TEST_F(UnitFiles, UnfinishedFilesHoldTheirWholeUnits) {
     const std::vector<uint8_t> head = encodeHeader(kHeader), unit = encodeUnit(result());
     std::vector<uint8_t> bytes = head;

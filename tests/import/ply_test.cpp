@@ -310,6 +310,16 @@ TEST(Ply, StripsThatCannotBeDrawn) {
         "m.ply: the triangle strips have neither a list vertex_indices nor vertex_index");
 }
 
+// Found by fuzzing: names of elements came into messages as they are.
+TEST(Ply, MessagesArePrintable) {
+    for (const std::string form : {"ascii", "binary_little_endian"}) {
+        const std::string message =
+            importErrorOf(header(form, "element \x1b[31m 5\nproperty list uchar int n\n" + kXyz));
+        EXPECT_NE(message.find("[31m"), std::string::npos) << message;
+        EXPECT_EQ(message.find('\x1b'), std::string::npos) << message;
+    }
+}
+
 TEST(Ply, DegenerateFacesAreCounted) {
     const ImportedMesh imported = import(header("ascii", kSquare) + kSquareVertices + "3 0 0 1\n4 0 1 2 3\n");
     EXPECT_EQ(imported.mesh.faces, (std::vector<uint32_t>{1, 1}));
