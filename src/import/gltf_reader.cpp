@@ -5,9 +5,11 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "import/gltf_animation.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"
 #include "import/gltf_mesh.h"
+#include "import/gltf_scene.h"
 #include "import/readers.h"
 #include "scene/cameras.h"
 #include "scene/frame_model.h"
@@ -37,23 +39,34 @@ glm::dmat3 rotationOf(const JsonCursor& node, const std::vector<double>& q) {
             {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}};
 }
 
-Affine placeOf(const JsonCursor& node) {
+glm::dvec3 vectorOf(const std::vector<double>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+// Where the file puts the node, but for what is animated.
+Affine placeOf(const JsonCursor& node, const GltfPlace& animated) {
     const std::vector<double> matrix = gltfNumbers(node, "matrix", 16);
     if (!matrix.empty()) return matrixOf(node, matrix);
-    Affine place = scaling(gltfVector(node, "scale", glm::dvec3(1)));
-    const std::vector<double> rotation = gltfNumbers(node, "rotation", 4);
+    Affine place =
+        scaling(animated.scale ? vectorOf(*animated.scale) : gltfVector(node, "scale", glm::dvec3(1)));
+    const std::vector<double> rotation = animated.rotation.value_or(gltfNumbers(node, "rotation", 4));
     if (!rotation.empty()) place.linear = rotationOf(node, rotation) * place.linear;
-    place.offset = gltfVector(node, "translation", glm::dvec3(0));
+    place.offset = animated.translation ? vectorOf(*animated.translation)
+                                        : gltfVector(node, "translation", glm::dvec3(0));
     return place;
 }
 
-class GltfReader {
+}  // namespace
+
+class GltfScene::Reader {
   public:
-    GltfReader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
+    Reader(const std::filesystem::path& path, SceneFiles& files) : file_(path, files) {}
 
     ImportedScene read() {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
+        channels_ = readGltfChannels(file_);
+        if (!channels_.empty()) scene_.animation = spanOf(channels_);
         walk();
         if (!scene_.cameras.empty()) {
             scene_.camera = scene_.cameras.front().camera;
@@ -61,13 +74,29 @@ class GltfReader {
         }
         const bool lit = !scene_.lights.empty();
         GltfMaterials materials(file_, scene_, lit);
-        addObjects(materials);
+        readMeshes(materials);
+        addObjects();
         if (lit) scene_.ambient = Color(materials.anyEmission() ? 1 : 0);
         if (scene_.objects.empty()) file_.root().fail("the scene shows no triangles");
-        warnOfRest();
         scene_.warnings = file_.takeWarnings();
         const bool hasCamera = !scene_.cameras.empty();
         return {std::move(scene_), hasCamera};
+    }
+
+    void show(double time, Scene& scene) {
+        places_ = placesAt(channels_, time);
+        scene_ = {};
+        scene_.image = restImage_;
+        instances_.clear();
+        cameraNames_.clear();
+        sameNames_.clear();
+        walk();
+        addObjects();
+        scene.objects = std::move(scene_.objects);
+        if (!scene_.lights.empty()) scene.lights = std::move(scene_.lights);
+        if (scene_.cameras.empty()) return;
+        scene.camera = scene_.cameras.front().camera;
+        scene.cameras = std::move(scene_.cameras);
     }
 
   private:
@@ -107,7 +136,7 @@ class GltfReader {
             const JsonCursor node = file_.item(GltfList::Nodes, visit.node);
             if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
             seen[visit.node] = true;
-            const Affine place = then(placeOf(node), visit.parent);
+            const Affine place = then(placeOf(node, animated(visit.node)), visit.parent);
             readNode(node, visit.node, place);
             if (const auto children = node.find("children")) push(*children, place, stack);
         }
@@ -240,43 +269,68 @@ class GltfReader {
         spot.penumbra = (outer - inner) * kDegrees;
     }
 
-    void addObjects(GltfMaterials& materials) {
-        std::map<size_t, std::shared_ptr<const Mesh>> meshes;
+    GltfPlace animated(size_t node) const {
+        const auto found = places_.find(node);
+        return found == places_.end() ? GltfPlace{} : found->second;
+    }
+
+    bool flattened(const Instance& instance) const {
+        const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
+        const double condition = conditionNumber(instance.place.linear);
+        const glm::dvec3& offset = instance.place.offset;
+        if (std::isnan(condition) || !std::isfinite(offset.x + offset.y + offset.z))
+            node.fail("its transform, with those of its parents, is not finite");
+        return condition > kMaxCondition;
+    }
+
+    // What is flattened may grow in an animation.
+    void readMeshes(GltfMaterials& materials) {
+        for (const Instance& instance : instances_)
+            if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !flattened(instance)))
+                meshes_[instance.mesh] = readGltfMesh(file_, materials, instance.mesh);
+    }
+
+    void addObjects() {
         for (const Instance& instance : instances_) {
             const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
-            const double condition = conditionNumber(instance.place.linear);
-            const glm::dvec3& offset = instance.place.offset;
-            if (std::isnan(condition) || !std::isfinite(offset.x + offset.y + offset.z))
-                node.fail("its transform, with those of its parents, is not finite");
-            if (condition > kMaxCondition) {
+            if (flattened(instance)) {
                 file_.warn(node.pointer() + ": flattened by its transform; not drawn");
                 continue;
             }
-            auto known = meshes.find(instance.mesh);
-            if (known == meshes.end())
-                known = meshes.emplace(instance.mesh, readGltfMesh(file_, materials, instance.mesh)).first;
-            if (!known->second) continue;
-            Object object{node.pointer(), MeshShape{known->second}, known->second->materials.front()};
+            const std::shared_ptr<const Mesh>& mesh = meshes_.at(instance.mesh);
+            if (!mesh) continue;
+            Object object{node.pointer(), MeshShape{mesh}, mesh->materials.front()};
             if (instance.place != Affine{}) object.transform = instance.place;
             scene_.objects.push_back(std::move(object));
         }
     }
 
-    void warnOfRest() {
-        if (file_.root().find("animations")) file_.warn("animations are ignored");
-    }
-
     GltfFile file_;
     Scene scene_;
+    const ImageSettings restImage_;
+    std::vector<GltfChannel> channels_;
+    std::map<size_t, GltfPlace> places_;  // of the time that is shown; empty: the file's
+    std::map<size_t, std::shared_ptr<const Mesh>> meshes_;
     std::vector<Instance> instances_;
     std::set<std::string> cameraNames_;
     std::map<std::string, int> sameNames_;
 };
 
-}  // namespace
+GltfScene::GltfScene(const std::filesystem::path& path, SceneFiles& files)
+    : reader_(std::make_unique<Reader>(path, files)) {}
+GltfScene::~GltfScene() = default;
+GltfScene::GltfScene(GltfScene&&) noexcept = default;
+
+ImportedScene GltfScene::take() {
+    return reader_->read();
+}
+
+void GltfScene::show(double time, Scene& scene) {
+    reader_->show(time, scene);
+}
 
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files) {
-    return GltfReader(path, files).read();
+    return GltfScene(path, files).take();
 }
 
 }  // namespace glint

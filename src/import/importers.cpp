@@ -16,7 +16,11 @@ ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files) {
     if (extension == ".obj") return readObj(path, files);
     if (extension == ".ply") return readPly(path, files);
     if (extension == ".stl") return readStl(path, files);
-    if (extension == ".gltf" || extension == ".glb") return flattened(readGltf(path, files).scene);
+    if (extension == ".gltf" || extension == ".glb") {
+        Scene scene = readGltf(path, files).scene;
+        if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
+        return flattened(std::move(scene));
+    }
     throw Error(ErrorKind::Scene,
                 path.string() + ": a mesh file must end in .obj, .ply, .stl, .gltf or .glb");
 }

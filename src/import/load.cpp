@@ -39,7 +39,8 @@ void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
     });
 }
 
-// Camera and light are added where the file brings none.
+}  // namespace
+
 Scene completed(ImportedScene imported, const std::filesystem::path& path) {
     Scene scene = std::move(imported.scene);
     if (!imported.hasCamera) frameCamera(scene);
@@ -49,6 +50,16 @@ Scene completed(ImportedScene imported, const std::filesystem::path& path) {
     validateScene(scene, path.string());
     return scene;
 }
+
+void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera) {
+    if (!camera.empty()) return chooseCamera(scene, camera, path.string());
+    if (lowerExtension(path) == ".json" || scene.cameras.size() < 2) return;
+    const std::string first = scene.cameras.front().name;  // whoever wrote several must hear that
+    scene.warnings.push_back(path.string() + ": has " + std::to_string(scene.cameras.size()) +
+                             " cameras; the first is used, \"" + printable(first) + "\"");
+}
+
+namespace {
 
 Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
     const std::string extension = lowerExtension(path);
@@ -67,26 +78,11 @@ Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
 
 }  // namespace
 
-namespace {
-
-// Whoever wrote several cameras must hear that one is taken.
-void warnOfOtherCameras(Scene& scene, const std::filesystem::path& path) {
-    if (scene.cameras.size() < 2) return;
-    const std::string first = scene.cameras.front().name;
-    scene.warnings.push_back(path.string() + ": has " + std::to_string(scene.cameras.size()) +
-                             " cameras; the first is used, \"" + printable(first) + "\"");
-}
-
-}  // namespace
-
 Scene loadScene(const std::filesystem::path& path, const LoadOptions& options) {
     SceneFiles files(path.parent_path(), options);
     Scene scene = loadFrom(path, files);
     scene.sources = files.sources();
-    if (!options.camera.empty())
-        chooseCamera(scene, options.camera, path.string());
-    else if (lowerExtension(path) != ".json")
-        warnOfOtherCameras(scene, path);
+    settleCamera(scene, path, options.camera);
     return scene;
 }
 

@@ -27,6 +27,12 @@ struct ImportedScene {
 ImportedScene readNff(const std::filesystem::path& path, SceneFiles& files);
 ImportedScene readGltf(const std::filesystem::path& path, SceneFiles& files);
 
+// What an imported scene lacks of camera and light is added; validated.
+Scene completed(ImportedScene imported, const std::filesystem::path& path);
+
+// Chooses the camera of that name; without a name, warns if a scene of another program has several.
+void settleCamera(Scene& scene, const std::filesystem::path& path, const std::string& camera);
+
 // The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
 ImportedMesh flattened(Scene scene);
 

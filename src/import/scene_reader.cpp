@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/animation.h"
+#include "import/gltf_scene.h"
 #include "import/parse_scene.h"
 #include "scene/cameras.h"
 #include "scene/validate.h"
@@ -22,6 +23,7 @@ struct SceneReader::State {
     JsonValue document;  // of a .json file, as it stands in it
     Animation animation;
     std::vector<std::vector<double>> values;  // of each track, those that `scene` has; empty: the file's
+    std::optional<GltfScene> gltf;            // of a .gltf or .glb file
     Scene scene;
 
     State(const std::filesystem::path& file, const LoadOptions& options)
@@ -43,7 +45,67 @@ struct SceneReader::State {
         if (!camera.empty()) chooseCamera(scene, camera, name);
     }
     Change show(double time, bool everything);
+    Change showGltf(double time);
 };
+
+namespace {
+
+// Objects have the meshes of the file, so that the places of these are all that can differ.
+bool samePlaces(const Scene& a, const Scene& b) {
+    return std::equal(
+        a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
+        [](const Object& x, const Object& y) { return x.name == y.name && x.transform == y.transform; });
+}
+
+struct LightPlace {
+    glm::dvec3 position{0}, direction{0};
+    bool operator==(const LightPlace&) const = default;
+};
+
+LightPlace placeOf(const Light& light) {
+    LightPlace place;
+    std::visit(
+        [&](const auto& l) {
+            if constexpr (requires { l.position; }) place.position = l.position;
+            if constexpr (requires { l.direction; }) place.direction = l.direction;
+        },
+        light);
+    return place;
+}
+
+bool samePlaces(const std::vector<Light>& a, const std::vector<Light>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Light& x, const Light& y) { return placeOf(x) == placeOf(y); });
+}
+
+bool samePlaces(const std::vector<NamedCamera>& a, const std::vector<NamedCamera>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NamedCamera& x, const NamedCamera& y) {
+        return x.camera.eye == y.camera.eye && x.camera.target == y.camera.target &&
+               x.camera.up == y.camera.up;
+    });
+}
+
+}  // namespace
+
+// Nodes move; what they hold stays as it is.
+SceneReader::Change SceneReader::State::showGltf(double time) {
+    Scene moved = scene;
+    gltf->show(time, moved);
+    std::erase_if(moved.cameras, [&](const NamedCamera& c) {  // those that were left out
+        return std::none_of(scene.cameras.begin(), scene.cameras.end(),
+                            [&](const NamedCamera& known) { return known.name == c.name; });
+    });
+    try {
+        if (!camera.empty()) chooseCamera(moved, camera, name);
+        validateScene(moved, name);
+    } catch (const Error& error) {
+        throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
+    }
+    const bool still = samePlaces(scene, moved) && samePlaces(scene.lights, moved.lights);
+    const bool camerasStill = samePlaces(scene.cameras, moved.cameras);
+    scene = std::move(moved);
+    return !still ? Change::Scene : camerasStill ? Change::Nothing : Change::Camera;
+}
 
 SceneReader::Change SceneReader::State::show(double time, bool everything) {
     JsonValue moved = document;
@@ -69,7 +131,16 @@ SceneReader::SceneReader(const std::filesystem::path& path, const LoadOptions& o
                          std::optional<double> time)
     : state_(std::make_unique<State>(path, options)) {
     State& s = *state_;
-    if (lowerExtension(path) != ".json") {
+    const std::string extension = lowerExtension(path);
+    if (extension == ".gltf" || extension == ".glb") {
+        s.gltf.emplace(path, s.files);
+        s.scene = completed(s.gltf->take(), path);
+        s.scene.sources = s.files.sources();
+        settleCamera(s.scene, path, options.camera);
+        if (time && s.scene.animation) s.showGltf(*time);
+        return;
+    }
+    if (extension != ".json") {
         s.scene = loadScene(path, options);
         return;
     }
@@ -86,7 +157,9 @@ SceneReader::~SceneReader() = default;
 SceneReader::SceneReader(SceneReader&&) noexcept = default;
 
 SceneReader::Change SceneReader::moveTo(double time) {
-    return state_->show(time, false);
+    State& s = *state_;
+    if (!s.gltf) return s.show(time, false);
+    return s.scene.animation ? s.showGltf(time) : Change::Nothing;
 }
 
 const Scene& SceneReader::scene() const {

@@ -51,6 +51,36 @@ TEST_F(Frames, AreTheMomentsOfTheScene) {
     EXPECT_EQ(different.size(), 5u);
 }
 
+// A frame of a glTF file is its moment too.
+TEST_F(Frames, OfGltf) {
+    writeText("a.json", "");
+    writeText("m.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 68, "uri":
+        "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAgL8="}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+                        {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR"},
+                      {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}, {"mesh": 0}],
+        "animations": [{"samplers": [{"input": 1, "output": 2}],
+                        "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}]})");
+    const std::vector<std::string> common = {"m.gltf", "--backend", "cpu", "-q", "--size", "32x24"};
+    const auto render = [&](std::vector<std::string> args) {
+        args.insert(args.begin(), "render");
+        args.insert(args.begin() + 1, common.begin(), common.end());
+        EXPECT_EQ(runGlint(args).code, 0);
+    };
+    render({"--frames", "0:3", "--fps", "3", "-o", "f.#.pfm"});
+    std::set<std::vector<uint8_t>> different;
+    for (int frame = 0; frame <= 3; ++frame) {
+        render({"--time", std::to_string(frame / 3.0), "-o", "one.pfm"});
+        const auto bytes = readBytes("f." + std::to_string(frame) + ".pfm");
+        EXPECT_EQ(readBytes("one.pfm"), bytes) << frame;
+        different.insert(bytes);
+    }
+    EXPECT_EQ(different.size(), 4u);
+}
+
 TEST_F(Frames, ThoseThatAreThereStay) {
     ASSERT_EQ(frames("1:2", {"-q"}).code, 0);
     const auto before = readBytes("f.02.pfm");

@@ -1,0 +1,34 @@
+// The animation of a glTF file: translations, rotations and scales of nodes over time.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "import/gltf_file.h"
+#include "scene/keyframes.h"
+#include "scene/scene.h"
+
+namespace glint {
+
+// What a node's file says, or else what its animation does.
+struct GltfPlace {
+    std::optional<std::vector<double>> translation, rotation, scale;  // 3, 4 (x y z w) and 3 numbers
+};
+
+struct GltfChannel {
+    size_t node = 0;
+    std::optional<std::vector<double>> GltfPlace::*path = nullptr;
+    Keyframes keyframes;
+};
+
+// The channels of the file's first animation; none if it has no animation. What is not read (other
+// animations, weights of morph targets, channels that are at fault) is warned about.
+std::vector<GltfChannel> readGltfChannels(GltfFile& file);
+
+AnimationSpan spanOf(const std::vector<GltfChannel>& channels);
+
+// By node.
+std::map<size_t, GltfPlace> placesAt(const std::vector<GltfChannel>& channels, double time);
+
+}  // namespace glint
