@@ -1,6 +1,7 @@
 // Access to the arrays of a scene and to the path state. GLINT_TEXEL_LOADS reads them as storage texel
 // buffers, which cost a fifth of a storage buffer's load on lavapipe; everywhere else they are storage
-// buffers.
+// buffers. GLINT_ARRAYS_TOGETHER is for devices that bind few buffers: counters, paths, samples, and one
+// buffer of all other arrays (src/render/scene_buffers.h).
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
@@ -12,13 +13,33 @@
 #define GLINT_READ_WRITE_ARRAY(BINDING, name) \
     layout(set = 0, binding = BINDING, rgba32ui) restrict uniform uimageBuffer name;
 #define LOAD4(name, index) imageLoad(name, int(index))
+#define LOAD_PATHS(index) LOAD4(pathRows, index)
 #define STORE4(name, index, value) imageStore(name, int(index), value)
+#elif defined(GLINT_ARRAYS_TOGETHER)
+// Begins with where each array is: word `binding` is the row of its first texel.
+layout(set = 0, binding = 2, std430) readonly restrict buffer ArraysBlock { uvec4 arrays[]; };
+layout(set = 0, binding = 3, std430) readonly restrict buffer SamplesBlock { uvec4 sampleRows[]; };
+uvec4 loadOf(uint array, uint index) {
+    uvec4 row;
+    if (array == kSamplesBinding)
+        row = sampleRows[index];
+    else
+        row = arrays[arrays[array >> 2][array & 3u] + index];
+    return row;
+}
+#define GLINT_READ_ARRAY(BINDING, name) const uint name = uint(BINDING);
+#define GLINT_READ_WRITE_ARRAY(BINDING, name) \
+    layout(set = 0, binding = BINDING, std430) restrict buffer name##_block { uvec4 name[]; };
+#define LOAD4(name, index) loadOf(name, index)
+#define LOAD_PATHS(index) pathRows[index]
+#define STORE4(name, index, value) name[index] = value
 #else
 #define GLINT_READ_ARRAY(BINDING, name) \
     layout(set = 0, binding = BINDING, std430) readonly restrict buffer name##_block { uvec4 name[]; };
 #define GLINT_READ_WRITE_ARRAY(BINDING, name) \
     layout(set = 0, binding = BINDING, std430) restrict buffer name##_block { uvec4 name[]; };
 #define LOAD4(name, index) name[index]
+#define LOAD_PATHS(index) LOAD4(pathRows, index)
 #define STORE4(name, index, value) name[index] = value
 #endif
 
@@ -85,7 +106,7 @@ GLINT_SCENE_ARRAYS(GLINT_LOADER)
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };
 GLINT_READ_WRITE_ARRAY(1, pathRows)
 
-uvec4 loadRow(uint row, uint path) { return LOAD4(pathRows, row * dispatch.capacity + path); }
+uvec4 loadRow(uint row, uint path) { return LOAD_PATHS(row * dispatch.capacity + path); }
 void storeRow(uint row, uint path, uvec4 value) { STORE4(pathRows, row * dispatch.capacity + path, value); }
 uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 

@@ -160,6 +160,10 @@
     X(23, optics, Optics, GLINT_OPTICS_ROWS)                              \
     X(24, wideRows, WideRow, GLINT_WIDE_ROW_ROWS)
 
+// Bindings where the arrays are together (GLINT_ARRAYS_TOGETHER in storage.glsl): counters, path state, all
+// other arrays, samples.
+#define GLINT_FEW_BINDINGS 4
+
 #define GLINT_ONE_ARRAY(binding, array, Struct, ROWS) +1
 #define GLINT_BINDING_COUNT (2 GLINT_SCENE_ARRAYS(GLINT_ONE_ARRAY))
 
@@ -192,6 +196,7 @@ GLINT_SCENE_ARRAYS(GLINT_CPP_STRUCT)
 
 // ---- Constants ----
 
+GLINT_CONST_UINT(kSamplesBinding, 22u);  // in GLINT_SCENE_ARRAYS
 GLINT_CONST_UINT(kNone, 0xffffffffu);
 // A ray's interval that has no far end holds this: the largest float, so that no infinity enters the
 // arithmetic.

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <charconv>
 #include <functional>
+#include <type_traits>
 
 #include "core/error.h"
 #include "gpu/device_state.h"
@@ -12,7 +13,8 @@ namespace {
 
 constexpr uint32_t kWorkgroupInvocations = 64;  // local size of every kernel
 constexpr uint32_t kPushConstantBytes = 128;    // what Vulkan guarantees (table 33, required limits)
-constexpr uint32_t kBindings = 25;  // arrays of one kernel, as storage buffers or as storage texel buffers
+constexpr uint32_t kBindings =
+    4;  // storage buffers of a kernel that has its arrays together (render/kernels.h)
 
 int rank(const DeviceInfo& device) {
     constexpr const char* kOrder[] = {"discrete GPU", "integrated GPU", "virtual GPU", "other", "CPU"};
@@ -109,6 +111,26 @@ std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyPropertie
     return best;
 }
 
+DeviceLimits leastLimits(DeviceLimits limits) {
+    const auto atMost = [](auto& limit, uint64_t promised) {
+        limit = static_cast<std::remove_reference_t<decltype(limit)>>(std::min<uint64_t>(limit, promised));
+    };
+    atMost(limits.maxStorageBufferRange, uint64_t{1} << 27);
+    atMost(limits.maxTexelBufferElements, 65536);
+    atMost(limits.maxAllocationSize, uint64_t{1} << 30);
+    atMost(limits.maxWorkgroupInvocations, 128);
+    atMost(limits.maxWorkgroupSizeX, 128);
+    atMost(limits.maxWorkgroupCountX, 65535);
+    atMost(limits.maxPushConstantBytes, 128);
+    atMost(limits.maxStorageBuffersPerStage, 4);
+    atMost(limits.maxStorageImagesPerStage, 4);
+    atMost(limits.subgroupSize, 1);
+    limits.subgroupShuffle = false;
+    limits.float64 = false;
+    limits.timestampPeriod = 0;
+    return limits;
+}
+
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits) {
     const auto number = [](uint64_t value) { return std::to_string(value); };
     if (apiVersion < VK_API_VERSION_1_1) return "knows Vulkan 1.0 only, glint needs 1.1";
@@ -122,12 +144,9 @@ std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimit
         return "has " + number(limits.maxPushConstantBytes) + " bytes of push constants, glint needs " +
                number(kPushConstantBytes);
     }
-    const bool texelBuffers =
-        limits.maxTexelBufferElements > 0 && limits.maxStorageImagesPerStage >= kBindings;
-    if (limits.maxStorageBuffersPerStage < kBindings && !texelBuffers) {
-        return "binds " + number(limits.maxStorageBuffersPerStage) + " storage buffers and " +
-               number(limits.maxTexelBufferElements > 0 ? limits.maxStorageImagesPerStage : 0) +
-               " storage texel buffers to a kernel, glint needs " + number(kBindings) + " of one kind";
+    if (limits.maxStorageBuffersPerStage < kBindings) {
+        return "binds " + number(limits.maxStorageBuffersPerStage) +
+               " storage buffers to a kernel, glint needs " + number(kBindings);
     }
     return "";
 }

@@ -28,6 +28,10 @@ namespace glint::gpu {
 std::optional<uint32_t> chooseQueueFamily(std::span<const VkQueueFamilyProperties> families,
                                           std::span<const VkBool32> presents = {});
 
+// No more of anything than Vulkan 1.1 promises of every device (sections "Required Limits" and "Required
+// Format Support"), nor than `limits` have. Memory stays.
+DeviceLimits leastLimits(DeviceLimits limits);
+
 // What a device lacks, as a phrase; empty if glint runs on it. `apiVersion` is the device's.
 std::string refusal(uint32_t apiVersion, bool hasComputeQueue, const DeviceLimits& limits);
 

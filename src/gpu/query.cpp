@@ -1,6 +1,9 @@
 // DeviceInfo from what Vulkan tells of each physical device.
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 
+#include "core/error.h"
 #include "gpu/device_state.h"
 
 namespace glint::gpu {
@@ -57,6 +60,15 @@ void fillLimits(DeviceLimits& out, const VkPhysicalDeviceLimits& limits) {
     out.maxStorageBuffersPerStage = limits.maxPerStageDescriptorStorageBuffers;
     out.maxStorageImagesPerStage = limits.maxPerStageDescriptorStorageImages;
     out.timestampPeriod = static_cast<double>(limits.timestampPeriod);
+}
+
+// The environment variable GLINT_LIMITS, with which any machine shows what the humblest device would do.
+bool leastAreWanted() {
+    const char* const wanted = std::getenv("GLINT_LIMITS");
+    if (wanted == nullptr || *wanted == '\0') return false;
+    if (std::string_view(wanted) == "minimum") return true;
+    throw Error(ErrorKind::Argument,
+                std::string("GLINT_LIMITS: expected minimum, or nothing, got \"") + wanted + "\"");
 }
 
 // What needs Vulkan 1.1: driver, allocation size, subgroups.
@@ -156,6 +168,7 @@ PhysicalDevice queryDevice(const Instance& instance, VkPhysicalDevice handle, ui
         device.timestampBits = families[*family].timestampValidBits;
     }
     if (device.timestampBits == 0) info.limits.timestampPeriod = 0;
+    if (leastAreWanted()) info.limits = leastLimits(info.limits);
     info.reason = refusal(properties.apiVersion, computes, info.limits);
     if (info.reason.empty() && !family) info.reason = "cannot show pictures in this window";
     info.usable = info.reason.empty();

@@ -2,32 +2,40 @@
 
 #include "adapt.spv.h"
 #include "adapt_texel.spv.h"
+#include "adapt_together.spv.h"
 #include "count.spv.h"
 #include "count_list.spv.h"
 #include "count_list_texel.spv.h"
+#include "count_list_together.spv.h"
 #include "count_texel.spv.h"
+#include "count_together.spv.h"
 #include "generate.spv.h"
 #include "generate_texel.spv.h"
+#include "generate_together.spv.h"
 #include "intersect.spv.h"
 #include "intersect_any.spv.h"
 #include "intersect_any_fp64.spv.h"
 #include "intersect_any_fp64_texel.spv.h"
 #include "intersect_any_texel.spv.h"
+#include "intersect_any_together.spv.h"
 #include "intersect_fp64.spv.h"
 #include "intersect_fp64_texel.spv.h"
 #include "intersect_texel.spv.h"
+#include "intersect_together.spv.h"
 #include "light.spv.h"
 #include "light_fp64.spv.h"
 #include "light_fp64_texel.spv.h"
 #include "light_packet.spv.h"
 #include "light_packet_texel.spv.h"
 #include "light_texel.spv.h"
+#include "light_together.spv.h"
 #include "packet_intersect.spv.h"
 #include "packet_intersect_any.spv.h"
 #include "packet_intersect_any_texel.spv.h"
 #include "packet_intersect_texel.spv.h"
 #include "shade.spv.h"
 #include "shade_texel.spv.h"
+#include "shade_together.spv.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
@@ -56,6 +64,21 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      count_texel_spv,
                                      count_list_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
+}
+
+const KernelCode& togetherKernels() {
+    static const KernelCode together = {generate_together_spv,
+                                        intersect_together_spv,
+                                        intersect_any_together_spv,
+                                        light_together_spv,
+                                        shade_together_spv,
+                                        {},
+                                        {},
+                                        {},
+                                        adapt_together_spv,
+                                        count_together_spv,
+                                        count_list_together_spv};
+    return together;
 }
 
 const KernelCode& doubleKernels(gpu::Access access) {

@@ -16,11 +16,18 @@ struct KernelCode {
         packetIntersectAny, packetLight, adapt, count, list;
 };
 
-// The kernels that read arrays with `access`.
+// How kernels are given the arrays: each by a binding of its own, or all but the samples in one storage
+// buffer, for devices that bind fewer than there are.
+enum class Arrays { Apart, Together };
+
+// The kernels that read arrays with `access`, each by itself.
 const KernelCode& embeddedKernels(gpu::Access access);
 
-// The same, but triangles, spheres and planes are tested in double precision; for rays by themselves, not for
-// packets, and for devices with DeviceLimits::float64.
+// The kernels that find the arrays together, without those for packets.
+const KernelCode& togetherKernels();
+
+// Those of embeddedKernels, but triangles, spheres and planes are tested in double precision; for rays by
+// themselves, not for packets, and for devices with DeviceLimits::float64 that bind each array.
 const KernelCode& doubleKernels(gpu::Access access);
 
 }  // namespace glint::render

@@ -28,8 +28,9 @@ uint32_t loopsOf(const SceneFeatures& features) {
 
 // kPacketTurns packets, one after the other, have the trips of a subgroup together.
 constexpr uint32_t kMostTrips = 3000;
-// Of one dispatch; more save no time.
-constexpr uint32_t kMostLightsAtOnce = 8;
+// Of one dispatch; and of the first one, whose rays may prove to need many trips.
+constexpr uint32_t kMostLightsAtOnce = 64;
+constexpr uint32_t kFirstLightsAtOnce = 8;
 
 }  // namespace
 
@@ -47,8 +48,16 @@ gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayByt
     const bool storageFits = gpu::fits(largestArrayBytes, gpu::Access::StorageBuffer, device.limits);
     const bool texelFits = gpu::fits(largestArrayBytes, gpu::Access::TexelBuffer, device.limits);
     const bool enoughImages = device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
-    if (enoughImages && texelFits && (device.llvmpipe || !storageFits)) return gpu::Access::TexelBuffer;
+    const bool enoughBuffers = device.limits.maxStorageBuffersPerStage >= GLINT_BINDING_COUNT;
+    if (enoughImages && texelFits && (device.llvmpipe || !storageFits || !enoughBuffers))
+        return gpu::Access::TexelBuffer;
     return gpu::Access::StorageBuffer;
+}
+
+Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access) {
+    const bool apart =
+        access == gpu::Access::TexelBuffer || device.limits.maxStorageBuffersPerStage >= GLINT_BINDING_COUNT;
+    return apart ? Arrays::Apart : Arrays::Together;
 }
 
 // Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
@@ -79,7 +88,13 @@ uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fe
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {
     constexpr uint32_t kTripsOfARay = 256;  // seldom more
     const uint32_t lights = std::min(tripBudget / kTripsOfARay, shared::kMaxPlanes / (planeCount + 1));
-    return std::clamp(lights, 1u, kMostLightsAtOnce);
+    return std::clamp(lights, 1u, kFirstLightsAtOnce);
+}
+
+uint32_t lightsNext(uint32_t lights, uint32_t planeCount, bool unfinished, double seconds, double aim) {
+    const uint32_t most = std::clamp(shared::kMaxPlanes / (planeCount + 1), 1u, kMostLightsAtOnce);
+    if (unfinished || seconds > aim) return std::max(lights / 2, 1u);
+    return seconds < aim / 4 ? std::min(2 * lights, most) : lights;
 }
 
 uint32_t commonRows(const TraceModes& modes) {

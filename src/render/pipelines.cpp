@@ -101,6 +101,10 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
               shared::kOffsetFixed == static_cast<uint32_t>(OriginOffset::Fixed) &&
               shared::kOffsetNone == static_cast<uint32_t>(OriginOffset::None));
 
+uint32_t bindingsOf(Arrays arrays) {
+    return arrays == Arrays::Together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT;
+}
+
 }  // namespace
 
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
@@ -141,18 +145,19 @@ KernelId packetKernel(KernelId id) {
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 
-Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
+Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, Arrays arrays,
                      const SceneFeatures& features, StackPlace stack, bool ownArithmetic)
     : device_(device),
       code_(code),
       access_(access),
+      arrays_(arrays),
       features_(features),
       stack_(stack),
       own_{ownArithmetic || !device.arithmetic().quotients, ownArithmetic || !device.arithmetic().roots} {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
-    for (uint32_t binding = 2; binding < GLINT_BINDING_COUNT; ++binding)
+    for (uint32_t binding = 2; binding < bindingsOf(arrays_); ++binding)
         buffers_.push_back(&scene.at(binding));
     for (auto& [key, kernel] : kernels_) kernel.bind(buffers_);
 }
@@ -180,7 +185,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     gpu::KernelOptions options;
     options.name = nameOf(id);
     options.spirv = codeOf(code_, id);
-    options.bindings.assign(GLINT_BINDING_COUNT, access_);
+    options.bindings.assign(bindingsOf(arrays_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
     options.constants = constantsOf(features_, modes, stack_, own_);
     options.pushConstantBytes = sizeof(shared::Dispatch);

@@ -119,6 +119,7 @@ struct RayQueries::State {
     const PackedScene& scene;
     SceneFeatures features;
     gpu::Access access;
+    Arrays arrays;
     bool inPlace;
     TraversalChoice traversal;
     uint32_t tripBudget, rowCount, piece;
@@ -132,12 +133,13 @@ struct RayQueries::State {
           scene(packed),
           features(hitFeatures(packed.features)),
           access(chooseAccess(dev.info(), largestArray(packed))),
+          arrays(chooseArrays(dev.info(), access)),
           inPlace(dev.info().software),
           traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
-          buffers(dev, packed, access, traversal) {
+          buffers(dev, packed, access, traversal, arrays) {
         piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
     }
 
@@ -152,7 +154,9 @@ struct RayQueries::State {
                 return *slot;
             }
             if (slots.size() < (inPlace ? 1u : 2u)) {
-                Pipelines pipelines(device, embeddedKernels(access), access, features);
+                Pipelines pipelines(device,
+                                    arrays == Arrays::Together ? togetherKernels() : embeddedKernels(access),
+                                    access, arrays, features);
                 slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
                                                        rowCount, inPlace));
                 slots.back()->busy = true;

@@ -14,6 +14,7 @@
 #include "pack/request_environment.h"
 #include "render/film.h"
 #include "render/host_rays.h"
+#include "render/kernel_choice.h"
 #include "render/path_limits.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
@@ -29,11 +30,6 @@ constexpr uint32_t kFirstSliceTiles = 256;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
 
-const KernelCode& kernelsFor(const Options& options, gpu::Access access) {
-    if (options.kernels) return *options.kernels;
-    return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
-}
-
 }  // namespace
 
 struct Renderer::State {
@@ -42,6 +38,7 @@ struct Renderer::State {
     Options options;
     SceneFeatures features;  // of the pipelines
     gpu::Access access;
+    Arrays arrays;
     TraversalChoice traversal;  // with the default methods, which have the most to choose from
     uint32_t tripBudget;
     SceneBuffers buffers;
@@ -65,11 +62,13 @@ struct Renderer::State {
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
+          arrays(chooseArrays(dev.info(), access)),
           traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
                                     dev.info(), packed)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, kernelsFor(opts, access), access, features, opts.stack, opts.ownArithmetic),
+          pipelines(dev, kernelsFor(opts, access, arrays), access, arrays, features, opts.stack,
+                    opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),
           lights(packed.lights) {
@@ -77,10 +76,10 @@ struct Renderer::State {
         if (opts.expected) {
             const TraversalChoice choice = traversalOf(opts.expected->methods);
             startTranslating(modesOf(*opts.expected, choice.nodes),
-                             kernelsOf(*opts.expected, choice.packets));
+                             kernelsOf(scene, *opts.expected, choice.packets));
         }
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access, traversal);
+        buffers = SceneBuffers(device, scene, access, traversal, arrays);
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
         times.upload += watch.seconds();
@@ -97,9 +96,11 @@ struct Renderer::State {
     // With `packets`, it is the one for packets that starts.
     void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
                    bool packets, double KernelTimes::*account);
+    // All lights of a bounce; false if that was cancelled.
+    bool castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets,
+                     const std::function<bool()>& cancelled);
     void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
     TraversalChoice traversalOf(const Methods& methods) const;
-    std::vector<KernelId> kernelsOf(const Request& request, bool packets) const;
     void startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids);
     gpu::Kernel translated(KernelId id, const TraceModes& modes);
     void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
@@ -213,21 +214,6 @@ TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
     return chooseTraversal(wanted, device.info(), scene, methods);
 }
 
-std::vector<KernelId> Renderer::State::kernelsOf(const Request& request, bool packets) const {
-    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
-    // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
-    // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
-    const bool goesOn = (scene.features.mirrors || scene.features.transmission) &&
-                        glint::environmentOf(scene, request).maxDepth > 0;
-    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
-        if (id == KernelId::Light && lightsOf(scene, request).empty()) continue;
-        if (packets) kernels.push_back(packetKernel(id));
-        if (!packets || goesOn) kernels.push_back(id);
-    }
-    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
-    return kernels;
-}
-
 void Renderer::State::startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids) {
     for (const KernelId id : ids) {
         translating[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
@@ -286,6 +272,25 @@ void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch disp
     }
 }
 
+bool Renderer::State::castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups,
+                                  bool packets, const std::function<bool()>& cancelled) {
+    const uint32_t planes = environment.planeCount;
+    uint32_t atOnce = lightsAtOnce(tripBudget, planes);
+    const bool inPackets = packets && lightsGoInPackets(environment.lightCount);
+    for (uint32_t first = 0; first < environment.lightCount; first = dispatch.lightEnd) {
+        dispatch.lightIndex = first;
+        dispatch.lightEnd = std::min(first + atOnce, environment.lightCount);
+        const uint64_t resumed = times.resumes;
+        const Stopwatch watch;
+        traceRays(KernelId::Light, modes, dispatch, groups, inPackets, &KernelTimes::shadow);
+        if (cancelled()) return false;
+        if (!inPackets)
+            atOnce =
+                lightsNext(atOnce, planes, times.resumes != resumed, watch.seconds(), options.sliceSeconds);
+    }
+    return true;
+}
+
 bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
                                    const TraceModes& modes) {
     const auto cancelled = [&] { return request.cancelled && request.cancelled(); };
@@ -300,12 +305,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
-        const uint32_t atOnce = lightsAtOnce(tripBudget, environment.planeCount);
-        for (uint32_t& first = dispatch.lightIndex = 0; first < environment.lightCount; first += atOnce) {
-            dispatch.lightEnd = std::min(first + atOnce, environment.lightCount);
-            traceRays(KernelId::Light, modes, dispatch, groups, packets, &KernelTimes::shadow);
-            if (cancelled()) return false;
-        }
+        if (!castShadows(modes, dispatch, groups, packets, cancelled)) return false;
         record(KernelId::Shade, modes, dispatch, groups);
         submit(&KernelTimes::shade);
         if (cancelled()) return false;
@@ -447,7 +447,7 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setSurroundings(environment, lightsOf(s.scene, request));
-    s.compile(modes, s.kernelsOf(request, choice.packets));
+    s.compile(modes, kernelsOf(s.scene, request, choice.packets));
 
     const uint64_t before = s.times.pathRays;
     const RayCounts counted = s.rayCounts;

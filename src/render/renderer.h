@@ -47,8 +47,12 @@ struct Options {
 };
 
 // Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the
-// device's storage buffer range but not its texel buffer range; storage buffers everywhere else.
+// device's storage buffer range but not its texel buffer range, or the device binds too few storage buffers;
+// storage buffers everywhere else.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
+
+// Together where the device binds too few storage buffers to give each array one. Vulkan promises 4.
+Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access);
 
 // Loop trips that the rays of a path may make in a dispatch of a pipeline with these features.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,

@@ -18,6 +18,13 @@ GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 // many bytes behind the last one must be there. What they hold is not used.
 constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
 
+// Of the buffers of arrays that are together, whose places have no other use then.
+constexpr uint32_t kTogether = 2;
+constexpr uint64_t kTexelBytes = 16;
+constexpr uint64_t kHeadBytes =
+    (GLINT_BINDING_COUNT * sizeof(uint32_t) + kTexelBytes - 1) / kTexelBytes * kTexelBytes;
+static_assert(samplesBinding == shared::kSamplesBinding);
+
 // Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
 struct Others {
     shared::Camera camera;
@@ -57,14 +64,23 @@ uint64_t largestArray(const PackedScene& scene) {
 }
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                           const TraversalChoice& traversal) {
+                           const TraversalChoice& traversal, Arrays arrays)
+    : arrays_(arrays) {
     WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
     const Others others{{},
                         traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>(),
                         std::move(tree.rows),
                         {}};
+    if (arrays == Arrays::Together) {
+        std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
+        visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
+            sizes[binding] = data.size();
+        });
+        placeTogether(device, sizes);
+    }
     visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
+        if (arrays == Arrays::Together) return write(device, binding, data);
         const size_t overrun = traversal.packets && binding == trianglesBinding ? kPacketOverrun : 0;
         buffers_[binding] = gpu::Buffer(device, name, data.size() + overrun, access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);
@@ -72,21 +88,38 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     if (tree.roots.empty()) return;
     std::vector<shared::Instance> instances = scene.instances;
     for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];
-    gpu::upload(device, buffers_[instancesBinding], std::as_bytes(std::span(instances)));
+    write(device, instancesBinding, std::as_bytes(std::span(instances)));
+}
+
+void SceneBuffers::placeTogether(const gpu::Device& device,
+                                 const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes) {
+    uint64_t bytes = kHeadBytes;
+    for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
+        first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
+        bytes += sizes[binding];
+    }
+    buffers_[kTogether] = gpu::Buffer(device, "all arrays together", bytes, gpu::Access::StorageBuffer,
+                                      gpu::MemoryKind::Device);
+    gpu::upload(device, buffers_[kTogether], std::as_bytes(std::span(first_)));
+}
+
+void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const {
+    const bool together = arrays_ == Arrays::Together && binding != samplesBinding;
+    gpu::upload(device, buffers_[together ? kTogether : binding], data,
+                together ? first_[binding] * kTexelBytes : 0);
 }
 
 void SceneBuffers::setCamera(const gpu::Device& device, const shared::Camera& camera) const {
-    gpu::upload(device, buffers_[cameraBinding],
-                std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
+    write(device, cameraBinding, std::as_bytes(std::span<const shared::Camera, 1>(&camera, 1)));
 }
 
 void SceneBuffers::setEnvironment(const gpu::Device& device, const shared::Environment& environment) const {
-    gpu::upload(device, buffers_[environmentBinding],
-                std::as_bytes(std::span<const shared::Environment, 1>(&environment, 1)));
+    write(device, environmentBinding,
+          std::as_bytes(std::span<const shared::Environment, 1>(&environment, 1)));
 }
 
 void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const {
-    if (!lights.empty()) gpu::upload(device, buffers_[lightsBinding], std::as_bytes(std::span(lights)));
+    if (!lights.empty()) write(device, lightsBinding, std::as_bytes(std::span(lights)));
 }
 
 bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows,
@@ -100,6 +133,9 @@ bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared:
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {
+    if (arrays_ == Arrays::Together)
+        return binding == kTogether || !buffers_[samplesBinding] ? buffers_[kTogether]
+                                                                 : buffers_[samplesBinding];
     return buffers_[binding] ? buffers_[binding] : buffers_[environmentBinding];
 }
 

@@ -1,4 +1,6 @@
-// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded.
+// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded. Where
+// the arrays are together, one buffer has them all but the samples, and in front of them where each begins:
+// word `binding` is the number of its first texel.
 #pragma once
 
 #include <array>
@@ -7,6 +9,7 @@
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
+#include "render/kernels.h"
 #include "render/traversal_choice.h"
 #include "shared/dispatch.h"
 
@@ -20,7 +23,7 @@ class SceneBuffers {
     SceneBuffers() = default;
     // Makes what further trees `traversal` needs.
     SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                 const TraversalChoice& traversal);
+                 const TraversalChoice& traversal, Arrays arrays = Arrays::Apart);
 
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
@@ -34,7 +37,14 @@ class SceneBuffers {
     uint64_t bytes() const;
 
   private:
+    void placeTogether(const gpu::Device& device, const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes);
+    // Into the array of that binding.
+    void write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const;
+
+    Arrays arrays_ = Arrays::Apart;
+    // By binding; together: the samples, and the others at kTogether.
     std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers_;
+    std::array<uint32_t, GLINT_BINDING_COUNT> first_{};  // texels, together
 };
 
 }  // namespace glint::render

@@ -108,6 +108,13 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
         (wanted == Traversal::Auto && isGpu(device)))
         return chooseWide(wanted, scene, methods);
     const bool able = runsPackets(device);
+    // Packets have no code for arrays that are together (kernels.h).
+    const bool bindsFew = device.limits.maxStorageBuffersPerStage < GLINT_BINDING_COUNT;
+    if (wanted == Traversal::Packet && able && bindsFew)
+        throw Error(ErrorKind::Device, "packets of rays need " + std::to_string(GLINT_BINDING_COUNT) +
+                                           " storage buffers for a kernel; \"" + device.name + "\" binds " +
+                                           std::to_string(device.limits.maxStorageBuffersPerStage) +
+                                           ": choose the traversal auto or lane");
     if (wanted == Traversal::Packet && !able) {
         throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
                                            std::to_string(shared::kPacketWidth) +
@@ -116,6 +123,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
                                            " lanes: choose the traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
+    if (bindsFew) return {false, "the device binds too few buffers"};
     if (const std::string name = unknownToPackets(features); !name.empty())
         return {false, "packets do not know " + name};
     if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};

@@ -153,24 +153,28 @@ TEST(Refusal, NamesThePushConstants) {
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "has 127 bytes of push constants, glint needs 128");
 }
 
-TEST(Refusal, NeedsEnoughBindingsOfEitherKind) {
+TEST(Refusal, NeedsTheStorageBuffersThatVulkanPromises) {
     DeviceLimits limits = sufficientLimits();
+    limits.maxStorageImagesPerStage = 0;
+    limits.maxTexelBufferElements = 0;
     limits.maxStorageBuffersPerStage = 4;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
-    limits = sufficientLimits();
-    limits.maxStorageImagesPerStage = 4;
-    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits), "");
-    limits.maxStorageBuffersPerStage = 24;
+    limits.maxStorageBuffersPerStage = 3;
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
-              "binds 24 storage buffers and 4 storage texel buffers to a kernel, glint needs 25 of one kind");
+              "binds 3 storage buffers to a kernel, glint needs 4");
 }
 
-TEST(Refusal, CountsNoTexelBuffersWithoutTheFormat) {
+TEST(LeastLimits, AreEnoughAndNoMoreThanTheDeviceHas) {
     DeviceLimits limits = sufficientLimits();
-    limits.maxStorageBuffersPerStage = 4;
-    limits.maxTexelBufferElements = 0;
-    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, limits),
-              "binds 4 storage buffers and 0 storage texel buffers to a kernel, glint needs 25 of one kind");
+    limits.maxStorageBufferRange = 1000;
+    limits.float64 = true;
+    limits.subgroupSize = 32;
+    const DeviceLimits least = leastLimits(limits);
+    EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, least), "");
+    EXPECT_EQ(least.maxStorageBufferRange, 1000u);
+    EXPECT_EQ(least.maxStorageBuffersPerStage, 4u);
+    EXPECT_EQ(least.subgroupSize, 1u);
+    EXPECT_FALSE(least.float64);
 }
 
 }  // namespace

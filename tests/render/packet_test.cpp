@@ -18,6 +18,7 @@ gpu::DeviceInfo deviceOf(bool llvmpipe, uint32_t lanes, bool shuffle) {
     info.llvmpipe = llvmpipe;
     info.limits.subgroupSize = lanes;
     info.limits.subgroupShuffle = shuffle;
+    info.limits.maxStorageBuffersPerStage = GLINT_BINDING_COUNT;
     return info;
 }
 
@@ -69,6 +70,14 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
         EXPECT_EQ(e.kind(), ErrorKind::Device);
         EXPECT_NE(std::string(e.what()).find("\"a device\" has 32 lanes"), std::string::npos) << e.what();
     }
+}
+
+// Packets have no code for arrays that are together in one buffer.
+TEST(TraversalRule, DevicesThatBindFewBuffersTraceByLanes) {
+    gpu::DeviceInfo few = deviceOf(true, 8, true);
+    few.limits.maxStorageBuffersPerStage = GLINT_BINDING_COUNT - 1;
+    EXPECT_FALSE(chooseTraversal(Traversal::Auto, few, sceneOf(1000)).packets);
+    EXPECT_THROW(chooseTraversal(Traversal::Packet, few, sceneOf(1000)), Error);
 }
 
 // packet_any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and

@@ -1,0 +1,41 @@
+#include "render/kernel_choice.h"
+
+#include <string>
+
+#include "core/error.h"
+#include "pack/request_environment.h"
+
+namespace glint::render {
+
+const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays) {
+    if (options.kernels) return *options.kernels;
+    if (options.doublePrecision && arrays == Arrays::Together)
+        throw Error(ErrorKind::Device, "double precision needs " + std::to_string(GLINT_BINDING_COUNT) +
+                                           " storage buffers for a kernel, which this device does not bind");
+    if (arrays == Arrays::Together) return togetherKernels();
+    return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
+}
+
+std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets) {
+    std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
+    // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that
+    // the pipeline happens to hold: kernels for later bounces that never come would double a cold start.
+    const bool goesOn =
+        (scene.features.mirrors || scene.features.transmission) && environmentOf(scene, request).maxDepth > 0;
+    const size_t lights = lightsOf(scene, request).size();
+    for (const KernelId id : {KernelId::Intersect, KernelId::Light}) {
+        if (id == KernelId::Light && lights == 0) continue;
+        const bool inPackets = packets && (id != KernelId::Light || lightsGoInPackets(lights));
+        if (inPackets) kernels.push_back(packetKernel(id));
+        if (!inPackets || goesOn) kernels.push_back(id);
+    }
+    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
+    return kernels;
+}
+
+bool lightsGoInPackets(uint64_t lights) {
+    constexpr uint64_t kMost = 1000;
+    return lights <= kMost;
+}
+
+}  // namespace glint::render

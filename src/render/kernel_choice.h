@@ -1,0 +1,22 @@
+// Which kernels a picture takes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/pipelines.h"
+#include "render/renderer.h"
+
+namespace glint::render {
+
+// Throws Error(Device) for double precision on a device that cannot bind what its kernels read.
+const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays);
+
+// Those that draw the request, with packets for camera rays or without.
+std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets);
+
+// A packet stops where one of its rays does, and so takes few lights at once; where there are very many, rays
+// go to them by themselves (lightsNext in path_limits.h).
+bool lightsGoInPackets(uint64_t lights);
+
+}  // namespace glint::render

@@ -1,0 +1,73 @@
+// A device with no more than Vulkan 1.1 promises (GLINT_LIMITS=minimum): the same bits, or an error with both
+// figures. Buffers and kernels check every limit, so what passes one is an error here, whatever the device.
+#include "core/error.h"
+#include "support.h"
+#include "support/environment.h"
+#include "support/support.h"
+
+namespace glint::render::test::least_limits_test {
+namespace {
+
+class LeastLimits : public RenderTest {
+  protected:
+    static gpu::Device leastDevice() {
+        const glint::test::ScopedEnvironment environment("GLINT_LIMITS", "minimum");
+        return gpu::Device();
+    }
+};
+
+TEST_F(LeastLimits, ScenesHaveTheSameBits) {
+    const gpu::Device least = leastDevice();
+    ASSERT_EQ(least.info().limits.maxStorageBuffersPerStage, 4u);
+    ASSERT_EQ(chooseArrays(least.info(), gpu::Access::StorageBuffer), Arrays::Together);
+    // All kinds of primitives, cameras, lights and textures; the others take a minute to compile.
+    for (const char* name :
+         {"showcase", "glass", "textures", "instances", "quadrics", "polygons", "lens", "spots", "shift"}) {
+        const Case c = fileCase(name, 40, 30);
+        EXPECT_TRUE(sameBits(draw(least, c), draw(device(), c))) << name;
+    }
+}
+
+TEST_F(LeastLimits, SamplersAdaptiveSamplingAndSlices) {
+    const gpu::Device least = leastDevice();
+    const Case c = fileCase("lens", 64, 48);
+    Request request = wholeWithData(c);
+    ImageSettings image = c.scene.image;
+    image.samplesPerPixel = 4;
+    image.adaptive = AdaptiveSampling{16, 0.05};
+    request.samples = packSamples(image, true);
+    Options slices;
+    slices.maxSlicePixels = 1024;
+    Renderer small(least, c.packed, slices), usual(device(), c.packed);
+    EXPECT_TRUE(sameBits(small.render(c.camera, request), usual.render(c.camera, request)));
+}
+
+TEST_F(LeastLimits, RaysOfABatch) {
+    const gpu::Device least = leastDevice();
+    const Case c = fileCase("instances", 40, 30);
+    std::vector<RayInput> rays;
+    Random random(1);
+    for (int i = 0; i < 500; ++i) rays.push_back(rayTowards({0, 3, 12}, random.box(4)));
+    Renderer small(least, c.packed), usual(device(), c.packed);
+    EXPECT_TRUE(sameBits(small.trace(rays, false), usual.trace(rays, false), rays));
+}
+
+TEST_F(LeastLimits, WhatDoesNotFitIsRefusedWithBothFigures) {
+    const gpu::Device least = leastDevice();
+    PackedScene large = fileCase("spheres", 8, 8).packed;
+    large.texels.resize((uint64_t{1} << 27) / sizeof(large.texels[0]));
+    const std::string message =
+        glint::test::errorOf(ErrorKind::Device, [&] { Renderer renderer(least, large); });
+    EXPECT_TRUE(message.starts_with("array \"all arrays together\" needs 1342")) << message;
+    EXPECT_TRUE(message.ends_with("bytes, but this device binds at most 134217728 bytes as a storage buffer"))
+        << message;
+}
+
+TEST_F(LeastLimits, OtherWordsAreRefused) {
+    const glint::test::ScopedEnvironment environment("GLINT_LIMITS", "least");
+    EXPECT_EQ(glint::test::errorOf(ErrorKind::Argument, [] { gpu::listDevices(); }),
+              "GLINT_LIMITS: expected minimum, or nothing, got \"least\"");
+}
+
+}  // namespace
+}  // namespace glint::render::test::least_limits_test
