@@ -65,7 +65,11 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
         return 2 * glm::dot(magnitude, glm::abs(surface.position)) + std::abs(offset);
     };
     const dvec3 sums(terms(f.toU, f.offsetU), terms(f.toV, f.offsetV), terms(f.toW, f.offsetW));
-    const double turn = (sums.x + sums.z) / (2 * std::numbers::pi * std::hypot(own.x, own.z));
+    // Of an angle, in turns: at most half a turn in units of 2^-24, as on the axis it is any.
+    const auto angle = [](double sum, double size) {
+        return std::min(sum / (2 * std::numbers::pi * std::max(size, 1e-300)), 0x1p23);
+    };
+    const double turn = angle(sums.x + sums.z, std::hypot(own.x, own.z));
     const dvec3 n = surface.geometricNormal;
     switch (f.uvKind) {
         case shared::kUvFlat:
@@ -83,7 +87,7 @@ void fillObjectUv(const Model& scene, const Hit& hit, Surface& surface) {
             break;
         default:
             surface.uv = latitudeLongitude(own);
-            surface.uvScale = {turn, (sums.x + sums.y + sums.z) / (std::numbers::pi * glm::length(own))};
+            surface.uvScale = {turn, 2 * angle(sums.x + sums.y + sums.z, glm::length(own))};
     }
 }
 

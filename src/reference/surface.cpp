@@ -83,11 +83,11 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     const dvec3 place = glm::abs(surface.position);
     surface.scale = std::max({place.x, place.y, place.z, geometryScale(scene_, methods(), hit)});
     smoothTriangle(scene_, hit, surface);
-    surface.uvScale = glm::abs(surface.uv);
     if (kindOf(hit.primitive) == shared::kKindTriangle)
         triangleAttributes(scene_, hit, surface);
     else
         fillObjectUv(scene_, hit, surface);
+    surface.uvScale = glm::max(surface.uvScale, glm::abs(surface.uv));
     return surface;
 }
 

@@ -195,6 +195,31 @@ TEST(Texture, SphereCoordinatesInSixDirections) {
         near(uvFrom(glm::normalize(dvec3(0, 1, std::sqrt(3)))), {0.5, 0.5 + 1.0 / 6}));  // 30 degrees north
 }
 
+// What coordinates are sums of; on the axis, where the angle is any, half a turn in units of 2^-24.
+TEST(Texture, CoordinatesAreAsUncertainAsTheirSums) {
+    SceneMaker maker;
+    maker.plane({0, 0, 0}, {0, 1, 0});
+    PackedScene scene = maker.finish();
+    shared::ObjectFrame frame;
+    frame.toU = {5, 0, 0};
+    frame.toV = {0, 4, 0};
+    frame.toW = {0, 0, 5};
+    frame.offsetU = -50;
+    frame.offsetV = 0.5f;
+    frame.offsetW = -35;
+    scene.objectFrames.push_back(frame);
+    const auto scaleAt = [&](uint32_t kind, const dvec3& place) {
+        scene.objectFrames[0].uvKind = kind;
+        const Tracer tracer(scene);
+        const Ray ray = makeRay(place + dvec3(0, 5, 0), {0, -1, 0});
+        return tracer.surfaceAt(ray, tracer.closest(ray).value()).uvScale;
+    };
+    EXPECT_EQ(scaleAt(shared::kUvFlat, {10, 0, 7}), dvec2(150, 0.5));
+    EXPECT_EQ(scaleAt(shared::kUvAxial, {10, 0, 7}), dvec2(0x1p23, 0.5));
+    EXPECT_NEAR(scaleAt(shared::kUvAxial, {11, 0, 7}).x, (160 + 105) / (2 * std::numbers::pi * 5), 1e-9);
+    EXPECT_TRUE(std::isfinite(scaleAt(shared::kUvRound, {10, 0, 7}).y));
+}
+
 TEST(Texture, TriangleInterpolatesCoordinatesAndColors) {
     SceneMaker maker;
     maker.triangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
@@ -213,6 +238,7 @@ TEST(Texture, TriangleInterpolatesCoordinatesAndColors) {
     EXPECT_EQ(surface().color, dvec3(1));
     scene.triangleSurfaces[0].attributes = shared::kAttributeUvs | shared::kAttributeColors;
     EXPECT_EQ(surface().uv, dvec2(2.5, 7));
+    EXPECT_EQ(surface().uvScale, dvec2(2.5, 7)) << "by which verify moves them";
     EXPECT_EQ(surface().color, dvec3(0.25, 0.25, 0.5));
     scene.triangleSurfaces[0].attributes = shared::kAttributeColors | 2;
     EXPECT_EQ(surface().uv, dvec2(0.25, 0.5));
