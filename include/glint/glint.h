@@ -299,6 +299,7 @@ typedef struct glint_picture {
     glint_out geometry;         /* U32 */
     glint_out primitive;        /* U32 */
     glint_out material;         /* U32 */
+    const char* camera_name;    /* one of the scene's `cameras`, instead of `camera`; NULL: none */
 } glint_picture;
 
 /* Draws the committed scene. Cancelled: the pixels that were finished are written, the others have zeros. */

@@ -213,6 +213,7 @@ struct Picture {
     std::int32_t maxDepth = 0;
     const Camera* camera = nullptr;  // null: the scene's
     Out color = {}, depth = {}, position = {}, normal = {}, geometry = {}, primitive = {}, material = {};
+    const char* cameraName = nullptr;  // one of the scene's `cameras`, instead of `camera`
 };
 
 using Transform = std::array<double, 12>;  // three rows of four
@@ -338,6 +339,7 @@ class Scene {
             camera.fov_y = picture.camera->fovY;
             wanted.camera = &camera;
         }
+        wanted.camera_name = picture.cameraName;
         wanted.width = picture.width;
         wanted.height = picture.height;
         wanted.samples = picture.samples;

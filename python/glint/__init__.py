@@ -345,7 +345,8 @@ class Scene:
                cancelled=None, progress=None):
         """A picture: (height, width, 4) of linear RGB and alpha; for other `layers` than that one a named tuple.
 
-        Sizes and samples of 0 are the scene's. camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y).
+        Sizes and samples of 0 are the scene's. camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y), or
+        the name of one of the scene's `cameras`.
         """
         info = self._info()
         width, height = width or info.width, height or info.height
@@ -353,7 +354,9 @@ class Scene:
         picture.width, picture.height, picture.samples = width, height, samples
         if max_depth is not None:
             picture.max_depth = max_depth or -1
-        if camera is not None:
+        if isinstance(camera, str):
+            picture.camera_name = camera.encode()
+        elif camera is not None:
             eye, target, up, fov = tuple(camera) + ((0, 1, 0), 40)[len(camera) - 2:]
             view = _native.make(_native.Camera)
             view.eye[:], view.target[:], view.up[:], view.fov_y = eye, target, up, fov

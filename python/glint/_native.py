@@ -45,7 +45,8 @@ Camera = _struct("Camera", [("eye", ctypes.c_double * 3), ("target", ctypes.c_do
                             ("fov_y", ctypes.c_double)])
 LAYERS = ("color", "depth", "position", "normal", "geometry", "primitive", "material")
 Picture = _struct("Picture", [("width", ctypes.c_uint32), ("height", ctypes.c_uint32), ("samples", ctypes.c_uint32),
-                              ("max_depth", ctypes.c_int32), ("camera", ctypes.POINTER(Camera))] + [(name, View) for name in LAYERS])
+                              ("max_depth", ctypes.c_int32), ("camera", ctypes.POINTER(Camera))] + [(name, View) for name in LAYERS]
+                  + [("camera_name", ctypes.c_char_p)])
 CANCELLED_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
 PROGRESS_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double)
 Options = _struct("Options", [("cancelled", CANCELLED_CALLBACK), ("progress", PROGRESS_CALLBACK), ("user", ctypes.c_void_p)])

@@ -41,12 +41,16 @@ void addSceneOverrides(OptionTable& table, SceneOptions& options) {
                                options.buildQuality);
 }
 
-void addCamera(OptionTable& table, SceneOptions& options) {
+void addCamera(OptionTable& table, std::string& name) {
     table.value("--camera", "NAME", "the scene's camera of this name (glint info lists them)",
                 [&](const Text& t) {
                     if (t.empty()) throw Error(ErrorKind::Argument, "the name is empty");
-                    options.camera = t;
+                    name = t;
                 });
+}
+
+void addCamera(OptionTable& table, SceneOptions& options) {
+    addCamera(table, options.camera);
 }
 
 void addTime(OptionTable& table, SceneOptions& options) {

@@ -47,8 +47,9 @@ void addScene(OptionTable& table, SceneOptions& options);                       
 void addScenes(OptionTable& table, std::vector<std::filesystem::path>& scenes,  // one or more
                bool& allowOutside);
 void addSceneOverrides(OptionTable& table,
-                       SceneOptions& options);               // --size, --spp, --max-depth, --build-quality
-void addCamera(OptionTable& table, SceneOptions& options);   // --camera
+                       SceneOptions& options);              // --size, --spp, --max-depth, --build-quality
+void addCamera(OptionTable& table, SceneOptions& options);  // --camera
+void addCamera(OptionTable& table, std::string& name);
 void addTime(OptionTable& table, SceneOptions& options);     // --time
 void addMethods(OptionTable& table, SceneOptions& options);  // --intersector, --sphere
 void addMinContribution(OptionTable& table, SceneOptions& options);

@@ -25,7 +25,8 @@ struct ReportCommand {
     std::vector<fs::path> scenes;
     fs::path folder;
     bool allowOutside = false;
-    int width = 160;  // pixels
+    std::string camera;  // by its name; empty: each scene's own
+    int width = 160;     // pixels
     int repeats = 5;
     int truthSamples = 256;
     Backend truth = Backend::Cpu;
@@ -37,6 +38,7 @@ struct ReportCommand {
 
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.allowOutside);
+    addCamera(table, c.camera);
     table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
                "the folder's name", c.folder, OptionTable::Need::Required);
     table.whole("--size", "WIDTH", "of the pictures in pixels (default 160); the height follows", 4, 4096,
@@ -95,7 +97,8 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
         SceneOptions scene;
         scene.scene = path;
         scene.allowOutside = command.allowOutside;
-        subjects.push_back({path, loadAndPack(scene, err)});
+        scene.camera = command.camera;
+        subjects.push_back({path, command.camera, loadAndPack(scene, err)});
     }
     Progress progress("report", command.progress, err, isTerminal(err));
     options.progress = [&](double fraction) { progress.update(fraction); };

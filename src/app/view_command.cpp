@@ -27,6 +27,7 @@ struct ViewCommand {
 void declare(OptionTable& table, ViewCommand& c) {
     addScene(table, c.scene);
     addCamera(table, c.scene);
+    addTime(table, c.scene);
     addSceneOverrides(table, c.scene);
     addDevice(table, c.device);
     table.whole("--frames", "N", "close after N frames (and the script's end)", 1, 1'000'000, c.frames);
@@ -53,6 +54,7 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.scene = command.scene.scene;
     options.loading.allowOutside = command.scene.allowOutside;
     options.loading.camera = command.scene.camera;
+    options.time = command.scene.time;
     options.loading.quality = command.scene.buildQuality;
     if (command.scene.size) {
         options.width = command.scene.size->width;

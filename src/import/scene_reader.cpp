@@ -39,9 +39,18 @@ struct SceneReader::State {
         if (!camera.empty()) chooseCamera(made, camera, name);
         return made;
     }
+    // As they were if it throws.
     void moveCameras(const JsonValue& json) {
-        parseCameras(JsonCursor(json, name), scene);
-        validateCameras(scene, name);
+        const Camera own = scene.camera;
+        const std::vector<NamedCamera> named = scene.cameras;
+        try {
+            parseCameras(JsonCursor(json, name), scene);
+            validateCameras(scene, name);
+        } catch (const Error&) {
+            scene.camera = own;
+            scene.cameras = named;
+            throw;
+        }
         if (!camera.empty()) chooseCamera(scene, camera, name);
     }
     Change show(double time, bool everything);
@@ -110,17 +119,19 @@ SceneReader::Change SceneReader::State::showGltf(double time) {
 SceneReader::Change SceneReader::State::show(double time, bool everything) {
     JsonValue moved = document;
     Change change = everything ? Change::Scene : Change::Nothing;
+    std::vector<std::vector<double>> next = values;  // taken once the scene is known to be one
     for (size_t i = 0; i < animation.tracks.size(); ++i) {
         const AnimationTrack& track = animation.tracks[i];
         std::vector<double> value = valueAt(track.keyframes, time);
         setValue(moved, track, value);
         if (value == values[i]) continue;
-        values[i] = std::move(value);
+        next[i] = std::move(value);
         change = std::max(change, track.movesCamera() ? Change::Camera : Change::Scene);
     }
     try {
         if (change == Change::Camera) moveCameras(moved);
         if (change == Change::Scene) scene = parsed(moved);
+        values = std::move(next);
     } catch (const Error& error) {
         throw Error(error.kind(), error.what() + (" (at " + describe(time) + " s of the animation)"));
     }

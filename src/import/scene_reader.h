@@ -23,7 +23,8 @@ class SceneReader {
 
     // What a later moment changes. Camera: Scene::camera and cameras, and nothing else.
     enum class Change { Nothing, Camera, Scene };
-    // Throws Error(Scene) where the file's rules forbid what the animation comes to.
+    // Throws Error(Scene) where the file's rules forbid what the animation comes to; then the moment before
+    // stays.
     Change moveTo(double time);
 
   private:

@@ -1,11 +1,13 @@
 // Pictures to a caller's buffers.
 #include <algorithm>
 
+#include "core/text_file.h"
 #include "library/ray_reader.h"
 #include "library/snapshot.h"
 #include "library/status.h"
 #include "library/views.h"
 #include "pack/pack_samples.h"
+#include "scene/cameras.h"
 #include "scene/sampling.h"
 #include "scene/validate.h"
 
@@ -33,7 +35,19 @@ dvec3 threeOf(const double (&v)[3]) {
     return {v[0], v[1], v[2]};
 }
 
+Camera cameraNamed(const std::string& name, const Scene& scene) {
+    for (const NamedCamera& known : scene.cameras)
+        if (known.name == name) return known.camera;
+    const std::string names = cameraNames(scene, 20);
+    refuse("glint_render: no camera \"" + printable(name) + "\" (" +
+           (names.empty() ? "none of the scene has a name" : "there are " + names) + ")");
+}
+
 Camera cameraFor(const glint_picture& picture, const Scene& scene) {
+    if (picture.camera_name != nullptr) {
+        require(picture.camera == nullptr, "glint_render: picture has both camera and camera_name");
+        return cameraNamed(picture.camera_name, scene);
+    }
     if (picture.camera == nullptr) return scene.camera;
     const glint_camera given = readStruct(picture.camera, "glint_render: picture.camera");
     Camera camera;

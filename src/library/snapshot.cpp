@@ -35,7 +35,15 @@ uint64_t Snapshot::triangles() const {
 Picture Snapshot::render(const shared::Camera& camera, const Request& request) const {
     if (!(*device_).vulkan) return reference::render(part_.packed, camera, request);
     const std::lock_guard lock(pictureMutex_);
-    if (!renderer_) renderer_ = std::make_unique<render::Renderer>(*(*device_).vulkan, part_.packed);
+    if (!renderer_) {
+        render::Options options;
+        for (const NamedCamera& named : scene_.cameras) {
+            const bool parallel = named.camera.projection == Projection::Orthographic;
+            options.also.parallelCamera = options.also.parallelCamera || parallel;
+            options.also.thinLens = options.also.thinLens || (!parallel && named.camera.lensRadius > 0);
+        }
+        renderer_ = std::make_unique<render::Renderer>(*(*device_).vulkan, part_.packed, options);
+    }
     return renderer_->render(camera, request);
 }
 

@@ -64,6 +64,7 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
 template <typename Visit, typename T>
 void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_t<T>, SceneReport> {
     visit("path", s.path);
+    visit("camera", s.camera);
     visit("name", s.name);
     visit("hash", s.hash);
     visit("width", s.width);
@@ -122,6 +123,7 @@ struct Reader {
     const Json& json;
     template <typename T>
     void operator()(const char* name, T& value) {
+        if (std::string_view(name) == "camera" && !json.contains(name)) return;  // reports had none at first
         read(json.at(name), value);
     }
     template <typename T>

@@ -71,6 +71,7 @@ struct Measured {
 
 struct SceneReport {
     std::string path, name, hash;  // hash: of the scene file and the packed scene
+    std::string camera;            // that was chosen by its name; empty: the scene's own
     int width = 0, height = 0, maxDepth = 0;
     double kappa = 0;
     std::string stiffness;

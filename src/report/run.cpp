@@ -34,8 +34,8 @@ Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
 SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earlier) {
     if (!earlier) return empty;
     for (const SceneReport& scene : earlier->scenes) {
-        if (std::tie(scene.path, scene.hash, scene.width, scene.height) !=
-            std::tie(empty.path, empty.hash, empty.width, empty.height))
+        if (std::tie(scene.path, scene.camera, scene.hash, scene.width, scene.height) !=
+            std::tie(empty.path, empty.camera, empty.hash, empty.width, empty.height))
             continue;
         SceneReport report = scene;
         report.name = empty.name;
@@ -48,8 +48,9 @@ SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earli
 // Scenes of the folder's report that this command does not name stay in it, behind those that it does.
 void keepOtherScenes(const Report& earlier, Report& data) {
     for (const SceneReport& scene : earlier.scenes) {
-        const bool named = std::any_of(data.scenes.begin(), data.scenes.end(),
-                                       [&](const SceneReport& s) { return s.path == scene.path; });
+        const bool named = std::any_of(data.scenes.begin(), data.scenes.end(), [&](const SceneReport& s) {
+            return s.path == scene.path && s.camera == scene.camera;
+        });
         if (named) continue;
         data.scenes.push_back(scene);
         data.scenes.back().name = fs::path(scene.path).stem().string();
@@ -137,7 +138,9 @@ Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::
     for (Subject& subject : subjects) {
         sweeps.push_back(std::make_unique<SceneSweep>(device, subject.path, std::move(subject.loaded),
                                                       options.width, limits));
-        report.scenes.push_back(resumed(sweeps.back()->emptyReport(), earlier));
+        SceneReport empty = sweeps.back()->emptyReport();
+        empty.camera = subject.camera;
+        report.scenes.push_back(resumed(empty, earlier));
         for (const Batch& batch : sweeps.back()->batches())
             work += sweeps.back()->work(batch, report.scenes.back());
     }

@@ -29,6 +29,7 @@ struct Options {
 
 struct Subject {
     std::filesystem::path path;
+    std::string camera;  // that was chosen by its name; empty: the scene's own
     LoadedScene loaded;
 };
 

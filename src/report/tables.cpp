@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/text_file.h"
 #include "report/front.h"
 #include "report/write.h"
 #include "verify/stiffness.h"
@@ -188,9 +189,11 @@ std::string toMarkdown(const Report& data) {
     out += "converged pictures: " + data.truthBackend + ", " + std::to_string(data.truthSamples) +
            " lowDiscrepancy samples of another seed\n";
     for (const SceneReport& scene : data.scenes) {
-        out += "\n## " + scene.name + "\n\n" + std::to_string(scene.width) + " x " +
-               std::to_string(scene.height) + " pixels, greatest depth " + std::to_string(scene.maxDepth) +
-               ", kappa " + shortNumber(scene.kappa) + " (" + scene.stiffness + ")\n\n";
+        out += "\n## " + scene.name + "\n\n" +
+               (scene.camera.empty() ? "" : "camera \"" + printable(scene.camera) + "\", ") +
+               std::to_string(scene.width) + " x " + std::to_string(scene.height) +
+               " pixels, greatest depth " + std::to_string(scene.maxDepth) + ", kappa " +
+               shortNumber(scene.kappa) + " (" + scene.stiffness + ")\n\n";
         out += samplingTable(scene) + "\n" + slopeLine(scene) + "\n" + methodTable(scene) +
                truncationTable(scene) + "\n" + defaultTable(scene) + "\n" + conclusionOf(scene) + "\n";
         if (!scene.leftOut.empty()) {

@@ -84,12 +84,10 @@ void SceneEdits::follow(const SceneEdits& before, const SceneEdits& now) {
     }
 }
 
-std::shared_ptr<const ViewScene> edited(const ViewScene& scene, const SceneEdits& edits,
-                                        const Loading& loading) {
-    Scene copy = scene.scene;
-    copy.materials = edits.materials;
-    copy.transmissiveShadows = edits.transmissiveShadows;
-    return packViewScene(scene.path, std::move(copy), loading);
+Scene edited(Scene scene, const SceneEdits& edits) {
+    scene.materials = edits.materials;
+    scene.transmissiveShadows = edits.transmissiveShadows;
+    return scene;
 }
 
 std::string lightsJson(const std::vector<Light>& lights) {

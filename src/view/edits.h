@@ -1,11 +1,10 @@
 // Changes of a scene that need it packed again: materials, and what shadows of glass do.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "view/view_scene.h"
+#include "scene/scene.h"
 
 namespace glint::view {
 
@@ -20,9 +19,7 @@ struct SceneEdits {
 bool same(const Material& a, const Material& b);
 bool same(const SceneEdits& a, const SceneEdits& b);
 
-// The scene with the edits, packed as `loading` says.
-std::shared_ptr<const ViewScene> edited(const ViewScene& scene, const SceneEdits& edits,
-                                        const Loading& loading);
+Scene edited(Scene scene, const SceneEdits& edits);
 
 // As a scene file writes them: "lights": [...], and "materials": {...} with those fields of each that differ
 // from `before`; empty if nothing does.

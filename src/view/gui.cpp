@@ -194,6 +194,10 @@ Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move
     style.ItemSpacing = ImVec2(6, 3);
     style.FramePadding = ImVec2(4, 2);
     style.ScaleAllSizes(scale);
+    // An empty box must be seen on a dark picture, and a number under a slider's grip.
+    style.FrameBorderSize = 1;
+    style.Colors[ImGuiCol_Border] = ImVec4(0.45f, 0.5f, 0.6f, 0.6f);
+    style.Colors[ImGuiCol_SliderGrab].w = 0.6f;
     style.WindowRounding = style.FrameRounding = style.GrabRounding = 0;
     style.AntiAliasedLinesUseTex = false;
 }

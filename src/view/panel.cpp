@@ -107,13 +107,13 @@ void drawStatus(const PanelModel& m) {
 
 constexpr float kPanelLines = 16.5f;  // the panel's width in heights of a line
 
-// Over the picture: movable, and closed by its heading's triangle.
-bool beginOverlay(float width) {
+// Over the picture, at most so high: movable, and closed by its heading's triangle.
+bool beginOverlay(float width, float height) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSizeConstraints(ImVec2(std::min(12 * line, screen.x), 0),
-                                        ImVec2(screen.x, std::max(screen.y, 2 * line)));
+                                        ImVec2(screen.x, std::max(height, 2 * line)));
     ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowBgAlpha(0.85f);
     constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoSavedSettings |
@@ -124,10 +124,10 @@ bool beginOverlay(float width) {
     return open;
 }
 
-// Beside the picture, as high as the window.
-bool beginDocked(float width) {
+// Beside the picture.
+bool beginDocked(float width, float height) {
     ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_Always);
-    ImGui::SetNextWindowSize(ImVec2(width, ImGui::GetIO().DisplaySize.y), ImGuiCond_Always);
+    ImGui::SetNextWindowSize(ImVec2(width, std::max(height, 1.0f)), ImGuiCond_Always);
     ImGui::SetNextWindowBgAlpha(1);
     constexpr ImGuiWindowFlags kFlags = kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse;
     return ImGui::Begin("glint - F1: keys, H: hide##docked", nullptr, kFlags);
@@ -140,7 +140,9 @@ void drawMain(Gui& gui, PanelModel& m) {
     const bool docked = m.docked && m.left > 0;
     const float width = docked ? static_cast<float>(m.left) : std::min(kPanelLines * line, screen.x);
     const bool large = screen.y >= 50 * line;
-    if (docked ? beginDocked(width) : beginOverlay(width)) {
+    m.timelineHeight = drawTimeline(gui, m, width);
+    const float height = screen.y - m.timelineHeight;
+    if (docked ? beginDocked(width, height) : beginOverlay(width, height)) {
         ImGui::PushItemWidth(width - 8 * line - (docked ? ImGui::GetStyle().ScrollbarSize : 0));
         drawStatus(m);
         drawView(gui, m);
@@ -174,6 +176,7 @@ void drawPanel(Gui& gui, PanelModel& model) {
     drawMarks(model);
     drawLegend(gui, model);
     if (model.hints != nullptr) drawHints(gui, model);
+    if (!model.panelVisible) model.timelineHeight = 0;
     if (model.panelVisible) drawMain(gui, model);
     if (model.saveAsVisible) drawSaveAs(gui, model);
     if (model.openVisible) drawOpen(gui, model);

@@ -17,6 +17,7 @@
 #include "view/picker.h"
 #include "view/ray_lines.h"
 #include "view/session.h"
+#include "view/timeline.h"
 #include "view/toasts.h"
 
 namespace glint::view {
@@ -49,7 +50,10 @@ enum class Wish {
     WriteCameras,  // the bookmarks, into the scene's file
     ResetCamera,
     FocusPicked,
-    PrintCamera
+    PrintCamera,
+    PlayPause,
+    FrameBack,
+    FrameOn
 };
 
 // Everything the panel shows, and what it changes.
@@ -87,7 +91,9 @@ struct PanelModel {
     PictureSettings fileSettings;                                // what "reset" goes back to
     SceneEdits fileEdits;
     bool perspective = true;
-    double reach = 1;  // radius of the scene
+    double reach = 1;                 // radius of the scene
+    std::optional<double> shownTime;  // of the animation, seconds; empty: as the file says it
+    double seconds = 0;               // of the clock that `timeline` goes by
 
     // changed
     PictureSettings settings;
@@ -109,6 +115,7 @@ struct PanelModel {
     int zoom = 9;  // pixels across the inspector's magnifier
     bool pinsPick = false, drawsRays = true;
     Comparison* comparison = nullptr;
+    Timeline* timeline = nullptr;
     bool saveAsVisible = false, openVisible = false;
     std::filesystem::path openFolder;
     std::vector<FileEntry> openFiles;  // there
@@ -118,7 +125,8 @@ struct PanelModel {
     static constexpr size_t kNoCamera = ~size_t{0};
     size_t camera = kNoCamera;  // that was gone to, of the file's and then the bookmarks
     Wish wish = Wish::None;
-    double helpScroll = 0;  // pixels
+    double helpScroll = 0;     // pixels
+    float timelineHeight = 0;  // pixels, of the last frame; 0: there is none
 };
 
 // What a docked panel takes of a window that is so wide, pixels; never more than half.

@@ -214,7 +214,8 @@ void drawHints(Gui& gui, const PanelModel& m) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const auto left = static_cast<float>(m.left);
     const float width = std::min(28 * line, screen.x - left);
-    ImGui::SetNextWindowPos(ImVec2(left, screen.y), ImGuiCond_Always, ImVec2(0, 1));
+    ImGui::SetNextWindowPos(ImVec2(left, screen.y - (m.left > 0 ? 0 : m.timelineHeight)), ImGuiCond_Always,
+                            ImVec2(0, 1));
     ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_Always);
     ImGui::SetNextWindowBgAlpha(0.85f);
     bool open = true;

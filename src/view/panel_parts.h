@@ -73,6 +73,8 @@ void drawCompare(Gui& gui, PanelModel& m);
 void drawSpeed(Gui& gui, PanelModel& m);
 void drawSaveAs(Gui& gui, PanelModel& m);
 void drawOpen(Gui& gui, PanelModel& m);
+// panel_timeline.cpp: at the bottom of the panel's column, so wide. Returns its height; 0 without animation.
+float drawTimeline(Gui& gui, PanelModel& m, float width);
 // panel_overlays.cpp
 void drawHelp(Gui& gui, PanelModel& m);
 void drawPickWindow(Gui& gui, PanelModel& m);

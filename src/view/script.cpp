@@ -49,13 +49,9 @@ constexpr ScriptWord kWords[] = {
     {"lose-device", "", 0, 0, "behave as if the device had been lost"},
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
-     "print something that `expect` knows: aim, camera, cameras, control LABEL, covered, difference, "
-     "exposure, "
-     "figures, "
-     "focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, recent, samples, scroll, "
-     "submissions, "
-     "toast, tonemap, "
-     "tree, depth"},
+     "print something that `expect` knows: aim, built, camera, cameras, control LABEL, covered, difference, "
+     "exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, rate, "
+     "recent, samples, scroll, submissions, time, toast, tonemap, tree, depth"},
     {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},
     {"await", "WHAT VALUE...", 2, kAny, "until it prints as VALUE; fails after a minute"},
     {"expect-object", "N|none", 1, 1, "the last click picked this object"},

@@ -24,9 +24,10 @@ struct Loading {
 struct Options {
     std::filesystem::path scene;
     Loading loading;
-    int width = 0, height = 0;  // of the window's picture; 0: the scene's
-    double scale = 0;           // of text and controls; 0: the screen's
-    std::string device;         // selector, see gpu::chooseDevice
+    std::optional<double> time;  // of the animation, seconds; empty: as the file says it
+    int width = 0, height = 0;   // of the window's picture; 0: the scene's
+    double scale = 0;            // of text and controls; 0: the screen's
+    std::string device;          // selector, see gpu::chooseDevice
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
     std::filesystem::path script;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/available_memory.h"
-#include "import/load.h"
 #include "pack/kind_packer.h"
 #include "pack/scene_arrays.h"
 
@@ -49,19 +47,18 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
 
 }  // namespace
 
-std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, const Loading& loading) {
-    Scene scene = loadScene(path, {loading.allowOutside, availableMemory(), loading.camera});
+Scene withOverrides(Scene scene, const Loading& loading) {
     if (loading.maxDepth) scene.maxDepth = *loading.maxDepth;
     if (loading.samplesPerPixel) scene.image.samplesPerPixel = *loading.samplesPerPixel;
-    return packViewScene(path, std::move(scene), loading);
+    return scene;
 }
 
 std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
-                                               const Loading& loading) {
+                                               BuildQuality quality, TreeMemory* memory) {
     auto loaded = std::make_shared<ViewScene>();
     loaded->path = path;
     loaded->scene = std::move(scene);
-    loaded->packed = packScene(loaded->scene, 0, loading.quality);
+    loaded->packed = packScene(loaded->scene, 0, quality, true, memory);
     const auto& materials = loaded->packed.materials;
     loaded->also.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
     loaded->also.parallelCamera = loaded->also.thinLens = true;  // the panel may ask for them

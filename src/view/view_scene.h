@@ -21,12 +21,12 @@ struct ViewScene {
     SceneFeatures also;
 };
 
-// Loads and packs. Throws Error(Scene) as loadScene does.
-std::shared_ptr<const ViewScene> loadViewScene(const std::filesystem::path& path, const Loading& loading);
+// With what the command line says instead of the file.
+Scene withOverrides(Scene scene, const Loading& loading);
 
-// A scene that is in memory already.
+// `memory`: of trees, may be null; see pack/tree_memory.h.
 std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path, Scene scene,
-                                               const Loading& loading);
+                                               BuildQuality quality, TreeMemory* memory = nullptr);
 
 // Around everything that is finite; around eye and target if nothing is.
 Ball boundsOf(const ViewScene& scene);

@@ -33,8 +33,10 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     : options_(options),
       out_(out),
       err_(err),
-      scene_(loadViewScene(options.scene, options.loading)),
-      fileScene_(scene_),
+      moments_(std::make_shared<Moments>(options.scene, options.loading, options.time)),
+      scene_(moments_->show().scene),
+      timeAtWork_(options.time),
+      time_(options.time),
       window_(sizeOf(options, scene_->scene), "glint: " + options.scene.filename().string()),
       gui_(options.scale > 0 ? static_cast<float>(options.scale) : window_.scale(),
            {[this] { return window_.clipboard(); },
@@ -45,11 +47,15 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
       hints_(stateFile("hints")),
       seenCamera_(scene_->scene.camera) {
     if (!options_.script.empty()) script_ = readScript(options_.script);
+    fileScene_ = {scene_, &scene_->scene};
     for (const std::string& w : scene_->scene.warnings) err_ << "glint: warning: " << w << '\n';
     for (const std::string& w : scene_->packed.warnings)
         err_ << "glint: warning: " << options_.scene.string() << ": " << w << '\n';
     model_.settings = model_.fileSettings = PictureSettings::of(scene_->scene);
     model_.edits = model_.fileEdits = editsAtWork_ = SceneEdits::of(scene_->scene);
+    timeline_.follow(scene_->scene.animation);
+    timeline_.setTime(options_.time);
+    model_.timeline = &timeline_;
     model_.mode = options_.presentMode;
     for (size_t i = 0; i < fileCameras().size(); ++i)
         if (fileCameras()[i].name == options_.loading.camera) model_.camera = i;
@@ -123,11 +129,12 @@ bool Viewer::inputWaits() const {
 
 bool Viewer::hasWork() const {
     const bool driven = !scriptIdles_ && (scripted() || options_.frames > 0);
-    return driven || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || !session_->rested();
+    return driven || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || timeline_.playing() ||
+           !session_->rested();
 }
 
 double Viewer::restSeconds() const {
-    const bool busy = saving_.running() || verifying_.running() || referring_.running();
+    const bool busy = saving_.running() || verifying_.running() || referring_.running() || packing_.running();
     double seconds = busy ? 0.1 : kFileSeconds;
     const double toast = toasts_.next(clock_.seconds());
     if (toast >= 0) seconds = std::min(seconds, toast);
@@ -222,6 +229,7 @@ void Viewer::round() {
     flyOn(roundWatch_.seconds());
     noteCamera();
     roundWatch_.restart();
+    playOn();
     pollJobs();
     pollFiles();
     if (interrupted() || (closingAsked_ && !saving_.running())) closing_ = true;
@@ -264,7 +272,7 @@ void Viewer::finish() {
     verifying_.stop();
     referring_.stop();
     loading_.stop();
-    editing_.stop();
+    packing_.stop();
     session_.reset();
     swapchain_.reset();
     reportValidation();

@@ -20,11 +20,13 @@
 #include "view/history.h"
 #include "view/jobs.h"
 #include "view/keys.h"
+#include "view/moments.h"
 #include "view/panel.h"
 #include "view/recent_files.h"
 #include "view/scene_files.h"
 #include "view/script.h"
 #include "view/session.h"
+#include "view/timeline.h"
 #include "view/toasts.h"
 #include "view/view.h"
 #include "view/window.h"
@@ -58,10 +60,13 @@ class Viewer {
     void say(const std::string& text, ToastKind kind = ToastKind::Info);
 
     // viewer_jobs.cpp
-    void useScene(std::shared_ptr<const ViewScene> scene);
+    struct Loaded {
+        std::shared_ptr<Moments> moments;
+        Moment shown;
+    };
+    void useScene(Loaded loaded);
     void pollJobs();
     void pollLoading();
-    void pollEditing();
     void showScene(std::shared_ptr<const ViewScene> scene);
     void pollFiles();
     void startLoading();
@@ -74,6 +79,13 @@ class Viewer {
     void compareWith(const std::filesystem::path& picture);
     void drop(const std::vector<std::string>& files);
     const Image* comparable() const;  // the window's linear colours; null: not there
+
+    // viewer_moments.cpp
+    void playOn();
+    void pollPacking();
+    void takeMoment(Moment moment);
+    bool performTime(Action action);
+    std::string momentText() const;  // how `glint render` is asked for the moment that is shown; may be empty
 
     // viewer_model.cpp
     void fillModel();
@@ -107,7 +119,7 @@ class Viewer {
     void changeLayer(int step);
 
     // viewer_cameras.cpp
-    const std::vector<NamedCamera>& fileCameras() const { return fileScene_->scene.cameras; }
+    const std::vector<NamedCamera>& fileCameras() const { return fileScene_->cameras; }
     void keepCamera();
     void goToCamera(size_t index);  // of the file's, then the bookmarks
     void writeCameras();
@@ -137,9 +149,12 @@ class Viewer {
     Options options_;
     std::ostream& out_;
     std::ostream& err_;
-    std::shared_ptr<const ViewScene> scene_;      // that is shown
-    std::shared_ptr<const ViewScene> fileScene_;  // without the panel's edits
-    SceneEdits editsAtWork_;                      // of editing_, or of scene_
+    std::shared_ptr<Moments> moments_;
+    std::shared_ptr<const Scene> fileScene_;   // of the moment that is shown, without the panel's edits
+    std::shared_ptr<const ViewScene> scene_;   // that is shown
+    SceneEdits editsAtWork_;                   // of packing_, or of scene_
+    std::optional<double> timeAtWork_, time_;  // of packing_, or of scene_; of scene_
+    Timeline timeline_;
     Window window_;
     // Destroyed from the last to the first.
     std::unique_ptr<gpu::Device> device_;
@@ -148,7 +163,8 @@ class Viewer {
     Job<std::string> saving_;
     Job<VerifyResult> verifying_;
     Job<Image> referring_;
-    Job<std::shared_ptr<const ViewScene>> loading_, editing_;
+    Job<Loaded> loading_;
+    Job<Moment> packing_;
     Gui gui_;
     CameraControl control_;
     CameraHistory history_;

@@ -40,13 +40,13 @@ void Viewer::goToCamera(size_t index) {
 
 // The file belongs to whoever edits it: what has changed since it was read is not overwritten.
 void Viewer::writeCameras() {
-    const std::filesystem::path& file = fileScene_->path;
+    const std::filesystem::path& file = scene_->path;
     try {
         if (bookmarks_.empty()) throw Error(ErrorKind::Argument, "M keeps a bookmark");
         for (const NamedCamera& bookmark : bookmarks_)
             if (bookmark.name.empty()) throw Error(ErrorKind::Argument, "give each bookmark a name");
         const std::string text = readWholeFile(file);
-        const std::vector<SourceFile>& read = fileScene_->scene.sources;
+        const std::vector<SourceFile>& read = fileScene_->sources;
         const uint64_t hash = contentHash(text);
         if (std::none_of(read.begin(), read.end(), [&](const SourceFile& s) { return s.hash == hash; }))
             throw Error(ErrorKind::Failed,

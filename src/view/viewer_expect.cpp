@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "core/error.h"
+#include "core/text_file.h"
 #include "view/viewer.h"
 
 namespace glint::view {
@@ -67,6 +68,10 @@ std::string Viewer::stateOf(const ScriptCommand& command) const {
     if (what == "samples") return std::to_string(session_->samples());
     if (what == "scroll") return text("%.0f", model_.helpScroll);
     if (what == "submissions") return std::to_string(session_->times().submissions);
+    if (what == "time") return time_ ? describe(*time_) : "none";
+    if (what == "playing") return onOffText(timeline_.playing());
+    if (what == "rate") return text("%g", timeline_.rate());
+    if (what == "built") return std::to_string(moments_->treesBuilt());
     if (what == "tree") return text("%.9g", scene_->packed.statistics.sahCost);
     if (what == "tonemap") return std::string(nameOf(model_.display.toneMap));
     if (what == "depth") return std::to_string(model_.settings.maxDepth);

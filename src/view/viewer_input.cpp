@@ -169,7 +169,7 @@ void Viewer::perform(Action action) {
         touchMotion();
         return;
     }
-    if (performView(action) || performFile(action)) return;
+    if (performView(action) || performFile(action) || performTime(action)) return;
     switch (action) {
         case Action::Quit:
             askToClose();

@@ -11,33 +11,26 @@
 namespace glint::view {
 
 // Of the same file as before, or of another.
-void Viewer::useScene(std::shared_ptr<const ViewScene> scene) {
-    const PictureSettings file = PictureSettings::of(scene->scene);
-    const SceneEdits edits = SceneEdits::of(scene->scene);
-    const double radius = boundsOf(*scene).radius;
-    if (opensAnother_) {
-        const PictureSettings mine = std::exchange(model_.settings, file);
+void Viewer::useScene(Loaded loaded) {
+    if (std::exchange(opensAnother_, false)) {
+        const Scene& scene = *loaded.shown.file;
+        const PictureSettings mine = std::exchange(model_.settings, PictureSettings::of(scene));
         model_.settings.layer = mine.layer;
         model_.settings.sampleLimit = mine.sampleLimit;
-        model_.edits = edits;
-        control_ = CameraControl(scene->scene.camera, radius);
+        model_.fileSettings = model_.settings;
+        model_.edits = model_.fileEdits = SceneEdits::of(scene);
+        control_ = CameraControl(scene.camera);
         history_ = {};
         bookmarks_.clear();
         model_.camera = PanelModel::kNoCamera;
-        opensAnother_ = false;
-    } else {
-        model_.settings.follow(model_.fileSettings, file);
-        model_.edits.follow(model_.fileEdits, edits);
-        control_.follow(scene->scene.camera, radius);
+        timeline_ = {};
+        timeline_.setTime(loaded.shown.time);
     }
-    seenCamera_ = control_.camera();
-    model_.fileSettings = file;
-    model_.fileEdits = edits;
-    model_.reach = radius;
-    editing_.stop();
-    fileScene_ = scene;
-    editsAtWork_ = edits;  // what still differs is packed next
-    showScene(std::move(scene));
+    packing_.stop();
+    moments_ = std::move(loaded.moments);
+    timeAtWork_ = loaded.shown.time;
+    takeMoment(std::move(loaded.shown));
+    timeline_.follow(fileScene_->animation);
 }
 
 void Viewer::showScene(std::shared_ptr<const ViewScene> scene) {
@@ -55,30 +48,16 @@ void Viewer::showScene(std::shared_ptr<const ViewScene> scene) {
     dirty_ = 3;
 }
 
-// Materials need the scene packed again, beside the window; what changes meanwhile is packed after that.
-void Viewer::pollEditing() {
-    if (editing_.finished()) {
-        try {
-            showScene(editing_.take());
-        } catch (const Error& e) {
-            say(e.what(), ToastKind::Error);
-        }
-    }
-    if (editing_.running() || loading_.running() || same(model_.edits, editsAtWork_)) return;
-    editsAtWork_ = model_.edits;
-    editing_.start([scene = fileScene_, edits = model_.edits, loading = options_.loading](JobControl&) {
-        auto packed = edited(*scene, edits, loading);
-        Window::wake();
-        return packed;
-    });
-}
-
 void Viewer::startLoading() {
-    const Options options = options_;
-    loading_.start([options](JobControl&) {
-        auto scene = loadViewScene(options.scene, options.loading);
+    if (opensAnother_) options_.time.reset();
+    loading_.start([options = options_, another = opensAnother_, time = timeline_.time(),
+                    edits = model_.edits, before = model_.fileEdits](JobControl&) {
+        Loaded loaded;
+        loaded.moments = std::make_shared<Moments>(options.scene, options.loading,
+                                                   another ? std::optional<double>() : time);
+        loaded.shown = another ? loaded.moments->show() : loaded.moments->show({}, edits, before);
         Window::wake();
-        return scene;
+        return loaded;
     });
     dirty_ = 3;
 }
@@ -138,7 +117,7 @@ void Viewer::pollJobs() {
         say("the reference is there to compare with");
     });
     pollLoading();
-    pollEditing();
+    pollPacking();
 }
 
 void Viewer::pollLoading() {
@@ -171,8 +150,8 @@ void Viewer::startSaving(const std::filesystem::path& file, bool seen) {
     if (!seen) {
         const RenderRequest request = {viewRequest(*session_), file, model_.settings.sampling,
                                        model_.display};
-        saving_.start([this, request](JobControl& control) {
-            std::string line = save(*device_, request, control);
+        saving_.start([this, request, moment = momentText()](JobControl& control) {
+            std::string line = save(*device_, request, control) + moment;
             Window::wake();
             return line;
         });
@@ -182,8 +161,8 @@ void Viewer::startSaving(const std::filesystem::path& file, bool seen) {
     // What lies over the picture's own colours is seen too.
     if (request.canvas && (difference_ || comparison_.mode != CompareMode::Off))
         request.canvas = background();
-    saving_.start([this, request = std::move(request)](JobControl& control) mutable {
-        std::string line = save(*device_, std::move(request), control);
+    saving_.start([this, request = std::move(request), moment = momentText()](JobControl& control) mutable {
+        std::string line = save(*device_, std::move(request), control) + moment;
         Window::wake();
         return line;
     });

@@ -39,6 +39,8 @@ void Viewer::fillModel() {
     model_.bookmarks = &bookmarks_;
     model_.holdsCameras = lowerExtension(scene_->path) == ".json";
     model_.recent = &recent_.list();
+    model_.shownTime = time_;
+    model_.seconds = clock_.seconds();
     model_.hints = hinting_ && hints_.any() ? &hints_ : nullptr;
     model_.targetSeconds = pace_.target();
     const Camera& camera = control_.camera();
@@ -164,6 +166,12 @@ void Viewer::grant(Wish wish) {
             return;
         case Wish::PrintCamera:
             return perform(Action::PrintCamera);
+        case Wish::PlayPause:
+            return perform(Action::PlayPause);
+        case Wish::FrameBack:
+            return perform(Action::FrameBack);
+        case Wish::FrameOn:
+            return perform(Action::FrameOn);
         case Wish::None:
             return;
     }

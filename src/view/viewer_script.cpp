@@ -48,8 +48,8 @@ void Viewer::failScript(const ScriptCommand& command, const std::string& what) {
 
 bool Viewer::settled() const {
     return !moving() && session_->finished() && !saving_.running() && !verifying_.running() &&
-           !referring_.running() && !loading_.running() && !editing_.running() &&
-           same(model_.edits, editsAtWork_);
+           !referring_.running() && !loading_.running() && !packing_.running() && !timeline_.playing() &&
+           timeline_.time() == timeAtWork_ && same(model_.edits, editsAtWork_);
 }
 
 void Viewer::waitFrames(int frames) {

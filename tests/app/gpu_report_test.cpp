@@ -97,6 +97,39 @@ TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
     EXPECT_EQ(readJson()["scenes"].size(), 1u);
 }
 
+// Measured as a file would be whose own camera that is, and kept beside the report of the scene's own.
+TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
+    const std::string rest =
+        R"("background": 0.5, "ambient": 0.1, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}])";
+    const std::string near = R"({"eye": [0, 0, 3]})";
+    const std::string image = R"({"image": {"width": 16, "height": 12}, )";
+    writeText("a.json",
+              image + R"("camera": {"eye": [0, 0, 5]}, "cameras": {"near": )" + near + "}, " + rest + "}");
+    writeText("b.json", image + R"("camera": )" + near + ", " + rest + "}");
+    ASSERT_EQ(report().code, 0);
+    const Ran chosen = report({"b.json"});
+    ASSERT_EQ(chosen.code, 0) << chosen.err;
+    const Ran ran = report({"--camera", "near"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("\ncamera \"near\", 16 x 12 pixels"), std::string::npos) << ran.out;
+    const nlohmann::json json = readJson();
+    const auto errors = [&](size_t scene) {
+        std::vector<double> list;
+        for (const nlohmann::json& c : json["scenes"][scene]["configurations"])
+            list.push_back(c["total"]["rmse"]);
+        return list;
+    };
+    ASSERT_EQ(json["scenes"].size(), 3u);
+    EXPECT_EQ(json["scenes"][0]["camera"], "near");
+    size_t own = 1, other = 2;
+    if (json["scenes"][own]["path"] != "a.json") std::swap(own, other);
+    EXPECT_EQ(json["scenes"][own]["camera"], "");
+    EXPECT_EQ(json["scenes"][other]["path"], "b.json");
+    EXPECT_EQ(errors(0), errors(other));
+    EXPECT_NE(errors(0), errors(own));
+    EXPECT_EQ(report({"--camera", "far"}).err, "glint: a.json: no camera \"far\" (there are \"near\")\n");
+}
+
 TEST_F(GpuReport, BudgetLeavesOutAndSaysWhat) {
     const Ran ran = report({"--budget", "0"});
     EXPECT_EQ(ran.code, 0) << ran.err;

@@ -150,5 +150,21 @@ TEST_F(AnimationFile, MomentsAreChecked) {
         << error;
 }
 
+// And the moment before stays: the same question has the same answer, and the way back is a way.
+TEST_F(AnimationFile, AMomentAtFaultIsNotTaken) {
+    for (const char* track : {R"({"target": "/objects/1/radius", "times": [0, 1], "values": [1, -1]})",
+                              R"({"target": "/camera/fovY", "times": [0, 1], "values": [30, -30]})"}) {
+        SceneReader r = reader(track);
+        r.moveTo(0.25);
+        const double radius = std::get<SphereShape>(r.scene().objects[1].shape).radius;
+        const double fov = r.scene().camera.fovY;
+        for (int i = 0; i < 2; ++i) EXPECT_NE(glint::test::errorOf([&] { r.moveTo(0.75); }), "") << track;
+        EXPECT_EQ(std::get<SphereShape>(r.scene().objects[1].shape).radius, radius);
+        EXPECT_EQ(r.scene().camera.fovY, fov);
+        EXPECT_EQ(r.moveTo(0.25), Change::Nothing);
+        EXPECT_NE(r.moveTo(0.375), Change::Nothing);
+    }
+}
+
 }  // namespace
 }  // namespace glint::test::animation_test

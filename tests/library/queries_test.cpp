@@ -218,6 +218,9 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
     camera.up[2] = 1;
     camera.fov_y = 40;
     picture.camera = &camera;
+    picture.camera_name = "top";
+    EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT) << "both";
+    picture.camera_name = nullptr;
     const std::vector<double> before = depth;
     ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
     EXPECT_NE(depth, before);

@@ -134,6 +134,17 @@ def test_pictures(device):
     assert above.depth[12, 16] > 800
 
 
+def test_cameras_by_name(device, tmp_path):
+    scene = '{"camera": %s, "cameras": {"top": {"type": "orthographic", "eye": [0, 9, 1], "height": 5}}, "objects": [{"type": "box", "min": [-1, -1, -1], "max": [1, 1, 1]}]}'
+    (tmp_path / "own.json").write_text(scene % '{"type": "orthographic", "eye": [0, 9, 1], "height": 5}')
+    (tmp_path / "named.json").write_text(scene % '{"eye": [0, 0, 5]}')
+    own = glint.render(tmp_path / "own.json", 32, 24, 1, device=device, layers=("depth",))
+    named = glint.render(tmp_path / "named.json", 32, 24, 1, device=device, layers=("depth",), camera="top")
+    assert numpy.array_equal(own.depth, named.depth) and numpy.isfinite(own.depth).any()
+    with pytest.raises(glint.Error, match='no camera "tip" .there are "top".'):
+        glint.render(tmp_path / "named.json", 32, 24, 1, device=device, camera="tip")
+
+
 def test_errors(device, cube):
     with pytest.raises(glint.Error) as error:
         glint.Scene.load("/no/such/file.json", device)

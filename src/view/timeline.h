@@ -1,0 +1,52 @@
+// Which moment of an animation is shown, and how it goes on.
+#pragma once
+
+#include <optional>
+
+#include "scene/scene.h"
+
+namespace glint::view {
+
+class Timeline {
+  public:
+    // Of the scene that is shown now; without a span nothing moves. The moment stays, and so does a rate that
+    // the user has chosen.
+    void follow(const std::optional<AnimationSpan>& span);
+    bool any() const { return span_.has_value(); }
+
+    // The moment that is wanted, in seconds; empty: the scene as its file says it.
+    std::optional<double> time() const { return time_; }
+    void setTime(std::optional<double> time);  // stops there
+    // As `glint render --frames` counts them; that next to the moment.
+    int frame() const;
+    // From the first keyframe to the last one.
+    int first() const;
+    int last() const;
+
+    double rate() const { return rate_ ? *rate_ : span_ ? span_->framesPerSecond : 24; }  // frames a second
+    void setRate(double rate, double now);
+    bool loops() const { return loops_; }
+    void setLoops(bool loops, double now);
+
+    // `now`: of any clock, in seconds. Playing begins at the moment that is shown, or anew at the end.
+    bool playing() const { return playing_; }
+    void play(double now);
+    void pause() { playing_ = false; }
+    // True if there is another moment to show. Frames that come too late are left out.
+    bool advance(double now);
+
+    // All of them stop playing. Not farther than the ends.
+    void goTo(int frame);
+    void step(int frames);
+
+  private:
+    void restart(double now);
+
+    std::optional<AnimationSpan> span_;
+    std::optional<double> time_, rate_;
+    bool playing_ = false, loops_ = true;
+    double since_ = 0;  // when `from_` was shown
+    int from_ = 0;
+};
+
+}  // namespace glint::view
