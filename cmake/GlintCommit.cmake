@@ -1,8 +1,12 @@
 # glint_commit(<target> <output.cpp>): a source of <target> that says which commit is built, written anew only when that changes, so that
-# a build without changes compiles nothing. Without git, or outside a repository (a tarball): "unknown".
+# a build without changes compiles nothing. Outside a repository: what git archive wrote into commit.txt; failing that, "unknown".
 if(CMAKE_SCRIPT_MODE_FILE)
   cmake_minimum_required(VERSION 3.25)
   set(commit unknown)
+  file(READ ${CMAKE_CURRENT_LIST_DIR}/commit.txt archived)
+  if(archived MATCHES "^[0-9a-f]+")
+    string(SUBSTRING "${archived}" 0 12 commit)
+  endif()
   find_program(git git)
   if(git)
     execute_process(COMMAND ${git} -C ${SOURCE} rev-parse --show-toplevel OUTPUT_VARIABLE top OUTPUT_STRIP_TRAILING_WHITESPACE

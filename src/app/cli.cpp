@@ -2,11 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <new>
 #include <ostream>
 
-#include "app/commands.h"
+#include "app/command_list.h"
 #include "app/exit_code.h"
 #include "app/usage.h"
 #include "core/error.h"
@@ -16,66 +15,10 @@ namespace glint::app {
 
 namespace {
 
-constexpr const char* kFooter =
-    "Examples:\n"
-    "  glint render scenes/spheres.json -o spheres.png --size 1280x960\n"
-    "  glint render bunny.ply --backend cpu\n"
-    "  glint verify scenes/spheres.json\n"
-    "\n"
-    "glint COMMAND --help tells a command's options.\n"
-    "Exit codes: 0 done, 1 could not render or write, 2 usage, 3 the scene is at fault, 4 no usable device,\n"
-    "5 difference found, 130 interrupted.";
-
-struct Command {
-    const char* name;
-    const char* help;
-    Run (*declare)(OptionTable& table);
-};
-
-// In the order of the help text.
-constexpr Command kCommands[] = {
-    {"render", "render a scene to a picture", renderCommand},
-    {"merge", "put the parts of a picture together that render --part drew", mergeCommand},
-    {"view", "a window to look around a scene in", viewCommand},
-    {"verify", "compare the shaders' picture with the reference's, pixel by pixel", verifyCommand},
-    {"report", "error against run time, for many settings of each scene", reportCommand},
-    {"bench", "rays a second for each class of rays, and the time that each stage takes", benchCommand},
-    {"trace", "trace single rays and print what they hit as CSV", traceCommand},
-    {"diff", "how far apart two pictures are; exit code 5 if they differ", diffCommand},
-    {"info", "what a scene holds, and what its pipeline leaves out", infoCommand},
-    {"devices", "the Vulkan devices, chosen or refused and why", devicesCommand},
-};
-
-class HelpFormatter : public CLI::Formatter {
-    std::string make_usage(const CLI::App* app, std::string name) const override {
-        return app->get_parent() == nullptr ? "Usage: glint COMMAND [OPTIONS]\n"
-                                            : Formatter::make_usage(app, name);
-    }
-};
-
-// The command line without its commands.
-void prepare(CLI::App& app) {
-    app.formatter(std::make_shared<HelpFormatter>());  // commands added from here on inherit it
-    app.set_version_flag("--version", "glint " GLINT_VERSION, "print the version and exit");
-    app.set_help_flag("-h,--help", "print this help and exit");
-    app.require_subcommand(0, 1);
-    app.get_formatter()->label("REQUIRED", "");
-    app.get_formatter()->column_width(34);
-}
-
 int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& err) {
-    CLI::App app(
-        "glint: a ray tracer in Vulkan compute shaders, checked against a double-precision reference",
-        "glint");
-    prepare(app);
-    std::vector<Run> runs;
-    for (const Command& command : kCommands) {
-        CLI::App& added = *app.add_subcommand(command.name, command.help);
-        added.group("Commands");
-        OptionTable table(added);
-        runs.push_back(command.declare(table));
-    }
-    app.footer(kFooter);  // after the commands, which would inherit it
+    CLI::App app;
+    ProgramFlags flags;
+    const std::vector<Run> runs = declareProgram(app, flags);
     if (!args.empty() && args.front() == "help") {
         args.erase(args.begin());
         args.push_back("--help");
@@ -91,7 +34,8 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
         return static_cast<int>(ExitCode::Done);
     }
     for (size_t i = 0; i < runs.size(); ++i)
-        if (app.got_subcommand(kCommands[i].name)) return runs[i](out, err);
+        if (app.got_subcommand(commands()[i].name)) return runs[i](out, err);
+    if (flags.verbose) throw Error(ErrorKind::Argument, "--verbose: says nothing without --version");
     err << app.help();
     return static_cast<int>(ExitCode::Usage);
 }

@@ -23,5 +23,6 @@ Run traceCommand(OptionTable& table);
 Run diffCommand(OptionTable& table);
 Run infoCommand(OptionTable& table);
 Run devicesCommand(OptionTable& table);
+Run pagesCommand(OptionTable& table);
 
 }  // namespace glint::app

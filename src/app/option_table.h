@@ -17,6 +17,20 @@ class App;
 
 namespace glint::app {
 
+// What a page or a shell has to know of an option.
+struct OptionFacts {
+    enum class Value { None, Text, File, Folder };
+
+    std::string names;      // "-o,--output"; of an argument known by its place "SCENE"
+    std::string form = "";  // of the value
+    std::string help = "";
+    std::vector<std::string> choices = {};  // if the value is one of few
+    Value value = Value::None;
+    bool required = false, many = false;
+
+    bool positional() const { return !names.starts_with('-'); }
+};
+
 class OptionTable {
   public:
     enum class Need { Optional, Required };
@@ -31,6 +45,7 @@ class OptionTable {
     // argument known by its place.
     void value(const std::string& names, const std::string& form, const std::string& help, Read read,
                Need need = Need::Optional);
+    void value(OptionFacts facts, Read read);
 
     // One or more arguments known by their place.
     void arguments(const std::string& name, const std::string& help,
@@ -52,17 +67,30 @@ class OptionTable {
     template <NamedEnum E, typename Target>
     void choice(const std::string& names, const std::string& help, Target& target,
                 const std::string& form = alternatives<E>()) {
-        value(names, form, help, [&target](const std::string& text) { target = parseNamed<E>(text); });
+        value({.names = names,
+               .form = form,
+               .help = help,
+               .choices = {kEnumNames<E>.begin(), kEnumNames<E>.end()},
+               .value = OptionFacts::Value::Text},
+              [&target](const std::string& text) { target = parseNamed<E>(text); });
     }
 
-    // The path of a file or a folder, `what` in the error for an empty one ("the file name").
+    // The path of a file or a folder (a form that ends in FOLDER), `what` in the error for an empty one ("the
+    // file name").
     template <typename Target>
     void path(const std::string& names, const std::string& form, const std::string& help,
               const std::string& what, Target& target, Need need = Need::Optional) {
-        value(
-            names, form, help, [&target, what](const std::string& text) { target = parsePath(what, text); },
-            need);
+        const bool folder = form.ends_with("FOLDER") || names.ends_with("FOLDER");
+        value({.names = names,
+               .form = form,
+               .help = help,
+               .value = folder ? OptionFacts::Value::Folder : OptionFacts::Value::File,
+               .required = need == Need::Required},
+              [&target, what](const std::string& text) { target = parsePath(what, text); });
     }
+
+    // In the order of declaration.
+    const std::vector<OptionFacts>& options() const { return options_; }
 
   private:
     template <typename T>
@@ -77,6 +105,7 @@ class OptionTable {
     using Number = typename Unwrapped<T>::Type;
 
     CLI::App& command_;
+    std::vector<OptionFacts> options_;
 };
 
 }  // namespace glint::app

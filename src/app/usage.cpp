@@ -64,7 +64,7 @@ std::string firstWordError(const CLI::App& app, const std::vector<std::string>& 
         if (command->get_name() == word) return "";
         if (!command->get_group().empty()) names.push_back(command->get_name());
     }
-    if (word == "-h" || word == "--help" || word == "--version") return "";
+    if (word == "-h" || word == "--help" || word == "--version" || word == "--verbose") return "";
     const std::string see = "; see glint --help";
     if (word.starts_with("-"))
         return "the command comes first, then its options (got " + quoted(word) + ")" + see;

@@ -1,0 +1,108 @@
+// Man pages and completions, which are made from the option table: every command and option is in each, and
+// bash completes by them.
+#include <array>
+#include <cstdio>
+
+#include "app/command_list.h"
+#include "support.h"
+
+namespace glint::app::test::pages_test {
+namespace {
+
+std::string textOf(const std::string& path) {
+    const auto bytes = readBytes(path);
+    return {bytes.begin(), bytes.end()};
+}
+
+class Pages : public FolderTest {
+  protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        const Ran ran = runGlint({"pages", "."});
+        ASSERT_EQ(ran.code, 0) << ran.err;
+    }
+
+    // What bash offers for the last of `words`, one a line.
+    std::string offered(const std::string& words) const {
+        const std::string script =
+            "source bash-completion/completions/glint; COMP_WORDS=(glint " + words +
+            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); compopt() { COMPREPLY=(\"by $2\"); }; _glint; "
+            "printf '%s\\n' \"${COMPREPLY[@]}\"";
+        writeText("ask.sh", script);
+        std::FILE* pipe = popen("bash ask.sh 2>&1", "r");
+        std::string printed;
+        std::array<char, 4096> buffer;
+        while (const size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+            printed.append(buffer.data(), n);
+        EXPECT_EQ(pclose(pipe), 0) << printed;
+        return printed;
+    }
+};
+
+TEST_F(Pages, NameEveryCommandAndOption) {
+    const std::string shells[] = {textOf("bash-completion/completions/glint"),
+                                  textOf("zsh/vendor-completions/_glint"),
+                                  textOf("fish/vendor_completions.d/glint.fish")};
+    const std::string program = textOf("man/man1/glint.1");
+    for (const CommandFacts& command : commandFacts()) {
+        EXPECT_NE(program.find("\n\\fB" + command.name + "\\fR\n"), std::string::npos) << command.name;
+        const std::string page = textOf("man/man1/glint-" + command.name + ".1");
+        EXPECT_FALSE(command.help.empty());
+        for (const OptionFacts& option : command.options) {
+            if (option.positional()) continue;
+            std::string name = option.names.substr(option.names.rfind("--"));
+            for (const std::string& shell : shells)
+                EXPECT_NE(shell.find(name.substr(2)), std::string::npos) << command.name << ' ' << name;
+            for (size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.insert(i, "\\");
+            EXPECT_NE(page.find(name), std::string::npos) << command.name << ' ' << name;
+            EXPECT_EQ(option.help.find('\n'), std::string::npos) << name;
+        }
+    }
+}
+
+TEST_F(Pages, AreTheSameAsHelp) {
+    for (const CommandFacts& command : commandFacts()) {
+        const std::string help = runGlint({command.name, "--help"}).out;
+        for (const OptionFacts& option : command.options) {
+            // CLI11 wraps long texts, so only the first words are looked for.
+            const std::string words = option.help.substr(0, option.help.find(' '));
+            EXPECT_NE(help.find(words), std::string::npos) << command.name << ' ' << option.names;
+        }
+    }
+}
+
+TEST_F(Pages, BashCompletes) {
+    EXPECT_EQ(offered("ver"), "verify\n");
+    EXPECT_EQ(offered("--ver"), "--version\n--verbose\n");
+    EXPECT_EQ(offered("help de"), "devices\n");
+    EXPECT_EQ(offered("render a.json --back"), "--backend\n");
+    EXPECT_EQ(offered("render a.json --backend ''"), "gpu\ncpu\n");
+    EXPECT_EQ(offered("render a.json --stats j"), "json\n");
+    EXPECT_EQ(offered("render a.json --size ''"), "\n");
+    EXPECT_EQ(offered("render a.json -o ''"), "by default\n");
+    EXPECT_EQ(offered("render ''"), "by default\n");
+    EXPECT_EQ(offered("report a.json --output ''"), "by dirnames\n");
+    EXPECT_EQ(offered("devices ''"), "\n");
+}
+
+TEST_F(Pages, GoIntoAFolderThatIsThere) {
+    const Ran ran = runGlint({"pages", "nowhere"});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(ran.err.find("glint: nowhere"), 0u) << ran.err;
+}
+
+TEST(Version, SaysWhatWasBuiltIn) {
+    const std::string text = runGlint({"--version", "--verbose"}).out;
+    EXPECT_EQ(runGlint({"--verbose", "--version"}).out, text);
+    EXPECT_TRUE(text.starts_with(runGlint({"--version"}).out)) << text;
+    for (const char* line : {"\ncommit: ", "\ncompiler: ", "\nbuild type: ", "\nwindow: ", "\nMPI: ",
+                             "\nEXR: OpenEXR 3.", "\ndevice: "})
+        EXPECT_NE(text.find(line), std::string::npos) << line << text;
+    const Ran alone = runGlint({"--verbose"});
+    EXPECT_EQ(alone.code, 2);
+    EXPECT_EQ(alone.err, "glint: --verbose: says nothing without --version\n");
+}
+
+}  // namespace
+}  // namespace glint::app::test::pages_test
