@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# Installs the Debian packages in a root of their own, uses them there as a newcomer would, and takes them away again.
+#
+#   clean_root.sh FOLDER     where tools/package has put them
+#
+# The root is made by debootstrap from wherever this machine's apt gets its packages, below TMPDIR (2 GB). Needs to be root. KEEP=1 keeps it.
+set -euo pipefail
+top=$(cd "$(dirname "$0")/../.." && pwd)
+if [ $# -ne 1 ] || ! ls "$1"/glint_*.deb >/dev/null 2>&1; then
+    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+fi
+[ "$(id -u)" -eq 0 ] || { echo "clean_root: needs to be root, for chroot" >&2; exit 2; }
+debs=$(cd "$1" && pwd)
+release=$(. /etc/os-release && echo "$VERSION_CODENAME")
+folder=$(mktemp -d)
+root=$folder/root
+cleanup() { [ -n "${KEEP:-}" ] && echo "kept: $root" || rm -rf --one-file-system "$folder"; }
+trap cleanup EXIT
+
+say() { echo "-- $*"; }
+fail() { echo "clean_root: $*" >&2; exit 1; }
+# In the root, with a home that counts as no leftover.
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp/home LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
+quietly() { inside "$@" >"$folder/said" 2>&1 || { tail -n 30 "$folder/said" >&2; fail "$* failed"; }; }
+
+make_root() {
+    # "deb SITE RELEASE COMPONENT" of everything that apt here gets from Debian.
+    apt-get indextargets --format 'deb $(SITE) $(RELEASE) $(COMPONENT) $(ORIGIN) $(IDENTIFIER)' |
+        sed -n 's/ Debian Packages$//p' | sort -u >"$folder/sources"
+    local site
+    site=$(awk -v release="$release" '$3 == release { print $2; exit }' "$folder/sources")
+    [ -n "$site" ] || fail "apt knows no place of Debian's $release"
+    debootstrap --variant=minbase "$release" "$root" "$site" >"$folder/said" 2>&1 || { tail -n 20 "$folder/said" >&2; fail "debootstrap failed"; }
+    cp "$folder/sources" "$root/etc/apt/sources.list"
+    apt-config dump | grep -i '^Acquire::.*proxy' >"$root/etc/apt/apt.conf.d/99proxy" || true
+    cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+    quietly apt-get update
+}
+
+# What the packages need, but for themselves, and what their parts are looked at with.
+install_needed() {
+    local needed
+    needed=$(for deb in "$debs"/*.deb; do dpkg-deb -f "$deb" Depends Recommends; done | sed 's/^[A-Za-z]*: //' | tr '\n' ',' |
+        tr ',' '\n' | grep -vE '^ *((python3-|lib)?glint|libglint)[0a-z-]*( |$)' | grep -v '^ *$' | sort -u | tr '\n' ',')
+    quietly apt-get satisfy -y --no-install-recommends "${needed%,}, shared-mime-info, man-db, fish, zsh"
+}
+
+# Everything that is there but what changes by itself.
+listing() {
+    (cd "$root" && find . \( -path ./tmp -o -path ./var/log -o -path ./var/cache -o -path ./var/lib/apt -o -path ./proc -o -path ./sys \) -prune -o -print) |
+        grep -vE '^\./var/lib/dpkg/[a-z]+-old$' | sort
+}
+
+use_program() {
+    local multiarch version
+    inside glint --version --verbose >"$folder/version"
+    version=$(sed -n 's/^project(glint VERSION \([0-9.]*\) .*/\1/p' "$top/CMakeLists.txt")
+    grep -qx "glint $version" "$folder/version" || fail "glint --version says $(head -n 1 "$folder/version")"
+    grep -qE '^commit: [0-9a-f]{12}$' "$folder/version" || fail "no commit: $(cat "$folder/version")"
+    grep -q '^window: GLFW' "$folder/version" || fail "no window: $(cat "$folder/version")"
+    grep -q '^device: .*Vulkan 1\.' "$folder/version" || fail "no device: $(cat "$folder/version")"
+
+    # A ray, and pictures: those of the tree, from the examples that are installed.
+    inside glint trace /usr/share/doc/glint/examples/scenes/spheres.json --pixel 320,240 >"$folder/ray" || fail "glint trace failed"
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "t") t = i } NR == 2 { found = $t > 0 && $t < 1e9 } END { exit !found }' \
+        "$folder/ray" || fail "a ray hits nothing: $(cat "$folder/ray")"
+    mkdir -p "$root/tmp/tree/tests"
+    cp -r "$top/tools" "$root/tmp/tree/tools"
+    cp "$top/tests/gallery_hashes.txt" "$root/tmp/tree/tests"
+    ln -s /usr/share/doc/glint/examples/scenes "$root/tmp/tree/scenes"
+    inside env NAMES="spheres knot" bash /tmp/tree/tools/gallery-hashes /usr/bin/glint || fail "a picture is another"
+
+    # A program in C, compiled outside of the root, where a compiler is.
+    multiarch=$(basename "$(dirname "$(ls "$root"/usr/lib/*/libglint.so)")")
+    gcc -I"$root/usr/include" "$top/examples/c/nearest_hit.c" -o "$root/tmp/nearest_hit" -L"$root/usr/lib/$multiarch" -lglint \
+        -Wl,--allow-shlib-undefined
+    inside /tmp/nearest_hit | grep -q 'ray 0: geometry 1 at 7.000' || fail "nearest_hit is wrong"
+}
+
+use_python() {
+    local name
+    inside python3 -c "import glint" || fail "import glint failed"
+    sed -n '/^```python$/,/^```$/p' "$top/README.md" | sed '/^```/d' >"$root/tmp/readme.py"
+    inside python3 /tmp/readme.py | grep -qx '\[3\.\]' || fail "the lines of README.md do not print [3.]"
+    for name in lidar_scan sun_hours sky_view; do
+        inside python3 -B "/usr/share/doc/python3-glint/examples/$name.py" "/tmp/$name.png" --size 90 || fail "$name.py failed"
+        [ -s "$root/tmp/$name.png" ] || fail "$name.py wrote nothing"
+    done
+}
+
+use_pages() {
+    local command
+    for command in $(inside glint --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+        inside man --warnings "glint-$command" >"$folder/page" 2>&1 || fail "no man page of glint $command"
+        grep -q "glint $command" "$folder/page" || fail "the man page of glint $command is empty"
+        ! grep -q 'warning:' "$folder/page" || fail "the man page of glint $command: $(grep warning: "$folder/page")"
+    done
+    [ -n "${command:-}" ] || fail "glint --help lists no commands"
+    inside fish -c 'complete -C "glint render --back"' | grep -q '^--backend' || fail "fish completes nothing"
+    inside bash -c 'source /usr/share/bash-completion/completions/glint; COMP_WORDS=(glint ver); COMP_CWORD=1; _glint; echo "${COMPREPLY[*]}"' |
+        grep -qx verify || fail "bash completes nothing"
+    inside zsh -n /usr/share/zsh/vendor-completions/_glint || fail "zsh does not understand its completion"
+    grep -q 'application/x-glint-scene+json:\*\.glint\.json' "$root/usr/share/mime/globs2" || fail "the type of scenes is not known"
+}
+
+say "a clean root of $release"
+make_root
+say "what the packages need"
+install_needed
+listing >"$folder/before"
+say "installing"
+mkdir "$root/tmp/debs" "$root/tmp/home"
+cp "$debs"/*.deb "$root/tmp/debs"
+quietly bash -c 'dpkg -i /tmp/debs/*.deb'
+say "glint"
+use_program
+say "python3-glint"
+use_python
+say "pages, completions, types"
+use_pages
+say "removing"
+# shellcheck disable=SC2046
+quietly dpkg --purge $(for deb in "$debs"/*.deb; do dpkg-deb -f "$deb" Package; done)
+listing >"$folder/after"
+diff "$folder/before" "$folder/after" >"$folder/leftovers" || { cat "$folder/leftovers" >&2; fail "what was there before (<) and after (>) differs"; }
+say "done"
