@@ -24,3 +24,9 @@ def test_page(text, printed):
     done = subprocess.run([sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     assert not printed or done.stdout == printed
+
+
+def test_excerpts_are_from_the_examples():
+    sources = {name: (ROOT / "examples/python" / f"{name}.py").read_text() for name in ("lidar_scan", "sun_hours", "sky_view")}
+    found = re.findall(r"```py\n(.*?)```", (ROOT / PAGES[0]).read_text(), re.DOTALL)
+    assert [name for text in found for name, source in sources.items() if text in source] == list(sources)
