@@ -300,6 +300,15 @@ typedef struct glint_picture {
     glint_out primitive;        /* U32 */
     glint_out material;         /* U32 */
     const char* camera_name;    /* one of the scene's `cameras`, instead of `camera`; NULL: none */
+    /* Above 0: as many samples as it takes until color is off by at most so much, as the root mean square
+     * over all pixels and channels of linear radiance, whose full scale is 1, with probability `confidence`
+     * (0: 0.95). `samples` must then be 0. A grid of samples becomes a low-discrepancy sequence. */
+    double error;
+    double confidence;
+    uint32_t max_samples; /* for a pixel, where they end all the same; 0: 65536 */
+    uint32_t reserved;
+    double*
+        bound; /* receives what the error is at most: above `error` if max_samples did not do; may be NULL */
 } glint_picture;
 
 /* Draws the committed scene. Cancelled: the pixels that were finished are written, the others have zeros. */

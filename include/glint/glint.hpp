@@ -214,6 +214,10 @@ struct Picture {
     const Camera* camera = nullptr;  // null: the scene's
     Out color = {}, depth = {}, position = {}, normal = {}, geometry = {}, primitive = {}, material = {};
     const char* cameraName = nullptr;  // one of the scene's `cameras`, instead of `camera`
+    double error = 0;                  // > 0: as many samples as it takes, see glint_picture
+    double confidence = 0;             // 0: 0.95
+    std::uint32_t maxSamples = 0;      // 0: 65536
+    double* bound = nullptr;           // receives what the error is at most
 };
 
 using Transform = std::array<double, 12>;  // three rows of four
@@ -351,6 +355,10 @@ class Scene {
         wanted.geometry = picture.geometry.raw;
         wanted.primitive = picture.primitive.raw;
         wanted.material = picture.material.raw;
+        wanted.error = picture.error;
+        wanted.confidence = picture.confidence;
+        wanted.max_samples = picture.maxSamples;
+        wanted.bound = picture.bound;
         const detail::RawOptions options(control);
         check(glint_render(get(), &wanted, &options.options));
     }

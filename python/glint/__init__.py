@@ -8,34 +8,70 @@
 Arrays are float32 or float64, and are passed on as they stand. A device is chosen by its number or a part of its name; "cpu" is
 the reference in double precision; none is the best there is.
 """
+from __future__ import annotations
+
 import collections
 import ctypes
 import math
+import os
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Optional, Protocol, Union
 
 import numpy
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _native
 from ._native import NONE, Error
 
-__all__ = ["Device", "Error", "NONE", "Scene", "INSIDE", "ON_SURFACE", "OUTSIDE", "devices", "render", "version"]
+__all__ = ["Device", "Error", "Hits", "NONE", "Picture", "Scene", "INSIDE", "ON_SURFACE", "OUTSIDE", "devices", "render", "version"]
 
 OUTSIDE, INSIDE, ON_SURFACE = 0, 1, 2
+Cancelled = Optional[Callable[[], bool]]
+Progress = Optional[Callable[[float], object]]
+Selector = Union["Device", str, int, None]
+Path = Union[str, "os.PathLike[str]"]
+
+
+class Hits(Protocol):
+    """What Scene.cast and Scene.all_hits return: a named tuple of those of these arrays that were wanted."""
+    hit: NDArray[numpy.bool_]
+    t: NDArray[Any]
+    geometry: NDArray[numpy.uint32]
+    primitive: NDArray[numpy.uint32]
+    material: NDArray[numpy.uint32]
+    uv: NDArray[Any]
+    point: NDArray[Any]
+    normal: NDArray[Any]
+
+
+class Picture(Protocol):
+    """What Scene.render returns for other layers than color alone: a named tuple of those that were wanted."""
+    color: NDArray[Any]
+    depth: NDArray[Any]
+    position: NDArray[Any]
+    normal: NDArray[Any]
+    geometry: NDArray[numpy.uint32]
+    primitive: NDArray[numpy.uint32]
+    material: NDArray[numpy.uint32]
+
+
 _WIDTHS = {"uv": 2, "point": 3, "normal": 3, "position": 3, "color": 4}
 _INDICES = ("geometry", "primitive", "material")
 
 
-def version():
+def version() -> tuple[int, int, int]:
     """Of the library, as (major, minor, patch)."""
     number = _native.loaded.glint_version()
     return number // 1000000, number // 1000 % 1000, number % 1000
 
 
-def _described(info):
+def _described(info: Any) -> dict[str, Any]:
     return {"index": info.index, "name": info.name.decode(), "usable": bool(info.usable), "software": bool(info.software),
             "reference": bool(info.reference), "reason": info.reason.decode()}
 
 
-def devices():
+def devices() -> list[dict[str, Any]]:
     """What there is, as dictionaries; "cpu" is the last."""
     count = ctypes.c_uint32()
     _native.call("glint_device_count", ctypes.byref(count))
@@ -50,25 +86,26 @@ def devices():
 class Device:
     """An open device; scenes keep theirs alive."""
 
-    def __init__(self, selector=""):
+    def __init__(self, selector: str | int = "") -> None:
         self._handle = ctypes.c_void_p()
         _native.call("glint_device_open", str(selector).encode(), ctypes.byref(self._handle))
 
-    def __del__(self):
+    def __del__(self) -> None:
         _native.loaded.glint_device_release(self._handle)
 
     @property
-    def info(self):
+    def info(self) -> dict[str, Any]:
+        """Its number and name, whether it is software or the reference, and if it cannot be used, why."""
         info = _native.make(_native.DeviceInfo)
         _native.call("glint_device_info_of", self._handle, ctypes.byref(info))
         return _described(info)
 
 
-def _device(device):
+def _device(device: Selector) -> Device:
     return device if isinstance(device, Device) else Device("" if device is None else device)
 
 
-def _transform(matrix):
+def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
     """Twelve doubles of a (3, 4) or (4, 4) matrix."""
     rows = numpy.ascontiguousarray(numpy.asarray(matrix, dtype=numpy.float64)[:3, :4])
     if rows.shape != (3, 4):
@@ -79,11 +116,11 @@ def _transform(matrix):
 class _Options:
     """Callbacks of a long call. What they raise ends it and is raised again there."""
 
-    def __init__(self, cancelled, progress):
-        self.raised = None
+    def __init__(self, cancelled: Cancelled, progress: Progress) -> None:
+        self.raised: BaseException | None = None
         self.struct = _native.make(_native.Options)
 
-        def guarded(body, fallback):
+        def guarded(body: Callable[[], Any], fallback: Any) -> Any:
             try:
                 return body()
             except BaseException as error:  # pylint: disable=broad-except
@@ -91,11 +128,12 @@ class _Options:
                 return fallback
         if cancelled or progress:
             self.struct.cancelled = _native.CANCELLED_CALLBACK(
-                lambda _: 1 if self.raised else int(bool(guarded(cancelled, True))) if cancelled else 0)
-        if progress:
-            self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: progress(part), None))
+                lambda _: 1 if self.raised else int(bool(guarded(cancelled or bool, True))))
+        if progress is not None:
+            told = progress
+            self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: told(part), None))
 
-    def call(self, name, *arguments):
+    def call(self, name: str, *arguments: Any) -> None:
         try:
             _native.call(name, *arguments, ctypes.byref(self.struct))
         finally:
@@ -106,7 +144,8 @@ class _Options:
 class _RayArrays:
     """Keeps the arrays of a batch alive while it is under way."""
 
-    def __init__(self, rays, directions, t_min, t_max, coherent):
+    def __init__(self, rays: ArrayLike, directions: ArrayLike | None, t_min: ArrayLike | None, t_max: ArrayLike | None,
+                 coherent: bool) -> None:
         if directions is None:
             both = _native.numbers(rays, 6, "rays")
             self.shape = numpy.shape(rays)[:-1]
@@ -134,8 +173,8 @@ class _RayArrays:
         self.struct.flags = _native.COHERENT if coherent else 0
 
 
-def _hit_arrays(want, count, dtype):
-    arrays = {}
+def _hit_arrays(want: Iterable[str], count: int, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {}
     for name in want:
         if name == "hit":
             arrays[name] = numpy.empty(count, numpy.uint8)
@@ -149,14 +188,14 @@ def _hit_arrays(want, count, dtype):
     return arrays
 
 
-def _hits_struct(arrays):
+def _hits_struct(arrays: dict[str, NDArray[Any]]) -> Any:
     struct = _native.make(_native.Hits)
     for name, array in arrays.items():
         setattr(struct, name, _native.view(array))
     return struct
 
 
-def _record(name, arrays, shape=None):
+def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] | None = None) -> Any:
     if shape is not None:
         arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
     if "hit" in arrays:
@@ -170,7 +209,7 @@ class Scene:
     With `vertices` (n, 3), and `faces` (m, 3) unless every three vertices are a triangle, it is one mesh, committed.
     """
 
-    def __init__(self, vertices=None, faces=None, device=None):
+    def __init__(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None, device: Selector = None) -> None:
         self._handle = ctypes.c_void_p()
         self._device = _device(device)
         _native.call("glint_scene_create", self._device._handle, ctypes.byref(self._handle))
@@ -179,20 +218,20 @@ class Scene:
             self.commit()
 
     @classmethod
-    def load(cls, path, device=None):
+    def load(cls, path: Path, device: Selector = None) -> Scene:
         """A scene or model from a file, committed."""
         scene = cls.__new__(cls)
         scene._handle = ctypes.c_void_p()
         scene._device = _device(device)
-        _native.call("glint_scene_load", scene._device._handle, str(path).encode(), ctypes.byref(scene._handle))
+        _native.call("glint_scene_load", scene._device._handle, os.fsencode(path), ctypes.byref(scene._handle))
         return scene
 
-    def __del__(self):
+    def __del__(self) -> None:
         _native.loaded.glint_scene_release(self._handle)
 
     # ---- what is in it ----
 
-    def add_triangles(self, vertices, faces=None, material=0):
+    def add_triangles(self, vertices: ArrayLike, faces: ArrayLike | None = None, material: int = 0) -> int:
         """A mesh; returns its number."""
         points = _native.numbers(vertices, 3, "vertices")
         given = _native.make(_native.Triangles)
@@ -202,12 +241,12 @@ class Scene:
             corners = numpy.ascontiguousarray(numpy.asarray(faces), dtype=numpy.uint32)
             if corners.ndim != 2 or corners.shape[1] != 3:
                 raise ValueError(f"faces has the shape {corners.shape}; it must be (n, 3)")
-            if corners.size and numpy.min(faces) < 0:
+            if corners.size and numpy.asarray(faces).min() < 0:
                 raise ValueError("faces has a negative index")
             given.indices = _native.view(corners)
         return self._added("glint_scene_add_triangles", ctypes.byref(given))
 
-    def add_spheres(self, centers, radii, material=0):
+    def add_spheres(self, centers: ArrayLike, radii: ArrayLike, material: int = 0) -> int:
         """Each is a geometry of its own; returns the number of the first."""
         places = _native.numbers(centers, 3, "centers")
         sizes = _native.numbers(radii, None, "radii")
@@ -217,103 +256,117 @@ class Scene:
         given.material = material
         return self._added("glint_scene_add_spheres", ctypes.byref(given))
 
-    def add_json(self, text, folder=None):
+    def add_json(self, text: str, folder: Path | None = None) -> range:
         """What the text of a scene file describes; returns the numbers of its geometries, as a range."""
         first, count = ctypes.c_uint32(), ctypes.c_uint32()
-        _native.call("glint_scene_add_json", self._handle, text.encode(), None if folder is None else str(folder).encode(),
+        _native.call("glint_scene_add_json", self._handle, text.encode(), None if folder is None else os.fsencode(folder),
                      ctypes.byref(first), ctypes.byref(count))
         return range(first.value, first.value + count.value)
 
-    def add_instance(self, geometry, transform):
+    def add_instance(self, geometry: int, transform: ArrayLike) -> int:
         """The geometry once more, elsewhere; returns the number of the new one."""
         rows, pointer = _transform(transform)
         number = self._added("glint_scene_add_instance", geometry, pointer)
         del rows
         return number
 
-    def set_transform(self, geometry, transform):
+    def set_transform(self, geometry: int, transform: ArrayLike) -> None:
+        """Puts a geometry or an instance elsewhere, by a (3, 4) or (4, 4) matrix that is applied to it as it was added."""
         rows, pointer = _transform(transform)
         _native.call("glint_scene_set_transform", self._handle, geometry, pointer)
         del rows
 
-    def set_vertices(self, geometry, vertices):
+    def set_vertices(self, geometry: int, vertices: ArrayLike) -> None:
+        """Other vertices for a mesh, as many as it has; its instances follow."""
         points = _native.numbers(vertices, 3, "vertices")
         _native.call("glint_scene_set_vertices", self._handle, geometry, ctypes.byref(_native.view(points)))
 
-    def material(self, name):
+    def material(self, name: str) -> int:
         """The number of the material of that name."""
         found = ctypes.c_uint32()
         _native.call("glint_scene_find_material", self._handle, name.encode(), ctypes.byref(found))
         return found.value
 
-    def commit(self):
+    def commit(self) -> Scene:
         """Makes what was added and changed what queries see."""
         _native.call("glint_scene_commit", self._handle)
         return self
 
-    def _added(self, name, *arguments):
+    def _added(self, name: str, *arguments: Any) -> int:
         number = ctypes.c_uint32()
         _native.call(name, self._handle, *arguments, ctypes.byref(number))
         return number.value
 
-    def _info(self):
+    def _info(self) -> Any:
         info = _native.make(_native.SceneInfo)
         _native.call("glint_scene_info_of", self._handle, ctypes.byref(info))
         return info
 
     @property
-    def bounds(self):
+    def bounds(self) -> NDArray[numpy.float64]:
         """The box around everything committed but planes: (2, 3)."""
         info = self._info()
         return numpy.array([info.lower, info.upper])
 
     @property
-    def triangles(self):
-        return self._info().triangles
+    def triangles(self) -> int:
+        """How many there are; instanced ones count as often as they are shown."""
+        return int(self._info().triangles)
 
     @property
-    def warnings(self):
+    def warnings(self) -> list[str]:
+        """What was ignored or mended, one line each."""
         texts = []
         for index in range(self._info().warnings):
             text = ctypes.c_char_p()
             _native.call("glint_scene_warning", self._handle, index, ctypes.byref(text))
-            texts.append(text.value.decode())
+            texts.append((text.value or b"").decode())
         return texts
 
     # ---- rays ----
 
-    def cast(self, rays, directions=None, *, t_min=None, t_max=None, want=("t", "geometry", "primitive", "uv", "normal"),
-             dtype=numpy.float64, coherent=False, cancelled=None, progress=None):
+    def cast(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
+             t_max: ArrayLike | None = None, want: Iterable[str] = ("t", "geometry", "primitive", "uv", "normal"),
+             dtype: DTypeLike = numpy.float64, coherent: bool = False, cancelled: Cancelled = None,
+             progress: Progress = None) -> Hits:
         """The nearest hit of each ray, as a named tuple of arrays: those in `want`, nothing else is computed.
 
         rays: (..., 6), or origins (..., 3) with directions (..., 3), either may be one for all. want: of hit, t, geometry, primitive,
         material, uv, point, normal. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
+        coherent: neighbours in the array go about the same way, which may be faster. cancelled: asked now and then, ends the call if
+        true; progress: told the part that is done.
         """
         batch = _RayArrays(rays, directions, t_min, t_max, coherent)
         arrays = _hit_arrays(want, batch.count, dtype)
         hits = _hits_struct(arrays)
         _Options(cancelled, progress).call("glint_query_closest", self._handle, ctypes.byref(batch.struct), ctypes.byref(hits))
-        return _record("Hits", arrays, batch.shape)
+        made: Hits = _record("Hits", arrays, batch.shape)
+        return made
 
-    def _flags(self, name, batch, dtype, cancelled, progress):
+    def _flags(self, name: str, batch: _RayArrays, dtype: DTypeLike, cancelled: Cancelled, progress: Progress) -> NDArray[Any]:
         answers = numpy.empty(batch.count, dtype)
         if batch.count:
             out = _native.view(answers)
             _Options(cancelled, progress).call(name, self._handle, ctypes.byref(batch.struct), ctypes.byref(out))
         return answers.reshape(batch.shape)
 
-    def occluded(self, rays, directions=None, *, t_min=None, t_max=None, coherent=False, cancelled=None, progress=None):
+    def occluded(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
+                 t_max: ArrayLike | None = None, coherent: bool = False, cancelled: Cancelled = None,
+                 progress: Progress = None) -> NDArray[numpy.bool_]:
         """Whether each ray hits anything."""
         batch = _RayArrays(rays, directions, t_min, t_max, coherent)
         return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).astype(bool)
 
-    def count(self, rays, directions=None, *, t_min=None, t_max=None, cancelled=None, progress=None):
+    def count(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
+              t_max: ArrayLike | None = None, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint32]:
         """How many surfaces each ray crosses: a closed one is crossed an even number of times from outside, an odd one from inside."""
         batch = _RayArrays(rays, directions, t_min, t_max, False)
         return self._flags("glint_query_count", batch, numpy.uint32, cancelled, progress)
 
-    def all_hits(self, rays, directions=None, *, t_min=None, t_max=None, want=("t", "geometry", "primitive", "uv"),
-                 dtype=numpy.float64, cancelled=None, progress=None):
+    def all_hits(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
+                 t_max: ArrayLike | None = None, want: Iterable[str] = ("t", "geometry", "primitive", "uv"),
+                 dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None,
+                 progress: Progress = None) -> tuple[NDArray[numpy.uint64], Hits]:
         """Everything each ray crosses, nearest first: (offsets, hits), those of ray i at offsets[i]:offsets[i + 1]."""
         batch = _RayArrays(rays, directions, t_min, t_max, False)
         offsets = numpy.zeros(batch.count + 1, numpy.uint64)
@@ -326,7 +379,7 @@ class Scene:
                      ctypes.byref(total))
         return offsets, _record("Hits", arrays)
 
-    def locate(self, points, *, cancelled=None, progress=None):
+    def locate(self, points: ArrayLike, *, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint8]:
         """OUTSIDE, INSIDE or ON_SURFACE for each point (..., 3)."""
         places = _native.numbers(points, 3, "points")
         where = numpy.empty(places.shape[0], numpy.uint8)
@@ -335,19 +388,24 @@ class Scene:
             _Options(cancelled, progress).call("glint_query_inside", self._handle, ctypes.byref(given), ctypes.byref(out))
         return where.reshape(numpy.shape(points)[:-1])
 
-    def contains(self, points):
+    def contains(self, points: ArrayLike) -> NDArray[numpy.bool_]:
         """Whether each point is inside of the closed surfaces; one on a surface is not."""
-        return self.locate(points) == INSIDE
+        return numpy.equal(self.locate(points), INSIDE)
 
     # ---- pictures ----
 
-    def render(self, width=0, height=0, samples=0, *, layers=("color",), camera=None, max_depth=None, dtype=numpy.float32,
-               cancelled=None, progress=None):
+    def render(self, width: int = 0, height: int = 0, samples: int = 0, *, layers: Iterable[str] = ("color",),
+               camera: Sequence[Any] | str | None = None, max_depth: int | None = None, dtype: DTypeLike = numpy.float32,
+               error: float | None = None, confidence: float = 0.95, max_samples: int = 65536, cancelled: Cancelled = None,
+               progress: Progress = None) -> Any:
         """A picture: (height, width, 4) of linear RGB and alpha; for other `layers` than that one a named tuple.
 
         Sizes and samples of 0 are the scene's. camera: (eye, target), (eye, target, up) or (eye, target, up, fov_y), or
         the name of one of the scene's `cameras`.
+        error: instead of a number of samples, as many as it takes until color is off by at most so much (root mean square over all
+        pixels and channels, full scale 1) with probability `confidence`; if `max_samples` do not do, a warning says what they did.
         """
+        layers = tuple(layers)
         info = self._info()
         width, height = width or info.width, height or info.height
         picture = _native.make(_native.Picture)
@@ -361,7 +419,13 @@ class Scene:
             view = _native.make(_native.Camera)
             view.eye[:], view.target[:], view.up[:], view.fov_y = eye, target, up, fov
             picture.camera = ctypes.pointer(view)
-        arrays = {}
+        bound = ctypes.c_double()
+        if error is not None:
+            if not error > 0:
+                raise ValueError("error must be above 0")
+            picture.error, picture.confidence, picture.max_samples = error, confidence, max_samples
+            picture.bound = ctypes.pointer(bound)
+        arrays: dict[str, NDArray[Any]] = {}
         for name in layers:
             if name not in _native.LAYERS:
                 raise ValueError(f"{name!r} is not one of {', '.join(_native.LAYERS)}")
@@ -370,12 +434,14 @@ class Scene:
             arrays[name] = numpy.zeros((height * width, wide) if wide else height * width, kind)
             setattr(picture, name, _native.view(arrays[name]))
         _Options(cancelled, progress).call("glint_render", self._handle, ctypes.byref(picture))
+        if error is not None and bound.value > error:
+            warnings.warn(f"the error may be {bound.value:.3g}, not {error:.3g}: max_samples are too few", RuntimeWarning, stacklevel=2)
         made = _record("Picture", arrays, (height, width))
-        return made.color if tuple(layers) == ("color",) else made
+        return made.color if layers == ("color",) else made
 
 
-def render(scene, *arguments, device=None, **options):
-    """Scene.render of a Scene, or of the file of that name."""
+def render(scene: Scene | Path, *arguments: int, device: Selector = None, **options: Any) -> Any:
+    """Scene.render of a Scene, or of the file of that name: glint.render("scene.json", error=1e-3)."""
     if not isinstance(scene, Scene):
         scene = Scene.load(scene, device)
     return scene.render(*arguments, **options)

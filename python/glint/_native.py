@@ -1,9 +1,13 @@
 """libglint's C API (include/glint/glint.h) by ctypes. Calls release the interpreter's lock."""
+from __future__ import annotations
+
 import ctypes
 import ctypes.util
 import os
+from typing import Any
 
 import numpy
+from numpy.typing import ArrayLike, NDArray
 
 OK, CANCELLED = 0, 5
 NONE = 0xFFFFFFFF
@@ -14,7 +18,7 @@ _TYPES = {"float32": 0, "float64": 1, "uint32": 2, "uint8": 3, "uint64": 4}
 class Error(RuntimeError):
     """What glint refuses or cannot do; `status` is the name of the C API's status."""
 
-    def __init__(self, status, message):
+    def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
         self.status = status
 
@@ -25,7 +29,7 @@ class View(ctypes.Structure):
                 ("reserved", ctypes.c_int32)]
 
 
-def _struct(name, fields):
+def _struct(name: str, fields: list[tuple[str, Any]]) -> Any:
     made = type(name, (ctypes.Structure,), {"_fields_": [("size", ctypes.c_uint64)] + fields})
     return made
 
@@ -46,22 +50,24 @@ Camera = _struct("Camera", [("eye", ctypes.c_double * 3), ("target", ctypes.c_do
 LAYERS = ("color", "depth", "position", "normal", "geometry", "primitive", "material")
 Picture = _struct("Picture", [("width", ctypes.c_uint32), ("height", ctypes.c_uint32), ("samples", ctypes.c_uint32),
                               ("max_depth", ctypes.c_int32), ("camera", ctypes.POINTER(Camera))] + [(name, View) for name in LAYERS]
-                  + [("camera_name", ctypes.c_char_p)])
+                  + [("camera_name", ctypes.c_char_p), ("error", ctypes.c_double), ("confidence", ctypes.c_double),
+                     ("max_samples", ctypes.c_uint32), ("reserved", ctypes.c_uint32), ("bound", ctypes.POINTER(ctypes.c_double))])
 CANCELLED_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
 PROGRESS_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double)
 Options = _struct("Options", [("cancelled", CANCELLED_CALLBACK), ("progress", PROGRESS_CALLBACK), ("user", ctypes.c_void_p)])
 
 
-def make(kind):
+def make(kind: Any) -> Any:
     """A struct with its size set and all else zero."""
     made = kind()
     made.size = ctypes.sizeof(kind)
     return made
 
 
-def _load():
+def _load() -> ctypes.CDLL:
     chosen = os.environ.get("GLINT_LIBRARY")
-    for name in [chosen] if chosen else ["libglint.so.0", ctypes.util.find_library("glint")]:
+    problem: Exception | None = None
+    for name in (chosen,) if chosen else ("libglint.so.0", ctypes.util.find_library("glint")):
         if name:
             try:
                 return ctypes.CDLL(name)
@@ -108,13 +114,14 @@ loaded.glint_status_name.argtypes = [ctypes.c_int32]
 loaded.glint_version.restype = ctypes.c_uint32
 
 
-def call(name, *arguments):
+def call(name: str, *arguments: Any) -> None:
+    """The function of that name; Error if it fails."""
     status = getattr(loaded, name)(*arguments)
     if status != OK:
         raise Error(loaded.glint_status_name(status).decode(), loaded.glint_last_error().decode())
 
 
-def view(array):
+def view(array: NDArray[Any] | None) -> View:
     """A view of an array of elements: its last axis is what an element is made of, unless it has but one."""
     if array is None:
         return View()
@@ -122,7 +129,7 @@ def view(array):
     return View(array.ctypes.data_as(ctypes.c_void_p), array.shape[0], stride, _TYPES[array.dtype.name], 0)
 
 
-def numbers(given, width, what):
+def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
     """As an array of float32 or float64, (n, width) or, for width None, (n,). Copied only where it has to be."""
     array = numpy.asarray(given)
     if array.dtype not in (numpy.float32, numpy.float64):

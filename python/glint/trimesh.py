@@ -3,19 +3,27 @@
     from glint.trimesh import RayMeshIntersector
     RayMeshIntersector(mesh).contains_points(points)
 """
-import numpy
+from __future__ import annotations
 
-from . import Scene, _native
+from typing import Any
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import Scene, Selector, _native
+
+Indices = NDArray[numpy.int64]
 
 
 class RayMeshIntersector:
     """Method names and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`."""
 
-    def __init__(self, mesh, device=None):
+    def __init__(self, mesh: Any, device: Selector = None) -> None:
         self.mesh = mesh
         self.scene = Scene(mesh.vertices, mesh.faces, device)
 
-    def intersects_location(self, ray_origins, ray_directions, multiple_hits=True):
+    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                            multiple_hits: bool = True) -> tuple[NDArray[numpy.float64], Indices, Indices]:
         """(locations (m, 3), index_ray (m,), index_tri (m,)): every crossing, or the nearest hit of each ray."""
         if not multiple_hits:
             hits = self.scene.cast(ray_origins, ray_directions, want=("hit", "primitive", "point"))
@@ -25,18 +33,21 @@ class RayMeshIntersector:
         index_ray = numpy.repeat(numpy.arange(len(offsets) - 1), numpy.diff(offsets).astype(numpy.int64))
         return hits.point, index_ray, hits.primitive.astype(numpy.int64)
 
-    def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, return_locations=False):
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
+                      return_locations: bool = False) -> tuple[Any, ...]:
         """(index_tri, index_ray), with the locations if wanted."""
         locations, index_ray, index_tri = self.intersects_location(ray_origins, ray_directions, multiple_hits)
         return (index_tri, index_ray, locations) if return_locations else (index_tri, index_ray)
 
-    def intersects_first(self, ray_origins, ray_directions):
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Indices:
         """The triangle that each ray hits first, -1 for none."""
         first = self.scene.cast(ray_origins, ray_directions, want=("primitive",)).primitive
         return numpy.where(first == _native.NONE, -1, first.astype(numpy.int64))
 
-    def intersects_any(self, ray_origins, ray_directions):
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[numpy.bool_]:
+        """Whether each ray hits the mesh."""
         return self.scene.occluded(ray_origins, ray_directions)
 
-    def contains_points(self, points):
+    def contains_points(self, points: ArrayLike) -> NDArray[numpy.bool_]:
+        """Whether each point is inside of the mesh, which must be closed."""
         return self.scene.contains(points)

@@ -1,6 +1,9 @@
 // Pictures to a caller's buffers.
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "converge/converge.h"
 #include "core/text_file.h"
 #include "library/ray_reader.h"
 #include "library/snapshot.h"
@@ -10,6 +13,7 @@
 #include "scene/cameras.h"
 #include "scene/sampling.h"
 #include "scene/validate.h"
+#include "verify/stiffness.h"
 
 namespace glint::library {
 
@@ -91,6 +95,61 @@ void Layers::write(const Picture& picture) const {
     }
 }
 
+converge::Target targetOf(const glint_picture& wanted) {
+    converge::Target target;
+    target.error = wanted.error;
+    if (!(wanted.error > 0) || !std::isfinite(wanted.error))
+        refuse("picture.error must be above 0 and finite");
+    if (wanted.samples != 0)
+        refuse("picture.samples: picture.error finds out how many it takes; max_samples limits them");
+    if (wanted.confidence != 0) target.confidence = wanted.confidence;
+    if (!(target.confidence > 0.5 && target.confidence < 1))
+        refuse("picture.confidence must lie between 0.5 and 1");
+    if (wanted.max_samples != 0) target.maxSamples = wanted.max_samples;
+    if (target.maxSamples < 2 || target.maxSamples > 1u << 20)
+        refuse("picture.max_samples must be from 2 to 1048576");
+    return target;
+}
+
+// A picture without any reflection has no code for them either, and so no account of what is missing.
+void checkDepthIsKnown(const Scene& scene, uint32_t maxDepth) {
+    const auto reflects = [](const Material& m) {
+        return m.mirror != Color(0) || m.transmission != Color(0);
+    };
+    if (maxDepth == 0 && std::any_of(scene.materials.begin(), scene.materials.end(), reflects))
+        refuse("picture.error: with a max_depth of none nobody counts what mirrors would show");
+}
+
+Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, const glint_picture& wanted,
+                    const ImageSettings& image, Request request) {
+    converge::Job job;
+    job.target = targetOf(wanted);
+    job.maxDepth = request.maxDepth.value_or(snapshot.part().packed.environment.maxDepth);
+    checkDepthIsKnown(snapshot.scene(), job.maxDepth);
+    job.image = image;
+    job.image.adaptive.reset();
+    if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
+    // What fp32, or double, has a right to; and what storing the picture takes.
+    const double kappa = verify::conditionNumber(reference::Tracer(snapshot.part().packed, request), camera,
+                                                 request.width, request.height, 1);
+    job.rounding = kappa * (snapshot.onDevice() ? verify::kFloatUnit : 0x1p-53) + verify::kFloatUnit;
+    // Work grows with about the error's -5/3rd power.
+    job.report = [told = std::exchange(request.progress, {}), error = wanted.error,
+                  last = 0.0](const converge::State& state) mutable {
+        last =
+            std::max(last, std::min(std::pow(std::max(state.budget.sampling / error, 1.0), -5.0 / 3), 0.99));
+        if (told) told(last);
+    };
+    request.ledger = true;
+    request.samples = SampleSequence(job.image).next(leastSamples(job.image.filter));
+    job.request = request;
+    converge::Result result =
+        converge::converge([&](const Request& r) { return snapshot.render(camera, r); }, job);
+    if (wanted.bound != nullptr) *wanted.bound = result.budget.total();
+    if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;
+    return std::move(result.picture);
+}
+
 void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_options* options) {
     const Scene& scene = snapshot.scene();
     const ImageSettings image = settingsOf(wanted, scene);
@@ -107,7 +166,8 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     request.progress = callbacks.progress;
     const shared::Camera packed =
         packCamera(camera, image.width, image.height, snapshot.part().packed.origin);
-    const Picture picture = snapshot.render(packed, request);
+    const Picture picture = wanted.error == 0 ? snapshot.render(packed, request)
+                                              : drawToError(snapshot, packed, wanted, image, request);
     layers.write(picture);
     if (!picture.complete) reportCancelled();
 }

@@ -35,6 +35,7 @@ class Snapshot {
     const Part& counting() const;
     const std::vector<std::string>& warnings() const { return warnings_; }
     uint64_t triangles() const;
+    bool onDevice() const { return part_.queries != nullptr; }
 
     // One picture at a time.
     Picture render(const shared::Camera& camera, const Request& request) const;

@@ -232,5 +232,36 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
     EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);
 }
 
+TEST_F(LibraryQueries, PicturesToAnError) {
+    load("lights.json");
+    std::vector<std::array<float, 4>> color(24 * 16);
+    double bound = -1;
+    GLINT_INIT(glint_picture, picture);
+    picture.width = 24;
+    picture.height = 16;
+    picture.color = outOf(color);
+    picture.error = 0.02;
+    picture.bound = &bound;
+    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_GT(bound, 0);
+    EXPECT_LE(bound, 0.02);
+
+    // The samples end, and the bound says so.
+    picture.error = 1e-3;
+    picture.max_samples = 2;
+    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_GT(bound, 1e-3);
+
+    // A caller of the version before, whose struct ended with the layers.
+    picture.size = offsetof(glint_picture, error);
+    picture.samples = 4;
+    ASSERT_EQ(glint_render(scene(), &picture, nullptr), GLINT_OK) << glint_last_error();
+    picture.size = sizeof(picture);
+    EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);  // samples and error
+    picture.samples = 0;
+    picture.confidence = 0.4;
+    EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);
+}
+
 }  // namespace
 }  // namespace glint::library::test

@@ -2,14 +2,19 @@
 
 GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
 """
+import inspect
 import os
 import pathlib
 import threading
+import tracemalloc
+import typing
 
 import numpy
 import pytest
 
 import glint
+import glint.open3d
+import glint.trimesh
 
 SCENES = pathlib.Path(os.environ["GLINT_SOURCE"]) / "scenes"
 CUBE = numpy.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -65,6 +70,27 @@ def test_arrays_stay_as_they_stand(cube):
     assert numpy.array_equal(cube.cast(rays).t, cube.cast(rays.copy()).t)
     fortran = numpy.asfortranarray(rays)
     assert numpy.array_equal(cube.cast(fortran).t, cube.cast(rays).t)
+
+
+@pytest.mark.parametrize("dtype", [numpy.float32, numpy.float64])
+def test_no_copies_of_rays(cube, dtype):
+    count = 200_000
+    table = numpy.zeros((count, 9), dtype)
+    table[:, 2:8] = [0, 0, 5, 0, 0, -1]
+    origins, directions = table[:, 2:5].copy(), table[:, 5:8].copy()
+    batches = {"(n, 6)": (table[:, 2:8].copy(),), "(n, 6) in a table": (table[:, 2:8],), "backwards": (table[::-1, 2:8],),
+               "(n, 3), (n, 3)": (origins, directions), "(n, 3) in a table": (table[:, 2:5], table[:, 5:8]),
+               "one direction": (origins, directions[0]), "a picture": (origins.reshape(400, 500, 3), directions.reshape(400, 500, 3))}
+    for name, batch in batches.items():
+        held = glint._RayArrays(*batch, *([None] * (2 - len(batch))), None, None, False)
+        assert numpy.shares_memory(held.kept[0], batch[0]) and numpy.shares_memory(held.kept[1], batch[-1]), name
+        assert held.struct.origins.data == batch[0].ctypes.data, name
+        # numpy tells tracemalloc of its arrays: the answers, one byte each and their bools, are all there is.
+        tracemalloc.start()
+        assert cube.occluded(*batch).all()
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 3 * count, name
 
 
 def test_intervals(cube):
@@ -143,6 +169,44 @@ def test_cameras_by_name(device, tmp_path):
     assert numpy.array_equal(own.depth, named.depth) and numpy.isfinite(own.depth).any()
     with pytest.raises(glint.Error, match='no camera "tip" .there are "top".'):
         glint.render(tmp_path / "named.json", 32, 24, 1, device=device, camera="tip")
+
+
+def test_pictures_to_an_error(device):
+    scene = glint.Scene.load(SCENES / "lights.json", device)
+    truth = scene.render(32, 24, 4096).astype(float)
+    for error in (0.02, 0.005):
+        picture = glint.render(scene, 32, 24, error=error)
+        assert picture.shape == (24, 32, 4)
+        off = numpy.sqrt(numpy.mean((picture - truth)[..., :3] ** 2))
+        assert off <= error
+    with pytest.warns(RuntimeWarning, match="the error may be"):
+        scene.render(32, 24, error=0.001, max_samples=2)
+    for wrong in ({"error": 0.01, "samples": 4}, {"error": 0.01, "confidence": 1.5}, {"error": 0.01, "max_samples": 1},
+                  {"error": numpy.inf}, {"error": 1e-12}):
+        with pytest.raises(glint.Error) as refused:
+            scene.render(32, 24, **wrong)
+        assert refused.value.status == "argument"
+    with pytest.raises(ValueError):
+        scene.render(32, 24, error=-1)
+    parts = []
+    scene.render(32, 24, error=0.005, progress=parts.append)
+    assert parts and parts == sorted(parts)
+
+
+def test_everything_public_has_types_and_a_docstring():
+    assert (pathlib.Path(glint.__file__).parent / "py.typed").exists()
+    things = [getattr(glint, name) for name in glint.__all__] + [glint.open3d.RaycastingScene, glint.trimesh.RayMeshIntersector]
+    for thing in things:
+        if not callable(thing):
+            continue
+        assert inspect.getdoc(thing), thing
+        members = [m for n, m in vars(thing).items() if not n.startswith("_")] if inspect.isclass(thing) else [thing]
+        for member in members:
+            function = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
+            if inspect.isfunction(function):
+                assert inspect.getdoc(function), function
+                hints = typing.get_type_hints(function)
+                assert set(inspect.signature(function).parameters) - {"self", "cls"} <= set(hints) and "return" in hints, function
 
 
 def test_errors(device, cube):
