@@ -6,6 +6,7 @@ import inspect
 import os
 import pathlib
 import threading
+import time
 import tracemalloc
 import typing
 
@@ -247,6 +248,18 @@ def test_threads_share_a_scene(cube):
     for thread in threads:
         thread.join()
     assert all(numpy.array_equal(answer, expected) for answer in answers)
+
+
+def test_others_run_meanwhile(device):
+    scene = glint.Scene.load(SCENES / "knot.json", device)
+    rays = numpy.random.default_rng(3).normal(size=(400_000, 6))
+    thread = threading.Thread(target=scene.count, args=(rays,))
+    thread.start()
+    beats = 0
+    while thread.is_alive():
+        time.sleep(0.001)
+        beats += 1
+    assert beats > 10  # a call that held the interpreter's lock leaves a handful
 
 
 def test_devices_and_version():
