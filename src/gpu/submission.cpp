@@ -16,7 +16,6 @@ void createObjects(SubmissionState& state) {
     const DeviceState& device = *state.device;
     VkCommandPoolCreateInfo pool{};
     pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     pool.queueFamilyIndex = device.physical.queueFamily;
     state.pool = create(device, "vkCreateCommandPool", pool, device.vk.vkCreateCommandPool,
                         device.vk.vkDestroyCommandPool);
@@ -53,6 +52,7 @@ void barrier(const SubmissionState& state, VkPipelineStageFlags nextStages, VkAc
 void prepareCommand(SubmissionState& state) {
     const VolkDeviceTable& vk = state.device->vk;
     if (!state.recording) {
+        check(vk.vkResetCommandPool(state.device->device, state.pool.get(), 0), "vkResetCommandPool");
         VkCommandBufferBeginInfo begin{};
         begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
         begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;

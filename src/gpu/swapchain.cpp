@@ -121,7 +121,6 @@ void SwapchainState::waitUntilIdle() {
 void SwapchainState::makeObjects() {
     VkCommandPoolCreateInfo poolInfo{};
     poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    poolInfo.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     poolInfo.queueFamilyIndex = state.physical.queueFamily;
     pool = create(state, "vkCreateCommandPool", poolInfo, state.vk.vkCreateCommandPool,
                   state.vk.vkDestroyCommandPool);
@@ -234,6 +233,7 @@ void SwapchainState::fillPixels(std::span<const uint32_t> source, int width, int
 
 void SwapchainState::recordCopy(VkImage image) {
     const VolkDeviceTable& vk = state.vk;
+    check(vk.vkResetCommandPool(state.device, pool.get(), 0), "vkResetCommandPool");
     VkCommandBufferBeginInfo begin{};
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/quantize.h"
+#include "core/text_file.h"
 
 namespace glint {
 
@@ -45,8 +46,7 @@ std::optional<Texture> MtlMaps::load(const std::string& name, const tinyobj::tex
         image.image = files_.image(files_.resolve(file_.parent_path(), path));
     } catch (const Error& e) {
         const std::string warning = file_.string() + ": " + e.what() + "; drawn without it";
-        if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end())
-            warnings_.push_back(warning);
+        if (warned_.insert(warning).second) warnings_.push_back(warning);
         return std::nullopt;
     }
     image.wrapU = image.wrapV = options.clamp ? Wrap::Clamp : Wrap::Repeat;
@@ -61,6 +61,20 @@ uint32_t MtlMaps::add(const std::string& name, const tinyobj::texture_option_t& 
     if (!texture) return Material::kNoTexture;
     textures_.push_back(std::move(*texture));
     return static_cast<uint32_t>(textures_.size() - 1);
+}
+
+std::shared_ptr<const Image> MtlMaps::combined(const Image* color,
+                                               const std::shared_ptr<const Image>& cover) {
+    std::shared_ptr<const Image>& made = combined_[{color, cover.get()}];
+    if (!made) {
+        const Image& size = color ? *color : *cover;
+        if (static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height) > files_.mostPixels())
+            throw Error(ErrorKind::Scene,
+                        printable(file_.string() + ": its textures take more memory than there is"));
+        made = std::make_shared<const Image>(withAlpha(color, *cover));
+        files_.takePicture(*made);
+    }
+    return made;
 }
 
 void MtlMaps::applyAlpha(const tinyobj::material_t& from, Material& material) {
@@ -78,7 +92,7 @@ void MtlMaps::applyAlpha(const tinyobj::material_t& from, Material& material) {
             cover->scale = textures_[diffuse].scale;
             cover->offset = textures_[diffuse].offset;
         }
-        image.image = std::make_shared<const Image>(withAlpha(color, *image.image));
+        image.image = combined(color, image.image);
         textures_.push_back(std::move(*cover));
         const auto combined = static_cast<uint32_t>(textures_.size() - 1);
         if (material.ambientTexture == diffuse) material.ambientTexture = combined;

@@ -4,8 +4,12 @@
 #include <tiny_obj_loader.h>
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "import/scene_files.h"
@@ -28,11 +32,15 @@ class MtlMaps {
     std::optional<Texture> load(const std::string& name, const tinyobj::texture_option_t& options);
     uint32_t add(const std::string& name, const tinyobj::texture_option_t& options);
     void applyAlpha(const tinyobj::material_t& from, Material& material);
+    std::shared_ptr<const Image> combined(const Image* color, const std::shared_ptr<const Image>& cover);
 
     std::filesystem::path file_;
     SceneFiles& files_;
     std::vector<Texture>& textures_;
     std::vector<std::string>& warnings_;
+    std::set<std::string> warned_;
+    // Colours with their coverage, by both: many materials may share one.
+    std::map<std::pair<const Image*, const Image*>, std::shared_ptr<const Image>> combined_;
 };
 
 }  // namespace glint

@@ -159,6 +159,7 @@ class ObjReader {
     }
 
     void readLibrary(const std::string& name) {
+        if (!libraryNames_.insert(name).second) return;
         std::filesystem::path file;
         try {
             file = files_.resolve(path_.parent_path(), name);
@@ -228,7 +229,8 @@ class ObjReader {
     std::vector<Face> faces_;
     std::vector<Material> materials_;
     std::vector<Texture> textures_;
-    std::set<std::filesystem::path> libraries_;  // each is read once
+    std::set<std::string> libraryNames_;         // each is looked for once
+    std::set<std::filesystem::path> libraries_;  // and read once, under whatever name
     std::unordered_map<std::string, uint32_t> materialIndices_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;

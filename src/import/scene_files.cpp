@@ -34,7 +34,10 @@ std::string mebibytes(uint64_t bytes) {
 fs::path real(const fs::path& path, const std::string& name) {
     std::error_code code;
     // Absolute, for one that does not exist stays relative else.
-    const fs::path found = fs::weakly_canonical(fs::absolute(path.empty() ? "." : path), code);
+    const fs::path whole = fs::absolute(path.empty() ? "." : path);
+    fs::path found = fs::canonical(whole, code);
+    // This takes any path, and several calls of the system for each of its folders.
+    if (code) found = fs::weakly_canonical(whole, code);
     if (code) fail(name + ": cannot be read: " + code.message());
     return found;
 }
@@ -52,10 +55,23 @@ fs::path SceneFiles::resolve(const fs::path& folder, const std::string& name) co
     if (name.find('\0') != std::string::npos) fail(name + ": no file name holds a zero byte");
     if (name.find("://") != std::string::npos) fail(name.substr(0, 60) + ": URLs are not read, only files");
     const fs::path path = folder / name;
-    const fs::path found = real(path, path.string());
+    const fs::path found = find(path);
     if (!options_.allowOutside && !isWithin(found, root_))
         fail(path.string() + ": lies outside the scene's folder (--allow-outside lets such files be read)");
     return path;
+}
+
+fs::path SceneFiles::find(const fs::path& path) const {
+    const fs::path last = path.filename();
+    std::error_code code;
+    // What is no link lies where its folder does, which is looked for once.
+    if (last.empty() || last == "." || last == ".." || fs::is_symlink(fs::symlink_status(path, code)))
+        return real(path, path.string());
+    if (code && code != std::errc::no_such_file_or_directory && code != std::errc::not_a_directory)
+        return real(path, path.string());
+    const auto [folder, isNew] = folders_.try_emplace(path.parent_path().string());
+    if (isNew) folder->second = real(path.parent_path(), path.string());
+    return folder->second / last;
 }
 
 std::string SceneFiles::read(const fs::path& path) {
@@ -70,7 +86,7 @@ std::string SceneFiles::read(const fs::path& path) {
 }
 
 std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
-    const std::string key = real(path, path.string()).string();
+    const std::string key = find(path).string();
     const auto known = images_.find(key);
     if (known != images_.end()) return known->second;
     std::error_code ignored;
@@ -88,7 +104,7 @@ std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
 }
 
 void SceneFiles::note(const fs::path& path, uint64_t hash) {
-    sources_[real(path, path.string()).lexically_proximate(root_).generic_string()] = hash;
+    sources_[find(path).lexically_proximate(root_).generic_string()] = hash;
 }
 
 std::vector<SourceFile> SceneFiles::sources() const {

@@ -54,9 +54,12 @@ class SceneFiles {
     std::vector<SourceFile> sources() const;
 
   private:
+    // Where it lies with links followed; it need not be there.
+    std::filesystem::path find(const std::filesystem::path& path) const;
     void note(const std::filesystem::path& path, uint64_t hash);
 
     std::filesystem::path root_;
+    mutable std::map<std::string, std::filesystem::path> folders_;  // by name, where find() found them
     LoadOptions options_;
     uint64_t read_ = 0;                                           // bytes of files
     uint64_t pictures_ = 0;                                       // and of their samples

@@ -17,5 +17,17 @@ const char* __lsan_default_suppressions() {
     return "leak:libVkLayer_khronos_validation.so\n";
 }
 
+// ThreadSanitizer (GLINT_SANITIZE=thread) sees what these libraries hand over between their threads, but not
+// the atomics that they do it with, as nobody compiled them for it: Mesa's lavapipe, and LLVM, whose code it
+// runs. Their calls of memcpy and the like, in glint's mapped buffers too, are not looked at.
+const char* __tsan_default_suppressions() {
+    return "called_from_lib:libvulkan_lvp.so\n"
+           "called_from_lib:libLLVM-\n"
+           "race:libvulkan_lvp.so\n"
+           "race:libLLVM-\n"
+           "mutex:libvulkan_lvp.so\n"
+           "thread:libvulkan_lvp.so\n";
+}
+
 }  // extern "C"
 #pragma GCC visibility pop

@@ -11,8 +11,9 @@ cp "$folder"/scenes/* "$folder"/pictures/* "$folder"/legal/* "$work"
 cd "$work" || exit 1
 mkfifo fifo.png
 ln -s loop.mtl loop.mtl
-# Legal, but for names that warnings repeat, or that are nowhere: drawn.
-drawn=" escape.obj obj-crash-a4f60e32ab.obj "
+{ for _ in {1..10000}; do printf 'mtllib m2.mtl\nmtllib ./m2.mtl\n'; done && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >libs.obj
+# Legal, but for names that warnings repeat, or that are nowhere, or what many materials ask for again: drawn.
+drawn=" escape.obj obj-crash-a4f60e32ab.obj cover.obj "
 faults=0 count=0
 
 # answer CODE ARGUMENT...
@@ -57,5 +58,6 @@ for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)
         answer 3 info "$file"
     fi
 done
+answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"
 [ "$faults" = 0 ]

@@ -1,6 +1,9 @@
 // Which files a scene may read, each once, and how much memory they may take.
 #include "import/scene_files.h"
 
+#include <set>
+
+#include "core/image_io.h"
 #include "import/load.h"
 #include "support.h"
 
@@ -109,6 +112,29 @@ TEST_F(SceneFolder, AMaterialFileIsReadOnce) {
     writeText(file("own/t.obj"), obj + "usemtl a7\n" + kTriangle);
     writeText(file("own/m.mtl"), mtl);
     EXPECT_EQ(loadScene(file("own/t.obj")).materials.size(), 4000u);
+}
+
+// Each would be a picture of its own: 200 materials in 7 KB made 20 GB of one of 2 KB.
+TEST_F(SceneFolder, AMapWithItsCoverageIsMadeOnce) {
+    writeImage(file("own/p.png"), Image(64, 64, 1));
+    writeImage(file("own/q.png"), Image(8, 8, 1, 1.0f));
+    std::string mtl;
+    for (int i = 0; i < 50; ++i) mtl += "newmtl a" + std::to_string(i) + "\nmap_Kd p.png\nmap_d q.png\n";
+    writeText(file("own/t.obj"), std::string("mtllib m.mtl\nusemtl a7\n") + kTriangle);
+    writeText(file("own/m.mtl"), mtl);
+    const Scene scene = loadScene(file("own/t.obj"));
+    std::set<const Image*> images;
+    for (const Material& material : scene.materials)
+        images.insert(std::get<ImageTexture>(scene.textures.at(material.diffuseTexture).source).image.get());
+    EXPECT_EQ(scene.materials.size(), 50u);
+    EXPECT_EQ(images.size(), 1u);
+    EXPECT_EQ((*images.begin())->channels, 4);
+    // Enough for the map, 16 KiB, not for its 64 KiB with coverage.
+    LoadOptions options;
+    options.memory = 70'000;
+    const std::string message = errorOf([&] { loadScene(file("own/t.obj"), options); });
+    EXPECT_NE(message.find("m.mtl: its textures take more memory than there is"), std::string::npos)
+        << message;
 }
 
 TEST_F(SceneFolder, MemoryIsAskedFor) {

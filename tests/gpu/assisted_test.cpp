@@ -1,0 +1,54 @@
+// GPU-assisted validation, which tools/test-more runs over whole pictures: that it sees what it is there for.
+#include <cstdlib>
+#include <optional>
+
+#include "gpu_fixture.h"
+
+namespace glint::gpu::assisted_test {
+namespace {
+
+constexpr const char* kSetting = "VK_LAYER_ENABLES";
+
+class AssistedTest : public testing::TestWithParam<Access> {
+  protected:
+    AssistedTest() {
+        ::setenv(kSetting, "VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT", 1);
+        device_.emplace(withValidation());
+        ::unsetenv(kSetting);
+    }
+
+    // What the layer says of a shader that reads and writes `touched` texels of a buffer of 16.
+    std::vector<std::string> messages(uint32_t touched) {
+        EXPECT_TRUE(device_->validationActive());
+        const Buffer buffer(*device_, "values", 16 * 16, GetParam(), MemoryKind::Device);
+        write(*device_, buffer, counting(64));
+        Kernel kernel = scaleKernel(*device_, GetParam(), {2});
+        const Buffer* const buffers[] = {&buffer};
+        kernel.bind(buffers);
+        Submission submission(*device_);
+        submission.dispatch(kernel, 1, bytesOf(ScalePush{touched, 0}));
+        submission.submit();
+        return device_->validationMessages();
+    }
+
+  private:
+    std::optional<Device> device_;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, AssistedTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
+                         [](const auto& access) {
+                             return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
+                         });
+
+TEST_P(AssistedTest, ReadsPastTheEndAreSeen) {
+    const std::vector<std::string> seen = messages(17);
+    ASSERT_FALSE(seen.empty());
+    EXPECT_NE(seen.front().find("out of bounds"), std::string::npos) << seen.front();
+}
+
+TEST_P(AssistedTest, ReadsUpToTheEndAreNot) {
+    for (const std::string& message : messages(16)) ADD_FAILURE() << message;
+}
+
+}  // namespace
+}  // namespace glint::gpu::assisted_test
