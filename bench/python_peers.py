@@ -206,11 +206,11 @@ def rates(options, kinds):
         for kind, rays in (("camera", pictures), ("random", scattered)):
             for question in QUESTIONS:
                 rows.append(compare(name, kind, question, contenders, rays, kind == "camera", options.repeat))
-            print(f"{name}, {kind}: done", file=sys.stderr)
+                print(*rows[-1], sep=" | ", file=sys.stderr)
         if "trimesh" in globals() and name == "bunny":
-            few = scattered[:2000]
-            turns = [len(few) / once(lambda: contender.first(few))[0] / 1e3 for contender in [Trimesh(vertices, faces)] for _ in range(options.repeat)]
-            slow.append(f"trimesh, {name}, random, nearest hit (2,000 rays): {spread(turns)} thousand rays a second\n")
+            few = scattered[:200]
+            turns = [len(few) / once(lambda: contender.first(few))[0] for contender in [Trimesh(vertices, faces)] for _ in range(options.repeat)]
+            slow.append(f"trimesh, {name}, random, nearest hit (200 rays): {spread(turns, '{:.0f}')} rays a second\n")
     header = ["scene", "rays"]
     for kind in kinds:
         header += [f"{kind.__name__.lower()}, M/s", "a processor"]
