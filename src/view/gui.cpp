@@ -240,7 +240,7 @@ bool Gui::held(int first, int second) const {
 
 bool Gui::covers(double x, double y) const {
     return anyPopup_ || std::any_of(windows_.begin(), windows_.end(), [&](const Rectangle& r) {
-               return x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
+               return r.takesMouse && x >= static_cast<double>(r.x0) && x < static_cast<double>(r.x1) &&
                       y >= static_cast<double>(r.y0) && y < static_cast<double>(r.y1);
            });
 }
@@ -274,12 +274,13 @@ void Gui::begin(int width, int height, double seconds) {
     io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
     nextWindows_.clear();
     nextControls_.clear();
+    nextTip_.clear();
     ImGui::NewFrame();
 }
 
-void Gui::noteWindow() {
+void Gui::noteWindow(bool takesMouse) {
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-    nextWindows_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+    nextWindows_.push_back({at.x, at.y, at.x + size.x, at.y + size.y, takesMouse});
 }
 
 void Gui::noteControl(const char* label) {
@@ -293,6 +294,7 @@ void Gui::end(Canvas& target) {
     ImGui::Render();
     windows_ = nextWindows_;
     controls_ = nextControls_;
+    tip_ = nextTip_;
     // Open lists and menus reach beyond their windows.
     anyPopup_ = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     const ImDrawData* data = ImGui::GetDrawData();

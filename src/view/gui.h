@@ -39,6 +39,7 @@ class Gui {
         double x, y;
     };
     std::optional<Place> controlAt(const std::string& label) const;
+    const std::string& tip() const { return tip_; }  // that was shown in the last frame; empty: none
     float scale() const { return scale_; }
     float line() const { return fontPixels_; }  // the height of letters, pixels
 
@@ -47,12 +48,14 @@ class Gui {
     void end(Canvas& target);
 
     // To be called inside each window, and after each control.
-    void noteWindow();
+    void noteWindow(bool takesMouse = true);
     void noteControl(const char* label);
+    void noteTip(const char* text) { nextTip_ = text; }
 
   private:
     struct Rectangle {
         float x0, y0, x1, y1;
+        bool takesMouse;
     };
     bool held(int first, int second) const;
 
@@ -62,6 +65,7 @@ class Gui {
     std::string pasted_;  // what ImGui was given last
     std::vector<Rectangle> windows_, nextWindows_;
     std::map<std::string, Place> controls_, nextControls_;
+    std::string tip_, nextTip_;
     bool anyPopup_ = false;
     std::vector<unsigned char> font_;  // coverage, a byte for each texel
     int fontWidth_ = 0, fontHeight_ = 0;

@@ -1,5 +1,6 @@
 #include "view/hand.h"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,23 +13,34 @@ namespace glint::view {
 
 namespace {
 
-// Its exit code; -1 if it could not be started.
+// Its exit code; -1 if it could not be started. It prints nothing.
 int runProgram(std::vector<std::string> words) {
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     pid_t process = 0;
-    if (posix_spawnp(&process, pointers[0], nullptr, nullptr, pointers.data(), environ) != 0) return -1;
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    const int error = posix_spawnp(&process, pointers[0], &files, nullptr, pointers.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) return -1;
     int status = 0;
     if (waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
     return WEXITSTATUS(status);
+}
+
+// The second program's question is answered after the first one's events, on however busy a machine.
+int runHand(std::vector<std::string> words) {
+    const int code = runProgram(std::move(words));
+    return code == 0 ? runProgram({"xdotool", "getmouselocation"}) : code;
 }
 
 }  // namespace
 
 void Hand::start(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "xdotool");
-    ended_ = std::async(std::launch::async, runProgram, std::move(arguments));
+    ended_ = std::async(std::launch::async, runHand, std::move(arguments));
 }
 
 bool Hand::done() {

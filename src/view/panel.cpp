@@ -22,6 +22,7 @@ void wrapped(const std::string& line, const ImVec4& color) {
 void tip(Gui& gui, const char* label, const char* help) {
     gui.noteControl(label);
     if (*help == 0 || !ImGui::IsItemHovered() || ImGui::IsItemActive()) return;
+    gui.noteTip(help);
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(22 * ImGui::GetFontSize());
     ImGui::TextUnformatted(help);

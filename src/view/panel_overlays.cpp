@@ -13,6 +13,9 @@ namespace {
 constexpr ImU32 kEyeRay = IM_COL32(255, 255, 255, 220), kReflectedRay = IM_COL32(255, 170, 60, 220),
                 kTransmittedRay = IM_COL32(90, 200, 255, 220), kOutline = IM_COL32(0, 0, 0, 160);
 
+// Of what says something and takes nothing: the mouse works on the picture beneath.
+constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
+
 struct HelpLine {
     const char* name;
     const char* help;
@@ -190,7 +193,7 @@ void drawToasts(Gui& gui, const PanelModel& m) {
     const float width = 26 * ImGui::GetFontSize();
     const bool both = m.inspects && m.pick->has_value();
     const ImVec2 corner(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
-    if (beginCorner(m.left, "##toasts", corner, width, ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##toasts", corner, width, kUnderMouse)) {
         if (!m.sceneError.empty()) {
             wrapped(m.sceneError, kRed);
             wrapped("The picture is of the scene as it was before.", kDim);
@@ -204,7 +207,7 @@ void drawToasts(Gui& gui, const PanelModel& m) {
         for (const Toast& toast : *m.toasts)
             wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);
     }
-    gui.noteWindow();
+    gui.noteWindow(false);
     ImGui::End();
 }
 
@@ -241,8 +244,7 @@ void drawProgress(Gui& gui, const PanelModel& m) {
                           {"tracing the reference", m.referenceProgress},
                           {"loading the scene", m.loading ? 0.0 : -1.0}};
     if (std::all_of(std::begin(tasks), std::end(tasks), [](const Task& t) { return t.progress < 0; })) return;
-    if (beginCorner(m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(),
-                    ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(), kUnderMouse)) {
         for (const Task& task : tasks) {
             if (task.progress < 0) continue;
             char label[64];
@@ -250,7 +252,7 @@ void drawProgress(Gui& gui, const PanelModel& m) {
             ImGui::ProgressBar(static_cast<float>(task.progress), ImVec2(-1, 0), label);
         }
     }
-    gui.noteWindow();
+    gui.noteWindow(false);
     ImGui::End();
 }
 
@@ -260,7 +262,7 @@ void drawLegend(Gui& gui, const PanelModel& m) {
     const bool colors = layer == ViewLayer::Color;
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const float line = ImGui::GetFontSize();
-    if (beginCorner(m.left, "##legend", ImVec2(0.5f, 0), 14 * line, ImGuiWindowFlags_NoTitleBar)) {
+    if (beginCorner(m.left, "##legend", ImVec2(0.5f, 0), 14 * line, kUnderMouse)) {
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float width = ImGui::GetContentRegionAvail().x;
         constexpr int kSteps = 64;
@@ -283,7 +285,7 @@ void drawLegend(Gui& gui, const PanelModel& m) {
         ImGui::SameLine(width - ImGui::CalcTextSize(hi.c_str()).x);
         text(hi);
     }
-    gui.noteWindow();
+    gui.noteWindow(false);
     ImGui::End();
 }
 

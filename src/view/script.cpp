@@ -50,8 +50,9 @@ constexpr ScriptWord kWords[] = {
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
      "print something that `expect` knows: aim, built, camera, cameras, control LABEL, covered, difference, "
-     "exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, rate, "
-     "recent, samples, scroll, submissions, time, toast, tonemap, tree, depth"},
+     "exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, "
+     "progress, rate, "
+     "recent, samples, scroll, submissions, time, tip, toast, tonemap, tree, depth"},
     {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},
     {"await", "WHAT VALUE...", 2, kAny, "until it prints as VALUE; fails after a minute"},
     {"expect-object", "N|none", 1, 1, "the last click picked this object"},

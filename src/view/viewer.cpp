@@ -141,7 +141,8 @@ double Viewer::restSeconds() const {
     return seconds;
 }
 
-bool Viewer::work() {
+// The camera, and as much of the window as the panel leaves.
+void Viewer::showView() {
     PixelSize size = window_.size();
     const int left = model_.docked && model_.panelVisible ? dockWidth(gui_, size.width) : 0;
     cursorX_ += std::exchange(left_, left) - left;
@@ -151,7 +152,11 @@ bool Viewer::work() {
         forgetPick(false);
     }
     session_->setView(control_.camera(), size.width, size.height);
-    const double pixels = static_cast<double>(size.width) * size.height;
+}
+
+bool Viewer::work() {
+    showView();
+    const double pixels = static_cast<double>(session_->width()) * session_->height();
     const bool before = std::exchange(traced_, false);
     if (moving()) {
         const double scale = pace_.scale(pixels);

@@ -48,6 +48,7 @@ class Viewer {
     bool hasWork() const;
     double restSeconds() const;  // how long nothing will happen by itself
     bool inputWaits() const;
+    void showView();
     bool work();  // false: there was nothing to trace
     void drawFrame();
     void reportValidation();
@@ -106,6 +107,7 @@ class Viewer {
     void perform(Action action);
     bool performView(Action action);
     bool performFile(Action action);
+    void sayComparison();
     bool performCamera(Action action);
     void flyOn(double seconds);
     void noteCamera();

@@ -69,6 +69,8 @@ std::string Viewer::stateOf(const ScriptCommand& command) const {
     if (what == "scroll") return text("%.0f", model_.helpScroll);
     if (what == "submissions") return std::to_string(session_->times().submissions);
     if (what == "time") return time_ ? describe(*time_) : "none";
+    if (what == "progress") return text("%.4f", session_->progress());
+    if (what == "tip") return gui_.tip().empty() ? "none" : gui_.tip();
     if (what == "playing") return onOffText(timeline_.playing());
     if (what == "rate") return text("%g", timeline_.rate());
     if (what == "built") return std::to_string(moments_->treesBuilt());

@@ -247,7 +247,7 @@ bool Viewer::performView(Action action) {
             }
             comparison_.mode = nextOf(comparison_.mode);
             follow(Hint::Compare);
-            say("compare: " + std::string(nameOf(comparison_.mode)));
+            sayComparison();
             return true;
         case Action::Inspect:
             model_.inspects = !model_.inspects;
@@ -262,6 +262,13 @@ bool Viewer::performView(Action action) {
         default:
             return false;
     }
+}
+
+void Viewer::sayComparison() {
+    std::string text = "compare: " + std::string(nameOf(comparison_.mode));
+    if (comparison_.mode == CompareMode::Wipe) text += ", left of the line";
+    if (comparison_.mode != CompareMode::Off) text += ": " + comparison_.name + "; B: next";
+    say(text);
 }
 
 bool Viewer::performFile(Action action) {

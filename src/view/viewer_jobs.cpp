@@ -40,6 +40,7 @@ void Viewer::showScene(std::shared_ptr<const ViewScene> scene) {
     session_ = std::make_unique<Session>(*device_, scene_, model_.traversal);
     session_->apply(model_.settings);
     session_->wantData(model_.inspects);
+    showView();  // a key may come before the first piece of work
     shown_ = {};
     model_.pixel.reset();
     difference_.reset();

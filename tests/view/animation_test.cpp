@@ -52,7 +52,7 @@ TEST_F(Animation, IsSteppedAndScrubbed) {
         "hand mousemove @fps keydown ctrl click 1 keyup ctrl\nhand type 12\nhand key Return\nexpect rate 12\n"
         "expect time 0.5\nhand mousemove @frame_on click 1\nsettle\nexpect time 0.5833333333333334\nhand "
         "mousemove "
-        "@frame_back click 1\nsettle\nexpect time 0.5\nidle 0.5\n",
+        "@frame_back click 1\nsettle\nexpect time 0.5\nkey Esc\nwait 4\nidle 0.5\n",
         {"--spp", "1"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     render("scene.json", "rendered.png", {"--spp", "1", "--time", "0.041666666666666664"});
@@ -74,7 +74,8 @@ TEST_F(Animation, IsSteppedAndScrubbed) {
 TEST_F(Animation, IsPlayed) {
     animate(Json::array({turn_}));
     const Ran ran = view(
-        "set samples 1\nsettle\nprint built\nhand key space\nawait playing on\nwait 12\nprint time\nhand key "
+        "set samples 1\nsettle\nprint built\nhand key space\nawait playing on\nhand sleep 1.3\nprint "
+        "time\nhand key "
         "space\nexpect "
         "playing off\nsettle\nprint time\nprint built\nprint camera\nscreenshot shown.png\npress loop\nhand "
         "key End\nhand "

@@ -14,6 +14,7 @@ class Cameras : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "500x900";  // the whole panel is seen
+        byHand_ = true;
     }
 };
 

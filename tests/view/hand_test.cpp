@@ -20,6 +20,7 @@ class Hand : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "640x480";
+        byHand_ = true;
     }
 };
 
@@ -113,11 +114,17 @@ TEST_F(Hand, ControlClickFocuses) {
 TEST_F(Hand, MovingTakesWhatIsStaleAway) {
     size_ = "240x180";
     const Ran ran = view(
-        "key H\nset samples 1\nverify\nwait 2\nexpect difference on\nhand mousemove @10,175 click 4\n"
-        "expect difference off\nhand mousemove @20,150 click 1\nwait 1\nprint pick\n"
+        "set samples 1\nkey H\nsettle\nkey S\nsettle\nkey V\nsettle\nwait 2\nexpect difference on\nhand "
+        "mousemove @10,175 "
+        "mousedown 1 mousemove @40,175 mousemove @80,175 mouseup 1\nexpect difference off\nkey "
+        "R\nsettle\nkey S\nsettle\n"
+        "key V\nsettle\nwait 2\nexpect difference on\nhand mousemove @10,175 click 4\nexpect difference "
+        "off\nhand mousemove @20,150 click 1\nwait 1\nprint pick\n"
         "hand mousemove @10,175 click 4\nexpect pick none\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("pick "), std::string::npos);
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("scene-view-002.png"))
+        << "as before V, after it and a drag";
     EXPECT_NE(ran.out.find("% eye: /objects/"), std::string::npos) << ran.out;
 }
 

@@ -18,6 +18,7 @@ class Newcomer : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "640x480";
+        byHand_ = true;
     }
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
 

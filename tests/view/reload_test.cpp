@@ -6,7 +6,10 @@
 namespace glint::view::test::reload_test {
 namespace {
 
-class Reload : public FolderTest {};
+class Reload : public FolderTest {
+  protected:
+    Reload() { byHand_ = true; }
+};
 
 TEST_F(Reload, ShowsAChangedScene) {
     writeText("changed.json", sceneText(0.1));

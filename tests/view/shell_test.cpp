@@ -15,6 +15,7 @@ namespace {
 
 class Shell : public FolderTest {
   protected:
+    Shell() { byHand_ = true; }
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
 
     static nlohmann::json cameraIn(const Ran& ran) {
@@ -58,7 +59,7 @@ TEST_F(Shell, EveryFieldOfTheCameraGoesThrough) {
     for (const nlohmann::json& camera : all) {
         scene_["camera"] = camera;
         writeText("scene.json", scene_.dump());
-        const Ran ran = view("key C\nwait 2\nscreenshot shot.png\n", {"--spp", "4"});
+        const Ran ran = view("key C\nwait 2\nkey alt+S\nsettle\n", {"--spp", "4"});
         ASSERT_EQ(ran.code, 0) << ran.err;
         const nlohmann::json copied = cameraIn(ran);
         for (const auto& [key, value] : camera.items()) EXPECT_EQ(copied[key], value) << key;
@@ -66,7 +67,8 @@ TEST_F(Shell, EveryFieldOfTheCameraGoesThrough) {
         writeText("copied.json", scene_.dump());
         render("scene.json", "rendered.png", {"--spp", "4"});
         render("copied.json", "again.png", {"--spp", "4"});
-        EXPECT_EQ(readBytes("shot.png"), readBytes("rendered.png")) << camera;
+        EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("rendered.png")) << camera;
+        std::filesystem::remove("scene-view-001.png");
         EXPECT_EQ(readBytes("again.png"), readBytes("rendered.png")) << camera;
     }
 }
@@ -77,13 +79,13 @@ TEST_F(Shell, TheLensIsSeen) {
     scene_["camera"]["lensRadius"] = 0.4;
     scene_["camera"]["focusDistance"] = 3.0;
     writeText("scene.json", scene_.dump());
-    const Ran ran = view("key H\nset samples 16\nsettle\nsave shown.png\n");
+    const Ran ran = view("key H\nset samples 16\nsettle\nkey S\nsettle\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     render("scene.json", "lens.png", {"--spp", "128"});
     scene_["camera"]["lensRadius"] = 0;
     writeText("pinhole.json", scene_.dump());
     render("pinhole.json", "pinhole.png", {"--spp", "16"});
-    const Image shown = readImage("shown.png");
+    const Image shown = readImage("scene-view-001.png");
     const double toLens = compareImages(shown, readImage("lens.png"), 0).rmse;
     const double toPinhole = compareImages(shown, readImage("pinhole.png"), 0).rmse;
     EXPECT_LT(3 * toLens, toPinhole) << toLens << " " << toPinhole;
@@ -93,9 +95,11 @@ TEST_F(Shell, TheLensIsSeen) {
 
 TEST_F(Shell, SwitchingLayersTracesNothingAgain) {
     const Ran ran = view(
-        "set samples 2\nsettle\nidle 0.2\nprint submissions\naov normal\nwait 3\naov cost\nwait 3\naov "
-        "color\nwait 3\n"
-        "aov depth\nwait 3\nidle 0.2\nprint submissions\nprint samples\n");
+        "set samples 2\nsettle\nidle 0.2\nprint submissions\nkey L\nkey L\nexpect layer normal\nkey "
+        "shift+L\nkey "
+        "shift+L\nkey shift+L\nexpect layer cost\nkey L\nexpect layer color\nidle 0.2\nprint "
+        "submissions\nprint "
+        "samples\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const std::vector<std::string> counts = printed(ran, "submissions");
     ASSERT_EQ(counts.size(), 2u);

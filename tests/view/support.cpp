@@ -1,7 +1,9 @@
 #include "support.h"
 
+#include <cctype>
 #include <cstdlib>
 #include <sstream>
+#include <utility>
 
 #include "app/cli.h"
 #include "core/quantize.h"
@@ -15,6 +17,47 @@ Ran runGlint(const std::vector<std::string>& args) {
     ran.out = out.str();
     ran.err = err.str();
     return ran;
+}
+
+namespace {
+
+// As X names it.
+std::string keyByHand(const std::string& name) {
+    const std::pair<const char*, const char*> others[] = {{"Esc", "Escape"},
+                                                          {"PageUp", "Prior"},
+                                                          {"PageDown", "Next"},
+                                                          {"[", "bracketleft"},
+                                                          {"]", "bracketright"}};
+    const size_t plus = name.find_last_of('+', name.size() - 2);
+    const std::string before = plus == std::string::npos ? "" : name.substr(0, plus + 1);
+    std::string key = name.substr(before.size());
+    for (const auto& [ours, theirs] : others)
+        if (key == ours) key = theirs;
+    if (key.size() == 1) key[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(key[0])));
+    return before + key;
+}
+
+}  // namespace
+
+std::string byHand(const std::string& script) {
+    std::string result;
+    std::istringstream lines(script);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string name, first, second;
+        words >> name >> first >> second;
+        if (name == "key")
+            line = "hand key " + keyByHand(first);
+        else if (name == "press")
+            line = "hand mousemove @" + first + " click 1";
+        else if (name == "click")
+            line = "hand mousemove @" + first + "," + second + " click 1";
+        else if (name == "hold")
+            line =
+                "hand keydown " + keyByHand(first) + "\nwait " + second + "\nhand keyup " + keyByHand(first);
+        result += line + '\n';
+    }
+    return result;
 }
 
 std::string sceneText(double red) {
@@ -45,7 +88,7 @@ void FolderTest::SetUp() {
 }
 
 Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {
-    writeText("script.txt", script);
+    writeText("script.txt", byHand_ ? byHand(script) : script);
     std::vector<std::string> args = {"view",         "scene.json", "--size",    size_,
                                      "--validation", "--script",   "script.txt"};
     args.insert(args.end(), more.begin(), more.end());

@@ -17,6 +17,9 @@ struct Ran {
     std::string out, err;
 };
 
+// The same script, in which xdotool presses the keys and moves the mouse.
+std::string byHand(const std::string& script);
+
 // A command line, inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
@@ -43,6 +46,8 @@ class FolderTest : public glint::test::WorkingFolderTest {
     const glint::test::TemporaryFolder stateFolder_;
     const glint::test::ScopedEnvironment state_{"XDG_STATE_HOME", stateFolder_.path().c_str()};
     std::string size_ = "240x180";  // of the window and of rendered pictures
+    // Keys, clicks, drags and presses of scripts are made by the real mouse and keyboard.
+    bool byHand_ = false;
 };
 
 // The bytes of a colour picture's pixel, as a PNG holds them.

@@ -10,6 +10,15 @@ namespace glint::view::test {
 // version 5. Waits for the window. What went wrong; empty: all was taken.
 std::string dragOnto(const std::string& title, const std::vector<std::string>& files);
 
+// The windows of that title that are to be seen, once there are `count`; fewer if they do not come.
+struct FoundWindow {
+    unsigned long id = 0;
+    int width = 0;
+};
+std::vector<FoundWindow> windowsCalled(const std::string& title, size_t count);
+// Keys go to this window from now on.
+void giveKeysTo(unsigned long window);
+
 // What desktops tell programs of the screen's fineness: the X resource Xft.dpi; 96 is a scale of 1.
 void setDotsPerInch(int dots);
 

@@ -1,0 +1,271 @@
+// The panel and what lies over the picture, worked by the real mouse and keyboard: many things in one window.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/image_io.h"
+#include "support.h"
+
+namespace glint::view::test::by_hand_test {
+namespace {
+
+using Json = nlohmann::json;
+
+// Ctrl+click on a slider, and a number.
+std::string typed(const std::string& control, const std::string& number) {
+    return "hand mousemove @" + control + " keydown ctrl click 1 keyup ctrl\nhand key ctrl+a\nhand type " +
+           number + "\nhand key Return\n";
+}
+
+std::string chosen(const std::string& control, const std::string& value) {
+    return "press " + control + "\npress " + value + "\n";
+}
+
+class ByHand : public FolderTest {
+  protected:
+    ByHand() { byHand_ = true; }
+    Json scene_ = Json::parse(sceneText());
+
+    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
+        std::vector<std::string> list;
+        std::istringstream lines(ran.out);
+        for (std::string line; std::getline(lines, line);)
+            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
+        return list;
+    }
+    // What the last C printed.
+    static Json copied(const Ran& ran) {
+        const size_t from = ran.out.rfind("\"camera\": ");
+        size_t to = ran.out.find("\n", from);
+        while (to != std::string::npos && ran.out[to - 1] == ',') to = ran.out.find("\n", to + 1);
+        return Json::parse("{" + ran.out.substr(from, to - from) + "}");
+    }
+};
+
+// ---- reload ----
+
+// The user moves the depth in the panel: it stays while all else follows the file, until it is given back.
+TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
+    size_ = "400x1000";
+    const auto write = [&](const std::string& file, int depth, const Json& background) {
+        scene_["maxDepth"] = depth;
+        scene_["background"] = background;
+        writeText(file, scene_.dump());
+    };
+    write("one.json", 1, {0.1, 0.8, 0.2});
+    write("four.json", 4, {0.9, 0.2, 0.1});
+    write("two-of-four.json", 2, {0.9, 0.2, 0.1});
+    const Ran ran =
+        view("set samples 1\nsettle\ncopy one.json scene.json\nreload\nexpect depth 1\nkey alt+S\nsettle\n" +
+                 typed("depth", "2") +
+                 "expect depth 2\ncopy four.json scene.json\nreload\nexpect depth 2\nkey alt+S\nsettle\nkey "
+                 "F5\nsettle\nexpect depth 2\npress reset_tracing\nexpect depth 4\nkey alt+S\nsettle\n",
+             {"--spp", "1"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    int number = 0;
+    for (const char* file : {"one", "two-of-four", "four"}) {
+        render(std::string(file) + ".json", std::string(file) + ".png");
+        EXPECT_EQ(readBytes("scene-view-00" + std::to_string(++number) + ".png"),
+                  readBytes(std::string(file) + ".png"))
+            << file;
+    }
+}
+
+// ---- the lens ----
+
+// It is seen, copied and saved; a click focuses it where the pick lies.
+TEST_F(ByHand, TheLensGoesThroughAndIsFocused) {
+    size_ = "320x240";
+    scene_["camera"]["lensRadius"] = 0.25;
+    scene_["camera"]["focusDistance"] = 4.0;
+    writeText("scene.json", scene_.dump());
+    const Ran ran = view(
+        "key H\nset samples 1\nsettle\nkey C\nkey alt+S\nsettle\nclick 120 120\nprint pick\nkey Esc\nhand "
+        "mousemove "
+        "@120,120 keydown ctrl click 1 keyup ctrl\nprint focus\nkey alt+S\nsettle\nkey C\n",
+        {"--spp", "4"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const size_t first = ran.out.find("\"camera\": ");
+    const Json before =
+        Json::parse("{" + ran.out.substr(first, ran.out.find('\n', first) - first) + "}")["camera"];
+    EXPECT_EQ(before["lensRadius"], 0.25);
+    EXPECT_EQ(before["focusDistance"], 4.0);
+    render("scene.json", "before.png", {"--spp", "4"});
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("before.png"));
+    // Sphere 0's front, about 6 before the eye.
+    const double focus = std::stod(printed(ran, "focus").at(0));
+    EXPECT_GT(focus, 5.9);
+    EXPECT_LT(focus, 7);
+    scene_["camera"] = copied(ran)["camera"];
+    EXPECT_NEAR(scene_["camera"]["focusDistance"], focus, 1e-5);
+    writeText("focused.json", scene_.dump());
+    render("focused.json", "after.png", {"--spp", "4"});
+    EXPECT_EQ(readBytes("scene-view-002.png"), readBytes("after.png"));
+    EXPECT_NE(readBytes("after.png"), readBytes("before.png"));
+}
+
+// ---- data layers ----
+
+// While a depth layer comes in row by row, those that are there have the greys that they will have at the
+// end: the nearest and the farthest thing of the coarse picture below them count too.
+TEST_F(ByHand, RowsOfADataLayerAreNormalisedTogether) {
+    size_ = "800x700";
+    std::string script =
+        "key H\nset samples 1\nset depth 20\nsettle\nkey L\nsettle\nhand mousemove @500,400 mousedown 1 "
+        "mousemove "
+        "@520,400 mousemove @540,400 mouseup 1\n";
+    constexpr int kPictures = 8, kLegend = 60;  // below its numbers, which change
+    for (int i = 0; i < kPictures; ++i) script += "window " + std::to_string(i) + ".png\nprint progress\n";
+    const Ran ran = view(script + "settle\nwait 2\nwindow end.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::vector<std::string> progress = printed(ran, "progress");
+    const Image end = readImage("end.png");
+    int between = 0;
+    for (int i = 0; i < kPictures; ++i) {
+        const double part = std::stod(progress.at(static_cast<size_t>(i)));
+        const Image now = readImage(std::to_string(i) + ".png");
+        const int rows = static_cast<int>(std::lround(part * now.height));
+        if (rows <= kLegend || rows > now.height - 8) continue;
+        ++between;
+        int worst = 0;
+        for (int y = kLegend; y < rows; ++y)
+            for (int x = 0; x < now.width; ++x)
+                worst = std::max(worst, std::abs(pixelOf(now, x, y).r - pixelOf(end, x, y).r));
+        EXPECT_LE(worst, 12) << rows << " rows";
+    }
+    EXPECT_GE(between, 1) << "no picture was taken while rows came in";
+}
+
+// ---- everything in the panel ----
+
+// Methods, sampling, lens, lights and materials: the picture is that of a file with what C has copied, drawn
+// with those options. The material is the one that was picked.
+TEST_F(ByHand, ThePanelChangesThePicture) {
+    size_ = "640x1000";
+    const Ran ran =
+        view("set samples 1\nsettle\nclick 420 470\nexpect-object 1\nkey Esc\n" +
+             chosen("triangles", "barycentric") + chosen("spheres", "algebraic") + typed("depth", "2") +
+             "press tracing\nwait 2\npress sampling\nwait 2\n" + typed("per_pixel", "4") +
+             chosen("sampler", "jittered") + chosen("filter", "tent") +
+             "press sampling\nwait 2\npress lights\nwait 2\n" + typed("0_point", "0.5") +
+             "press lights\nwait 2\npress materials\nwait 2\n" + typed("shininess", "12") +
+             chosen("glass_shadows", "full") + "press materials\nwait 2\npress camera\nwait 2\n" +
+             typed("radius", "0.125") + "press camera\nwait 2\nsettle\nkey alt+S\nsettle\nkey C\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Json changed = copied(ran);
+    EXPECT_EQ(changed["camera"]["lensRadius"], 0.125);
+    EXPECT_EQ(changed["materials"], Json({{"mirror", {{"shininess", 12.0}}}}));
+    EXPECT_EQ(changed["lights"][0]["intensity"], Json({0.35, 0.35, 0.35}));
+    scene_["camera"] = changed["camera"];
+    scene_["lights"] = changed["lights"];
+    scene_["materials"]["mirror"]["shininess"] = 12;
+    writeText("changed.json", scene_.dump());
+    const std::vector<std::string> options = {"--intersector", "barycentric", "--sphere",    "algebraic",
+                                              "--spp",         "4",           "--sampler",   "jittered",
+                                              "--filter",      "tent",        "--max-depth", "2"};
+    render("changed.json", "changed.png", options);
+    EXPECT_EQ(readBytes("scene-view-001.png"), readBytes("changed.png"));
+    render("scene.json", "before.png", options);
+    EXPECT_NE(readBytes("before.png"), readBytes("changed.png"));
+}
+
+// ---- over the picture ----
+
+// A circle about the picked pixel and lines along its rays, which a box of the panel takes away; a tooltip
+// for the control under the mouse; the magnifier's squares have the pixel's colour.
+TEST_F(ByHand, MarksTipsAndTheMagnifier) {
+    size_ = "800x600";
+    const Ran ran = view(
+        "set samples 1\nsettle\nexpect tip none\nhand mousemove @exposure\nexpect tip brighter or darker, in "
+        "powers of "
+        "two (- and +)\nhand mousemove @790,590\nexpect tip none\nwindow plain.png\nhand mousemove @440,330 "
+        "click "
+        "1\nexpect-object 1\nhand mousemove @790,590\nwindow marked.png\npress draw_rays\nhand mousemove "
+        "@790,590\nwindow circle.png\nkey Esc\nkey I\nhand mousemove @300,500\nsettle\nwait 3\nwindow "
+        "inspector.png\nprint pixel\nhand mousemove @zoom keydown ctrl click 1 keyup ctrl\nhand key "
+        "ctrl+a\nhand type "
+        "31\nhand key Return\nhand mousemove @300,500\nwait 3\nwindow finer.png\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Image plain = readImage("plain.png"), marked = readImage("marked.png"),
+                circle = readImage("circle.png");
+    const auto differ = [&](const Image& a, const Image& b, int x0, int y0, int x1, int y1) {
+        int count = 0;
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) count += pixelOf(a, x, y) == pixelOf(b, x, y) ? 0 : 1;
+        return count;
+    };
+    EXPECT_GT(differ(plain, circle, 430, 320, 451, 341), 20) << "the circle";
+    EXPECT_EQ(differ(plain, circle, 240, 350, 800, 590), 0) << "and nothing below it";
+    EXPECT_GT(differ(marked, circle, 240, 250, 560, 590), 20) << "the reflected ray's line";
+    // A square of 9 in 11 lines of 13 pixels, or of 31: each pixel of the picture as a square.
+    const Image inspector = readImage("inspector.png"), finer = readImage("finer.png");
+    const Rgb own = pixelOf(inspector, 300, 500);
+    const auto longestRun = [&](const Image& image) {
+        int longest = 0;
+        for (int y = 300; y < 600; ++y) {
+            int run = 0;
+            for (int x = 560; x < 800; ++x) {
+                run = pixelOf(image, x, y) == own ? run + 1 : 0;
+                longest = std::max(longest, run);
+            }
+        }
+        return longest;
+    };
+    EXPECT_GE(longestRun(inspector), 12) << "a pixel is so large";
+    EXPECT_GE(longestRun(finer), 3);
+    EXPECT_LT(longestRun(finer), longestRun(inspector));
+    EXPECT_EQ(printed(ran, "pixel").at(0).rfind("300 500  ", 0), 0u);
+}
+
+// Held keys fly, twice as fast at twice the speed, and the mouse looks around: the eye stays. Right and
+// middle button dolly and pan.
+TEST_F(ByHand, FliesAndMoves) {
+    size_ = "640x480";
+    const Ran ran = view(
+        "set samples 1\nsettle\nprint camera\nkey Tab\nhold W 6\nprint camera\nhand mousemove @400,240 "
+        "mousedown 1 mousemove "
+        "@430,240 mousemove @460,240 mouseup 1\nprint camera\nkey Tab\nkey R\nprint camera\nhand mousemove "
+        "@400,240 "
+        "mousedown 2 mousemove @420,240 mousemove @440,240 mouseup 2\nprint camera\nkey R\nhand mousemove "
+        "@400,240 mousedown 3 "
+        "mousemove @400,260 mousemove @400,300 mouseup 3\nprint camera\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    std::vector<Json> cameras;
+    for (const std::string& line : printed(ran, "camera"))
+        cameras.push_back(Json::parse("{" + line + "}")["camera"]);
+    EXPECT_LT(cameras.at(1)["eye"][2], cameras.at(0)["eye"][2]) << "forward";
+    EXPECT_EQ(cameras.at(2)["eye"], cameras.at(1)["eye"]) << "looking around";
+    EXPECT_NE(cameras.at(2)["target"], cameras.at(1)["target"]);
+    EXPECT_EQ(cameras.at(3), cameras.at(0));
+    EXPECT_NE(cameras.at(4)["target"], cameras.at(0)["target"]) << "panned";
+    EXPECT_EQ(cameras.at(5)["target"], cameras.at(0)["target"]) << "farther";
+    EXPECT_GT(cameras.at(5)["eye"][2], cameras.at(0)["eye"][2]);
+}
+
+// The wipe's line is dragged; what is right of it is this picture, left of it the kept one. Then all layers
+// as EXR under a name that was typed.
+TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
+    size_ = "640x480";
+    const Ran ran = view(
+        "key H\nset samples 1\nsettle\nkey K\nkey 5\nkey B\nsettle\nwait 2\nhand mousemove @320,240 "
+        "mousedown 1 mousemove "
+        "@330,240 mousemove @480,240 mouseup 1\nwait 2\nwindow wipe.png\nexpect pick none\nkey Esc\nkey "
+        "R\nkey "
+        "ctrl+shift+S\nwait 3\nhand type chosen.exr\nhand key Return\nsettle\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Image wipe = readImage("wipe.png");
+    EXPECT_EQ(pixelOf(wipe, 480, 300), (Rgb{255, 255, 255}));
+    render("scene.json", "own.png");
+    const Image own = readImage("own.png");
+    EXPECT_EQ(pixelOf(wipe, 400, 300), pixelOf(own, 400, 300)) << "the kept one";
+    render("scene.json", "own.exr",
+           {"--aov", "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost"});
+    EXPECT_EQ(readBytes("chosen.exr"), readBytes("own.exr"));
+}
+
+}  // namespace
+}  // namespace glint::view::test::by_hand_test
