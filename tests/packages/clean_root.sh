@@ -20,10 +20,10 @@ trap cleanup EXIT
 
 say() { echo "-- $*"; }
 fail() { echo "clean_root: $*" >&2; exit 1; }
-# In the root, with a home that counts as no leftover, and with a /proc of its own that goes with the command.
+# In the root, with a home and a place for Mesa's cache that count as no leftovers, and with a /proc of its own that goes with the command.
 inside() {
     unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp/home \
-        LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"' "$root" "$@"
+        XDG_CACHE_HOME=/tmp/home LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"' "$root" "$@"
 }
 quietly() { inside "$@" >"$folder/said" 2>&1 || { tail -n 30 "$folder/said" >&2; fail "$* failed"; }; }
 
