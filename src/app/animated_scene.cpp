@@ -32,7 +32,8 @@ AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> 
     : options_(options), err_(quiet ? nullptr : &err) {
     if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     const Stopwatch watch;
-    reader_.emplace(options.scene, LoadOptions{options.allowOutside, availableMemory(), options.camera},
+    reader_.emplace(options.scene,
+                    LoadOptions{options.allowOutside, availableMemory(), options.camera, options.files},
                     time);
     override();
     loaded_.loadSeconds = watch.seconds();

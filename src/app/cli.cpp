@@ -10,6 +10,7 @@
 #include "app/usage.h"
 #include "core/error.h"
 #include "core/text_file.h"
+#include "farm/mpi_transport.h"
 
 namespace glint::app {
 
@@ -45,6 +46,9 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
     const auto failed = [&](ExitCode code, const std::string& message) {
         out.flush();  // results come before the error, whoever reads both
+        // All processes of mpirun have the same command line, and one says what is wrong with it.
+        const auto launched = farm::launchedByMpi();
+        if (code == ExitCode::Usage && launched && launched->rank > 0) return static_cast<int>(code);
         err << "glint: " << printable(message) << std::endl;
         return static_cast<int>(code);
     };

@@ -6,13 +6,17 @@
 
 #include "app/cli.h"
 #include "app/exit_code.h"
+#include "farm/mpi_transport.h"
 
 namespace {
+
+// Of processes that mpirun has started one speaks.
+volatile std::sig_atomic_t silent = 0;
 
 // Until a command has something to save (installInterruptHandler), Ctrl-C and kill end the program at once.
 extern "C" void quit(int) {
     constexpr char kMessage[] = "glint: interrupted\n";
-    [[maybe_unused]] const auto ignored = write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
+    [[maybe_unused]] const auto ignored = silent ? 0 : write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
     _exit(static_cast<int>(glint::app::ExitCode::Interrupted));
 }
 
@@ -35,6 +39,8 @@ void fillClosedStreams() {
 
 int main(int argc, char** argv) {
     fillClosedStreams();
+    const auto launched = glint::farm::launchedByMpi();
+    silent = launched && launched->rank > 0;
     quitOn(SIGINT);
     quitOn(SIGTERM);
     // Writing beyond the limit of a file's size is then an error like a full disk, and has a message.

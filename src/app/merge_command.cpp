@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 
 #include "app/commands.h"
@@ -8,12 +9,10 @@
 #include "app/exit_code.h"
 #include "app/losses.h"
 #include "app/output_check.h"
-#include "app/render_options.h"
 #include "app/render_result.h"
+#include "app/unit_picture.h"
 #include "core/available_memory.h"
 #include "core/error.h"
-#include "core/image_io.h"
-#include "core/picture_hash.h"
 #include "core/stopwatch.h"
 #include "farm/merge.h"
 
@@ -24,6 +23,7 @@ namespace {
 struct MergeCommand {
     std::vector<std::filesystem::path> parts;
     std::filesystem::path output;  // empty: as `glint render` would call it
+    bool inBands = false;
     bool json = false;
     bool quiet = false;
 };
@@ -33,6 +33,9 @@ void declare(OptionTable& table, MergeCommand& c) {
     table.path("-o,--output", "FILE",
                "picture to write: .png .exr .pfm .hdr (default: the scene's name with .png, here)",
                "the file name", c.output);
+    table.flag("--in-bands",
+               "write the picture row by row as parts are read (default: if it does not fit into memory)",
+               c.inBands);
     addStats(table, "what was merged as JSON on standard output, instead of the summary", c.json);
     table.flag("-q,--quiet", "print nothing but errors (and what --stats asks for)", c.quiet);
 }
@@ -43,64 +46,75 @@ std::filesystem::path sceneOf(const farm::Identity& identity) {
     return "picture";
 }
 
-bool sharesBits(const farm::Merged& merged) {
-    return std::all_of(merged.producers.begin(), merged.producers.end(),
+bool shareBits(const std::vector<farm::Producer>& producers) {
+    return std::all_of(producers.begin(), producers.end(),
                        [](const farm::Producer& p) { return p.sharesBits; });
 }
 
-void warn(const farm::Merged& merged, std::ostream& err) {
-    const std::string start = "glint: warning: " + sceneOf(merged.header.identity).string() + ": ";
-    warnOfNotFinite(merged.picture, start, err);
-    warnOfLosses(merged.picture, start, err);
-    warnOfMixedBits(merged.producers, start, err);
+void warn(const std::filesystem::path& scene, const Outcome& outcome,
+          const std::vector<farm::Producer>& producers, std::ostream& err) {
+    const std::string start = "glint: warning: " + scene.string() + ": ";
+    warnOfNotFinite(outcome.picture, start, err);
+    warnOfLosses(outcome.picture, start, err);
+    warnOfMixedBits(producers, start, err);
 }
 
-void print(const farm::Merged& merged, const MergeCommand& command,
-           const std::vector<std::filesystem::path>& files, double seconds, std::ostream& out) {
-    const Region& region = merged.header.region;
-    const std::string hash = pictureHash(merged.picture.color);
-    if (command.json) {
-        nlohmann::json json = {{"scene", sceneOf(merged.header.identity).string()},
-                               {"parts", command.parts.size()},
-                               {"width", region.width()},
-                               {"height", region.height()},
-                               {"hash", hash},
-                               {"reproducible", sharesBits(merged)},
-                               {"lost", lossesJson(merged.picture)},
-                               {"notFinite", merged.picture.notFinite},
-                               {"seconds", seconds}};
-        json["files"] = nlohmann::json::array();
-        for (const auto& file : files) json["files"].push_back(file.string());
-        json["devices"] = nlohmann::json::array();
-        for (const farm::Producer& producer : merged.producers)
-            json["devices"].push_back(producerText(producer));
-        out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-        return;
-    }
-    if (command.quiet) return;
-    for (const auto& file : files)
+void printJson(const std::filesystem::path& scene, const Outcome& outcome, const MergeCommand& command,
+               const std::vector<farm::Producer>& producers, std::ostream& out) {
+    const Region& region = outcome.picture.region;
+    nlohmann::json json = {{"scene", scene.string()},
+                           {"parts", command.parts.size()},
+                           {"width", region.width()},
+                           {"height", region.height()},
+                           {"hash", outcome.hash},
+                           {"inBands", outcome.bands.has_value()},
+                           {"reproducible", shareBits(producers)},
+                           {"lost", lossesJson(outcome.picture)},
+                           {"notFinite", outcome.picture.notFinite},
+                           {"seconds", outcome.totalSeconds}};
+    json["files"] = nlohmann::json::array();
+    for (const auto& file : outcome.files) json["files"].push_back(file.string());
+    json["devices"] = nlohmann::json::array();
+    for (const farm::Producer& producer : producers) json["devices"].push_back(producerText(producer));
+    out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+void print(const Outcome& outcome, const MergeCommand& command, const std::vector<farm::Producer>& producers,
+           std::ostream& out) {
+    const Region& region = outcome.picture.region;
+    for (const auto& file : outcome.files)
         out << "wrote " << file.string() << " (" << region.width() << "x" << region.height() << ")\n";
-    for (const farm::Producer& producer : merged.producers)
-        out << "device: " << producerText(producer) << '\n';
-    out << "hash: " << hash << '\n';
-    out << "times: " << formatSeconds(seconds) << " for " << counted(command.parts.size(), "part") << '\n';
+    for (const farm::Producer& producer : producers) out << "device: " << producerText(producer) << '\n';
+    out << "hash: " << outcome.hash << '\n';
+    out << "times: " << formatSeconds(outcome.totalSeconds) << " for "
+        << counted(command.parts.size(), "part") << '\n';
 }
 
 int run(const MergeCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     if (!command.quiet || command.json) checkStandardOutput(out);
     if (!command.output.empty()) checkPicturePath(command.output);
-    std::filesystem::path output = command.output;
-    farm::Merged merged = farm::mergeParts(command.parts, [&](const farm::UnitHeader& header) {
+    farm::UnitHeader header;
+    std::optional<UnitPicture> picture;
+    const auto begin = [&](const farm::UnitHeader& first, uint64_t largest) {
+        header = first;
+        std::filesystem::path output = command.output;
         if (output.empty()) output = sceneOf(header.identity).replace_extension(".png");
         checkPicturePath(output);
-        // Twice: the picture, and a part that may be as large.
-        checkMemory(header.region.width(), header.region.height(), 2 * bytesPerPixel(header.aovs, false),
-                    availableMemory());
-    });
-    if (!command.quiet) warn(merged, err);
-    const std::vector<std::filesystem::path> files = writeLayers(output, merged.layers);
-    print(merged, command, files, watch.seconds(), out);
+        // A file, what stands in it, and its rows.
+        picture.emplace(header, output,
+                        needsRows(header, output, 3 * largest, availableMemory(), command.inBands));
+    };
+    farm::mergeParts(command.parts, begin, [&](const farm::UnitResult& result) { picture->add(result); });
+    const std::filesystem::path scene = sceneOf(header.identity);
+    Outcome outcome = picture->write();
+    outcome.totalSeconds = watch.seconds();
+    const std::vector<farm::Producer>& producers = picture->assembly().producers();
+    if (!command.quiet) warn(scene, outcome, producers, err);
+    if (command.json)
+        printJson(scene, outcome, command, producers, out);
+    else if (!command.quiet)
+        print(outcome, command, producers, out);
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/option_table.h"
 #include "bvh/builder.h"
+#include "core/file_source.h"
 #include "core/progress.h"
 #include "render/traversal_choice.h"
 #include "scene/scene.h"
@@ -32,7 +34,8 @@ struct SceneOptions {
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;
     std::optional<AdaptiveSampling> adaptive;
-    std::optional<double> time;  // of the animation, seconds; empty: the scene as its file says it
+    std::optional<double> time;         // of the animation, seconds; empty: the scene as its file says it
+    std::shared_ptr<FileSource> files;  // that the scene is read from; empty: the file system's
 };
 
 struct DeviceChoice {

@@ -10,6 +10,7 @@
 #include "app/render_bands.h"
 #include "app/render_frames.h"
 #include "app/render_options.h"
+#include "app/render_ranks.h"
 #include "app/render_result.h"
 #include "app/render_units.h"
 #include "core/available_memory.h"
@@ -68,7 +69,8 @@ void declare(OptionTable& table, RenderCommand& c) {
                "that see it",
                "the folder's name", c.join);
     table.value("--lease", "SECONDS",
-                "how long a process of --join may show no life before others take over its work (default 15)",
+                "how long a process of --join or mpirun may show no life before others take over its work "
+                "(default 15)",
                 [&](const std::string& t) { c.lease = parsePositive(t, "a lease"); });
     table.value(
         "--frames", "A:B",
@@ -173,10 +175,12 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
 
 int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     check(command, out);
+    const bool forRanks = isForRanks(command);
     if (command.frames) return renderFrames(command, out, err);
     if (command.part) return renderPart(command, out, err);
     if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, err);
     if (!command.join.empty()) return renderTogether(command, out, err);
+    if (forRanks) return renderAmongRanks(command, out, err);
     return renderPicture(command, out, err);
 }
 

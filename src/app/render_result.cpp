@@ -40,6 +40,10 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["reproducible"] = outcome.drawn.arithmetic && outcome.drawn.arithmetic->sharesBits();
     json["complete"] = outcome.picture.complete;
     if (outcome.bands) json["bands"] = outcome.bands->bands;
+    if (outcome.ranks > 0) {
+        json["ranks"] = outcome.ranks;
+        json["lostRanks"] = outcome.lostRanks;
+    }
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
@@ -83,6 +87,7 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';
     if (!outcome.drawn.device.empty())  // else nothing was left to draw
         out << "device: " << outcome.drawn.device << ", " << outcome.drawn.driver << '\n';
+    if (outcome.ranks > 0) out << "ranks: " << outcome.ranks << '\n';
     out << "hash: " << outcome.hash;
     if (outcome.drawn.arithmetic && !outcome.drawn.arithmetic->sharesBits())
         out << " (this device " << outcome.drawn.arithmetic->text() << ')';

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <ostream>
 #include <thread>
 
@@ -10,19 +9,15 @@
 #include "app/drawing.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
-#include "app/render_identity.h"
 #include "app/render_result.h"
+#include "app/unit_picture.h"
+#include "app/unit_renderer.h"
 #include "core/available_memory.h"
-#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file_io.h"
-#include "core/image_io.h"
 #include "core/interrupt.h"
-#include "core/picture_hash.h"
 #include "core/stopwatch.h"
 #include "farm/checkpoint.h"
-#include "farm/cut.h"
-#include "farm/merge.h"
 #include "farm/shared_folder.h"
 #include "farm/unit_file.h"
 
@@ -42,24 +37,6 @@ std::filesystem::path partPath(const RenderCommand& command) {
                         "the picture of all parts");
     checkOutputPath(path);
     return path;
-}
-
-uint64_t pixelsOf(const std::vector<Region>& regions) {
-    uint64_t pixels = 0;
-    for (const Region& r : regions)
-        pixels += static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
-    return pixels;
-}
-
-// Where the picture was cut must be the same for all parts, so that none is drawn twice or never.
-std::string hashOf(const std::vector<std::vector<Region>>& cut) {
-    std::string text;
-    for (const auto& regions : cut) {
-        for (const Region& r : regions)
-            for (const int value : {r.x0, r.y0, r.x1, r.y1}) text += std::to_string(value) + ",";
-        text += ";";
-    }
-    return hashText(contentHash(text));
 }
 
 struct Done {
@@ -98,107 +75,6 @@ void print(const Done& done, const RenderCommand& command, const LoadedScene& lo
     }
 }
 
-// A picture in units: what they are, and who draws them.
-class UnitRenderer {
-  public:
-    // `parts`: 0 for as many as take some seconds each.
-    UnitRenderer(const RenderCommand& command, int parts, std::ostream& err);
-
-    const farm::UnitHeader& header() const { return header_; }
-    const LoadedScene& loaded() const { return loaded_; }
-    const Drawing& drawing() const { return drawing_; }
-    uint64_t pixelsOf(int part) const;
-
-    // Nothing if it was interrupted. `from`, `to`: how much of all is done before and after, for the bar.
-    std::optional<farm::UnitResult> draw(int part, double from, double to, Progress& progress);
-
-    // Writes the picture that all units make, with summary and warnings.
-    Outcome write(farm::Assembly& assembly, const std::vector<farm::Producer>& producers,
-                  const std::filesystem::path& output, std::ostream& err);
-
-  private:
-    const RenderCommand& command_;
-    Drawing drawing_;
-    const LoadedScene loaded_;
-    Request request_;  // of the whole picture
-    farm::UnitHeader header_;
-    std::vector<std::vector<Region>> cut_;
-    bool uploaded_ = false;
-};
-
-// Units of some seconds on a processor: they get lost with who draws them, and shared out.
-int partsFor(const farm::CostMap& costs, uint32_t samples) {
-    constexpr double kTests = 1e8, kLeast = 16, kMost = 1024;
-    const auto total =
-        static_cast<double>(std::accumulate(costs.costs.begin(), costs.costs.end(), uint64_t{0}));
-    return static_cast<int>(std::clamp(total * samples / kTests, kLeast, kMost));
-}
-
-UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err)
-    : command_(command),
-      drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
-      loaded_(loadAndPack(command.scene, err, command.quiet)) {
-    constexpr int kLikelyParts = 64;  // to know how many before they are cut
-    const Region region = checkedRegion(command, loaded_.scene);
-    Progress none("", ProgressMode::None, err, false);
-    request_ = requestOf(command, loaded_, region, none);
-    request_.progress = nullptr;
-    const auto costs =
-        farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
-    if (parts == 0) parts = partsFor(costs, request_.samples.count());
-    cut_ = farm::cutPicture(costs, parts);
-    header_ = {identityOf(command, loaded_, request_), region, command.aovs, parts};
-    header_.identity.facts.emplace_back("parts", std::to_string(parts));
-    header_.identity.facts.emplace_back("cut", hashOf(cut_));
-}
-
-uint64_t UnitRenderer::pixelsOf(int part) const {
-    return app::pixelsOf(cut_[static_cast<size_t>(part) - 1]);
-}
-
-std::optional<farm::UnitResult> UnitRenderer::draw(int part, double from, double to, Progress& progress) {
-    Request request = request_;
-    request.progress = [&](double done) { progress.update(from + (to - from) * done); };
-    if (!uploaded_) drawing_.load(loaded_, request);
-    uploaded_ = true;
-    auto result = drawing_.whole([&] {
-        return farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
-                              cut_[static_cast<size_t>(part) - 1], command_.aovs);
-    });
-    if (!result) return result;
-    // Losses are told where a picture drawn at once would tell them.
-    if (!loaded_.packed.features.transmission && command_.scene.minContribution == 0) result->losses = {};
-    const DrawingFacts facts = drawing_.facts();
-    result->unit = {0, part, header_.parts};
-    result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
-                        facts.sharesBits()};
-    return result;
-}
-
-Outcome UnitRenderer::write(farm::Assembly& assembly, const std::vector<farm::Producer>& producers,
-                            const std::filesystem::path& output, std::ostream& err) {
-    const Stopwatch writing;
-    Outcome outcome;
-    outcome.picture = assembly.picture();
-    if (uploaded_) outcome.drawn = drawing_.facts();
-    if (!command_.quiet) {
-        warnAboutPicture(outcome, command_, loaded_, err);
-        warnOfMixedBits(producers, "glint: warning: " + command_.scene.scene.string() + ": ", err);
-    }
-    outcome.hash = pictureHash(outcome.picture.color);
-    outcome.files = writeLayers(output, assembly.takeLayers());
-    outcome.writeSeconds = writing.seconds();
-    return outcome;
-}
-
-void refuseErrorTarget(const RenderCommand& command, const char* option) {
-    if (command.target.error)
-        throw Error(ErrorKind::Argument,
-                    std::string(option) +
-                        ": --error decides by the whole picture how many samples it takes; "
-                        "give --spp");
-}
-
 void checkRoom(const RenderCommand& command, const Region& region, uint64_t pixels) {
     const auto rows = static_cast<int>(pixels / static_cast<uint64_t>(region.width())) + 1;
     // As drawn, as layers, and as the bytes of the file.
@@ -210,6 +86,12 @@ ProgressMode progressOf(const RenderCommand& command) {
 }
 
 }  // namespace
+
+void refuseErrorTarget(const RenderCommand& command, const std::string& manner) {
+    if (command.target.error)
+        throw Error(ErrorKind::Argument,
+                    manner + ": --error decides by the whole picture how many samples it takes; give --spp");
+}
 
 int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch total;
@@ -223,7 +105,7 @@ int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& er
     std::optional<farm::UnitResult> result;
     {
         Progress progress("render", progressOf(command), err, isTerminal(err));
-        result = units.draw(command.part->number, 0, 1, progress);
+        result = units.draw(command.part->number, [&](double share) { progress.update(share); });
     }
     if (!result)
         throw Error(ErrorKind::Interrupted, "interrupted before the part was finished; nothing written");
@@ -245,26 +127,24 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
     const farm::UnitHeader& header = units.header();
     checkRoom(command, header.region, static_cast<uint64_t>(header.region.width()) * header.region.height());
     farm::Checkpoint checkpoint(command.checkpoint, header);
-    farm::Assembly assembly(header.region, header.aovs);
-    std::vector<farm::Producer> producers;
+    UnitPicture picture(header, output, false);
     std::vector<bool> there(static_cast<size_t>(header.parts) + 1);
     const auto add = [&](const farm::UnitResult& result) {
-        assembly.add(result);
+        picture.add(result);
         there[static_cast<size_t>(result.unit.part)] = true;
-        if (std::find(producers.begin(), producers.end(), result.producer) == producers.end())
-            producers.push_back(result.producer);
     };
     for (const farm::UnitResult& result : checkpoint.found()) add(result);
     checkpoint.found() = {};
     installInterruptHandler();
     {
         Progress progress("render", progressOf(command), err, isTerminal(err));
-        const auto pixels = static_cast<double>(assembly.picture().done.size());
+        const double pixels = static_cast<double>(header.region.width()) * header.region.height();
         for (int part = 1; part <= header.parts; ++part) {
             if (there[static_cast<size_t>(part)]) continue;
-            const double from = assembly.share();
-            const double to = from + static_cast<double>(units.pixelsOf(part)) / pixels;
-            const auto result = interrupted() ? std::nullopt : units.draw(part, from, to, progress);
+            const double from = picture.assembly().share();
+            const double share = static_cast<double>(units.pixelsOf(part)) / pixels;
+            const auto show = [&](double done) { progress.update(from + share * done); };
+            const auto result = interrupted() ? std::nullopt : units.draw(part, show);
             if (!result)
                 throw Error(ErrorKind::Interrupted,
                             "interrupted: " + command.checkpoint.string() + " holds " +
@@ -275,7 +155,8 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
             add(*result);
         }
     }
-    Outcome outcome = units.write(assembly, producers, output, err);
+    Outcome outcome = picture.write();
+    units.complete(outcome, picture.assembly().producers(), err);
     checkpoint.remove();
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
@@ -285,23 +166,37 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
 
 namespace {
 
+constexpr double kPatience = 3;  // times as long as here may somebody else take for a unit
+constexpr auto kPoll = std::chrono::milliseconds(50);  // looks at the folder while there is nothing to do
+
 // Draws units until all are there. False if it was interrupted.
 bool drawTogether(UnitRenderer& units, farm::SharedFolder& folder, Progress& progress) {
     const auto parts = static_cast<double>(units.header().parts);
+    double longest = 0;  // seconds that a unit took here
     for (int done = folder.done(); done < units.header().parts; done = folder.done()) {
         if (interrupted()) return false;
-        const auto part = folder.next();
+        const auto part = folder.next(longest > 0 ? std::optional(kPatience * longest) : std::nullopt);
         if (!part) {
             progress.update(done / parts);
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            std::this_thread::sleep_for(kPoll);
             continue;
         }
-        const auto result = units.draw(*part, done / parts, (done + 1) / parts, progress);
-        if (!result) {
+        const Stopwatch watch;
+        Stopwatch sinceLook;
+        // Somebody who was given up, or is slow, may be done first.
+        const auto unwanted = [&] {
+            if (sinceLook.seconds() < 0.5) return false;
+            sinceLook.restart();
+            return folder.has(*part);
+        };
+        const auto show = [&](double share) { progress.update((done + share) / parts); };
+        const auto result = units.draw(*part, show, unwanted);
+        if (result)
+            folder.put(*result);
+        else
             folder.giveUp();
-            return false;
-        }
-        folder.put(*result);
+        if (result) longest = std::max(longest, watch.seconds());
+        if (!result && interrupted()) return false;
     }
     return true;
 }
@@ -317,7 +212,7 @@ Written waitForPicture(farm::SharedFolder& folder, const std::filesystem::path& 
         // It was written elsewhere, or is gone.
         if (note || folder.mayMerge()) return Written::ByMe;
         if (interrupted()) return Written::Interrupted;
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        std::this_thread::sleep_for(kPoll);
     }
 }
 
@@ -330,7 +225,9 @@ int renderTogether(const RenderCommand& command, std::ostream& out, std::ostream
     checkPicturePath(output);
     UnitRenderer units(command, 0, err);
     const farm::UnitHeader& header = units.header();
-    checkRoom(command, header.region, static_cast<uint64_t>(header.region.width()) * header.region.height());
+    // A unit while it is drawn, its bytes, and while all are put together.
+    const bool rows =
+        needsRows(header, output, 3 * unitBytes(command.aovs, units.mostPixels()), availableMemory());
     installInterruptHandler();
     farm::SharedFolder folder(command.join, header, command.lease);
     Written written = Written::Interrupted;
@@ -347,9 +244,10 @@ int renderTogether(const RenderCommand& command, std::ostream& out, std::ostream
         if (!command.quiet) out << output.string() << " was written by another process\n";
         return static_cast<int>(ExitCode::Done);
     }
-    std::vector<farm::Producer> producers;
-    farm::Assembly assembly = folder.assembled(producers);
-    Outcome outcome = units.write(assembly, producers, output, err);
+    UnitPicture picture(header, output, rows);
+    folder.forEach([&](const farm::UnitResult& result) { picture.add(result); });
+    Outcome outcome = picture.write();
+    units.complete(outcome, picture.assembly().producers(), err);
     folder.setNote(output.string());
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);

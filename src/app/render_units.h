@@ -2,10 +2,14 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 
 #include "app/render_options.h"
 
 namespace glint::app {
+
+// Throws Error(Argument) if --error was asked for; `manner` says how the picture is drawn.
+void refuseErrorTarget(const RenderCommand& command, const std::string& manner);
 
 // --part: one part of a picture into a file of its own.
 int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);

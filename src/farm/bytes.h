@@ -28,12 +28,12 @@ class ByteWriter {
     }
     void put(const std::vector<float>& values) { raw(values.data(), values.size() * sizeof(float)); }
     std::vector<uint8_t> take() { return std::move(bytes_); }
-
-  private:
     void raw(const void* from, size_t size) {
         const auto* first = static_cast<const uint8_t*>(from);
         bytes_.insert(bytes_.end(), first, first + size);
     }
+
+  private:
     std::vector<uint8_t> bytes_;
 };
 

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "farm/process_name.h"
 
 namespace glint::farm {
 
@@ -105,7 +106,7 @@ Claims::~Claims() {
 }
 
 std::string Claims::text() const {
-    return holder_ + " " + std::to_string(beats_) + "\n";
+    return holder_ + " " + nameOfThisProcess() + " " + std::to_string(beats_) + "\n";
 }
 
 // Of each work the number of its newest claim.
@@ -127,13 +128,26 @@ std::map<std::string, int> Claims::newest() const {
     return found;
 }
 
-bool Claims::lapsed(const std::string& name, int generation) {
+const Claims::Seen& Claims::look(const std::string& name, int generation) {
     const std::string found = readText(folder_ / (name + kMark + std::to_string(generation)));
-    if (found == kReleased) return true;
-    const std::string now = std::to_string(generation) + " " + found;
-    const auto [seen, isNew] = seen_.try_emplace(name, Seen{now, Clock::now()});
-    if (!isNew && seen->second.text != now) seen->second = {now, Clock::now()};
-    return Clock::now() - seen->second.since >= lease_;
+    const Clock::time_point now = Clock::now();
+    const auto [at, isNew] = seen_.try_emplace(name, Seen{generation, found, now, now});
+    Seen& seen = at->second;
+    if (seen.generation != generation) seen = {generation, found, now, now};
+    if (seen.text != found) {
+        seen.text = found;
+        seen.since = now;
+    }
+    return seen;
+}
+
+bool Claims::lapsed(const std::string& name, int generation) {
+    const Seen& seen = look(name, generation);
+    if (seen.text == kReleased || Clock::now() - seen.since >= lease_) return true;
+    std::istringstream words(seen.text);
+    std::string holder, process;
+    words >> holder >> process;
+    return hasEnded(process);
 }
 
 bool Claims::take(const std::string& name, int generation) {
@@ -146,7 +160,8 @@ bool Claims::take(const std::string& name, int generation) {
     return true;
 }
 
-std::optional<std::string> Claims::claim(const std::vector<std::string>& names) {
+std::optional<std::string> Claims::claim(const std::vector<std::string>& names,
+                                         std::optional<double> patience) {
     release();
     const std::map<std::string, int> claimed = newest();
     for (const std::string& name : names)
@@ -154,6 +169,14 @@ std::optional<std::string> Claims::claim(const std::vector<std::string>& names) 
     for (const std::string& name : names) {
         const auto known = claimed.find(name);
         if (known != claimed.end() && lapsed(name, known->second) && take(name, known->second + 1))
+            return name;
+    }
+    for (const std::string& name : names) {
+        const auto known = claimed.find(name);
+        if (!patience || known == claimed.end()) continue;
+        const Seen& seen = look(name, known->second);
+        if (Clock::now() - seen.begun >= std::chrono::duration<double>(*patience) &&
+            take(name, known->second + 1))
             return name;
     }
     return std::nullopt;

@@ -33,18 +33,23 @@ class Claims {
 
     // Tries to get one of `names`, none of which is done: the first that nobody has, else the first whose
     // holder has given it back or shown no life for a lease that this object has seen pass. Nothing if all
-    // are held. Throws Error(Failed) if the folder cannot be written.
-    std::optional<std::string> claim(const std::vector<std::string>& names);
+    // are held. Of those the first whose newest claim this object has seen for `patience` seconds, if that is
+    // given: its holder lives, but is slow, and the work may be done twice. A holder on this host that has
+    // ended is known to have without waiting. Throws Error(Failed) if the folder cannot be written.
+    std::optional<std::string> claim(const std::vector<std::string>& names,
+                                     std::optional<double> patience = std::nullopt);
 
     // The work that is held is done, or given up: another may have it at once.
     void release();
 
   private:
     struct Seen {
+        int generation = 0;
         std::string text;
-        Clock::time_point since;
+        Clock::time_point since, begun;  // it has had this text, and been there at all
     };
     std::map<std::string, int> newest() const;
+    const Seen& look(const std::string& name, int generation);
     bool lapsed(const std::string& name, int generation);
     bool take(const std::string& name, int generation);
     void beat();

@@ -1,10 +1,11 @@
 #include "farm/merge.h"
 
 #include <algorithm>
-#include <optional>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
+#include "shared/layout.h"
 
 namespace glint::farm {
 
@@ -14,15 +15,22 @@ namespace {
     throw Error(ErrorKind::Failed, what);
 }
 
-// The rows of `part` go to their places in `whole`.
-void paste(const Image& part, const Region& region, Image& whole, const Region& all) {
-    const auto row = static_cast<std::ptrdiff_t>(region.width()) * whole.channels;
-    for (int y = region.y0; y < region.y1; ++y) {
-        const auto from = part.pixels.begin() + row * (y - region.y0);
-        const size_t to =
-            (static_cast<size_t>(y - all.y0) * all.width() + (region.x0 - all.x0)) * whole.channels;
-        std::copy(from, from + row, whole.pixels.begin() + static_cast<std::ptrdiff_t>(to));
-    }
+constexpr int kStripRows = shared::kTileSize;
+
+// Row `y` of `from`, which is that of a picture, goes to its place in `to`.
+void pasteRow(const Image& from, const Region& part, int y, Image& to, const Region& strip) {
+    const auto row = static_cast<std::ptrdiff_t>(part.width()) * to.channels;
+    const auto first = from.pixels.begin() + row * (y - part.y0);
+    const size_t place =
+        (static_cast<size_t>(y - strip.y0) * strip.width() + (part.x0 - strip.x0)) * to.channels;
+    std::copy(first, first + row, to.pixels.begin() + static_cast<std::ptrdiff_t>(place));
+}
+
+// Below what is there already.
+void append(Image& to, Image&& rows) {
+    to.pixels.insert(to.pixels.end(), rows.pixels.begin(), rows.pixels.end());
+    to.height += rows.height;
+    rows.pixels = {};
 }
 
 std::vector<int> missingParts(const std::map<int, std::filesystem::path>& there, int parts) {
@@ -34,93 +42,147 @@ std::vector<int> missingParts(const std::map<int, std::filesystem::path>& there,
 
 }  // namespace
 
-Assembly::Assembly(const Region& whole, const std::vector<Aov>& aovs) : aovs_(aovs) {
-    picture_.region = whole;
-    picture_.color = Image(whole.width(), whole.height(), 4);
-    picture_.done.assign(static_cast<size_t>(whole.width()) * whole.height(), 0);
-    missing_ = picture_.done.size();
-    picture_.complete = missing_ == 0;
-    for (const auto& [name, channels] : layerShapes(aovs))
-        layers_.push_back({name, Image(whole.width(), whole.height(), channels)});
-}
+Assembly::Assembly(const Region& whole, const std::vector<Aov>& aovs)
+    : whole_(whole),
+      aovs_(aovs),
+      shapes_(layerShapes(aovs)),
+      missing_(static_cast<uint64_t>(whole.width()) * static_cast<uint64_t>(whole.height())) {}
 
 double Assembly::share() const {
-    const auto all = static_cast<double>(picture_.done.size());
+    const double all = static_cast<double>(whole_.width()) * whole_.height();
     return all > 0 ? (all - static_cast<double>(missing_)) / all : 1;
 }
 
-void Assembly::add(const UnitResult& result) {
-    for (const Block& block : result.blocks) {
-        const Region& r = block.region;
-        for (int y = r.y0; y < r.y1; ++y) {
-            const auto first = picture_.done.begin() + static_cast<std::ptrdiff_t>(picture_.indexOf(r.x0, y));
-            if (std::find(first, first + r.width(), uint8_t{1}) != first + r.width())
-                fail(nameOf(result.unit) + " has pixels that another part has too");
+Region Assembly::regionOf(int strip) const {
+    const int y0 = whole_.y0 + strip * kStripRows;
+    return {whole_.x0, y0, whole_.x1, std::min(y0 + kStripRows, whole_.y1)};
+}
+
+Assembly::Strip& Assembly::stripOf(int y) {
+    const int index = (y - whole_.y0) / kStripRows;
+    const auto [found, isNew] = strips_.try_emplace(index);
+    Strip& strip = found->second;
+    if (!isNew) return strip;
+    const Region region = regionOf(index);
+    strip.color = Image(region.width(), region.height(), 4);
+    strip.missing = static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height());
+    strip.done.assign(strip.missing, 0);
+    for (const auto& [name, channels] : shapes_)
+        strip.layers.push_back({name, Image(region.width(), region.height(), channels)});
+    return strip;
+}
+
+void Assembly::addRow(const Block& block, int y, const Unit& unit) {
+    const Region& r = block.region;
+    const Region strip = regionOf((y - whole_.y0) / kStripRows);
+    const bool taken = y < whole_.y0 + taken_ * kStripRows;
+    if (!taken) {
+        Strip& to = stripOf(y);
+        const auto first =
+            to.done.begin() + static_cast<std::ptrdiff_t>(y - strip.y0) * strip.width() + (r.x0 - strip.x0);
+        if (std::find(first, first + r.width(), uint8_t{1}) == first + r.width()) {
             std::fill_n(first, r.width(), uint8_t{1});
+            to.missing -= static_cast<uint64_t>(r.width());
+            missing_ -= static_cast<uint64_t>(r.width());
+            pasteRow(block.color, r, y, to.color, strip);
+            for (size_t i = 0; i < to.layers.size(); ++i)
+                pasteRow(block.layers[i].image, r, y, to.layers[i].image, strip);
+            return;
         }
-        missing_ -= static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
-        paste(block.color, r, picture_.color, picture_.region);
-        for (size_t i = 0; i < layers_.size(); ++i)
-            paste(block.layers[i].image, r, layers_[i].image, picture_.region);
     }
-    picture_.complete = complete();
-    picture_.losses.add(result.losses);
+    fail(nameOf(unit) + " has pixels that another part has too");
+}
+
+void Assembly::add(const UnitResult& result) {
+    for (const Block& block : result.blocks)
+        for (int y = block.region.y0; y < block.region.y1; ++y) addRow(block, y, result.unit);
+    losses_.add(result.losses);
+    if (std::find(producers_.begin(), producers_.end(), result.producer) == producers_.end())
+        producers_.push_back(result.producer);
     if (result.notFinite == 0) return;
     const glm::ivec2& first = result.firstNotFinite;
-    if (picture_.notFinite == 0 ||
-        std::pair(first.y, first.x) < std::pair(picture_.firstNotFinite.y, picture_.firstNotFinite.x))
-        picture_.firstNotFinite = first;
-    picture_.notFinite += result.notFinite;
+    if (notFinite_ == 0 || std::pair(first.y, first.x) < std::pair(firstNotFinite_.y, firstNotFinite_.x))
+        firstNotFinite_ = first;
+    notFinite_ += result.notFinite;
 }
 
-std::vector<Layer> Assembly::takeLayers() {
+Rows Assembly::take() {
+    Rows rows;
+    Region& region = rows.picture.region;
+    region = regionOf(taken_);
+    region.y1 = region.y0;
+    rows.picture.color = Image(region.width(), 0, 4);
     std::vector<Layer> layers;
-    auto next = layers_.begin();
+    for (const auto& [name, channels] : shapes_) layers.push_back({name, Image(region.width(), 0, channels)});
+    while (!strips_.empty() && strips_.begin()->first == taken_ && strips_.begin()->second.missing == 0) {
+        Strip& strip = strips_.begin()->second;
+        append(rows.picture.color, std::move(strip.color));
+        for (size_t i = 0; i < layers.size(); ++i) append(layers[i].image, std::move(strip.layers[i].image));
+        strips_.erase(strips_.begin());
+        region.y1 = regionOf(taken_++).y1;
+    }
+    rows.picture.done.assign(static_cast<size_t>(region.width()) * region.height(), 1);
+    auto next = layers.begin();
     for (const Aov aov : aovs_) {
         if (aov == Aov::Radiance || aov == Aov::Alpha)
-            layers.push_back(std::move(makeLayers(picture_, std::span(&aov, 1)).front()));
+            rows.layers.push_back(std::move(makeLayers(rows.picture, std::span(&aov, 1)).front()));
         else
-            layers.push_back(std::move(*next++));
+            rows.layers.push_back(std::move(*next++));
     }
-    return layers;
+    return rows;
 }
 
-Merged mergeParts(const std::vector<std::filesystem::path>& files,
-                  const std::function<void(const UnitHeader&)>& room) {
-    Merged merged;
-    std::optional<Assembly> assembly;
+namespace {
+
+struct PartFile {
+    int part;
+    std::filesystem::path path;
+};
+
+// Which parts the files hold, in ascending order; they are all of one picture.
+std::vector<PartFile> sortedParts(const std::vector<std::filesystem::path>& files, UnitHeader& header,
+                                  uint64_t& largest) {
     std::map<int, std::filesystem::path> there;
     for (const std::filesystem::path& path : files) {
-        const UnitFile file = readUnits(path);
-        const UnitHeader& header = file.header;
-        if (!assembly) {
-            room(header);
-            merged.header = header;
-            assembly.emplace(header.region, header.aovs);
-        }
-        const std::string other = difference(header.identity, merged.header.identity);
+        const UnitOutline outline = outlineOf(path);
+        largest = std::max(largest, outline.bytes);
+        if (there.empty()) header = outline.header;
+        const std::string other = difference(outline.header.identity, header.identity);
         if (!other.empty())
             fail(path.string() + ": belongs to another picture than " + files.front().string() + ": " +
                  other);
-        for (const UnitResult& result : file.results) {
-            const auto [known, isNew] = there.emplace(result.unit.part, path);
+        for (const Unit& unit : outline.units) {
+            const auto [known, isNew] = there.emplace(unit.part, path);
             if (!isNew)
-                fail(path.string() + ": holds " + nameOf(result.unit) + ", which " +
+                fail(path.string() + ": holds " + nameOf(unit) + ", which " +
                      (known->second == path ? "it" : known->second.string()) + " holds already");
-            assembly->add(result);
-            if (std::find(merged.producers.begin(), merged.producers.end(), result.producer) ==
-                merged.producers.end())
-                merged.producers.push_back(result.producer);
         }
     }
-    const int parts = merged.header.parts;
-    const std::vector<int> missing = missingParts(there, parts);
+    const std::vector<int> missing = missingParts(there, header.parts);
     if (!missing.empty())
-        fail(namesOfParts(missing, parts) + (missing.size() > 1 ? " are" : " is") + " missing");
-    if (!assembly->complete()) fail("the parts leave some of the picture's pixels out");
-    merged.layers = assembly->takeLayers();
-    merged.picture = assembly->picture();
-    return merged;
+        fail(namesOfParts(missing, header.parts) + (missing.size() > 1 ? " are" : " is") + " missing");
+    std::vector<PartFile> sorted;
+    for (const auto& [part, path] : there) sorted.push_back({part, path});
+    return sorted;
+}
+
+}  // namespace
+
+void mergeParts(const std::vector<std::filesystem::path>& files,
+                const std::function<void(const UnitHeader&, uint64_t largest)>& begin,
+                const std::function<void(const UnitResult&)>& add) {
+    UnitHeader header;
+    uint64_t largest = 0;
+    const std::vector<PartFile> parts = sortedParts(files, header, largest);
+    begin(header, largest);
+    UnitFile file;
+    std::filesystem::path path;  // of the file
+    for (const PartFile& part : parts) {
+        if (part.path != path) file = readUnits(part.path);
+        path = part.path;
+        for (const UnitResult& result : file.results)
+            if (result.unit.part == part.part) add(result);
+    }
 }
 
 std::string namesOfParts(const std::vector<int>& parts, int of) {

@@ -77,7 +77,12 @@ int SharedFolder::done() {
     return static_cast<int>(std::count(there_.begin(), there_.end(), true));
 }
 
-std::optional<int> SharedFolder::next() {
+bool SharedFolder::has(int part) const {
+    std::error_code code;
+    return fs::exists(resultPath(part), code);
+}
+
+std::optional<int> SharedFolder::next(std::optional<double> patience) {
     done();
     std::vector<std::string> names;
     std::vector<int> parts;
@@ -86,7 +91,7 @@ std::optional<int> SharedFolder::next() {
         names.push_back(unitName(part));
         parts.push_back(part);
     }
-    const auto name = claims_.claim(names);
+    const auto name = claims_.claim(names, patience);
     if (!name) return std::nullopt;
     const auto at = std::find(names.begin(), names.end(), *name) - names.begin();
     return parts[static_cast<size_t>(at)];
@@ -102,21 +107,14 @@ bool SharedFolder::mayMerge() {
     return claims_.claim({kMerge}).has_value();
 }
 
-Assembly SharedFolder::assembled(std::vector<Producer>& producers) const {
-    Assembly assembly(header_.region, header_.aovs);
+void SharedFolder::forEach(const std::function<void(const UnitResult&)>& add) const {
     for (int part = 1; part <= header_.parts; ++part) {
         const fs::path path = resultPath(part);
         const UnitFile file = readUnits(path);
         const std::string other = difference(file.header.identity, header_.identity);
         if (!other.empty()) refuse(path, "belongs to another picture: " + other);
-        for (const UnitResult& result : file.results) {
-            assembly.add(result);
-            if (std::find(producers.begin(), producers.end(), result.producer) == producers.end())
-                producers.push_back(result.producer);
-        }
+        for (const UnitResult& result : file.results) add(result);
     }
-    if (!assembly.complete()) refuse(folder_, "the results leave some of the picture's pixels out");
-    return assembly;
 }
 
 std::optional<std::string> SharedFolder::note() const {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "farm/claims.h"
-#include "farm/merge.h"
 #include "farm/unit_file.h"
 
 namespace glint::farm {
@@ -22,8 +22,11 @@ class SharedFolder {
     int done();
     bool complete() { return done() == header_.parts; }
 
-    // A unit to draw, by its number from 1; nothing if all others are done or somebody's.
-    std::optional<int> next();
+    // A unit to draw, by its number from 1; nothing if all others are done or somebody's. Of those the first
+    // that somebody has had for `patience` seconds, if that is given.
+    std::optional<int> next(std::optional<double> patience = std::nullopt);
+    // Its result is there.
+    bool has(int part) const;
     // Its result, for all to see.
     void put(const UnitResult& result);
     // What next() gave is not drawn; another may have it.
@@ -31,8 +34,9 @@ class SharedFolder {
 
     // True if it is this process that writes the picture, once it is complete.
     bool mayMerge();
-    // All results. Throws Error(Failed) for one that is damaged.
-    Assembly assembled(std::vector<Producer>& producers) const;
+    // Calls it with all results, in the order in which they stand in the picture. Throws Error(Failed) for
+    // one that is damaged.
+    void forEach(const std::function<void(const UnitResult&)>& add) const;
     // What was said when the picture was written, if it was.
     std::optional<std::string> note() const;
     void setNote(const std::string& text);

@@ -1,5 +1,9 @@
 #include "farm/unit_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -7,6 +11,7 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/staged_file.h"
 #include "farm/bytes.h"
 #include "scene/limits.h"
 
@@ -235,21 +240,95 @@ std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<Uni
     return file;
 }
 
+namespace {
+
+// Says in errors what is damaged.
+template <typename Read>
+auto reading(const std::string& name, const Read& read) {
+    try {
+        return read();
+    } catch (const std::out_of_range&) {
+        throw Error(ErrorKind::Failed, name + ": damaged: it ends early");
+    } catch (const std::runtime_error& error) {
+        throw Error(ErrorKind::Failed, name + ": damaged: " + error.what());
+    }
+}
+
+UnitHeader nextHeader(ByteReader& in) {
+    const Record head = nextRecord(in);
+    if (head.kind != Kind::Head) damaged("it does not begin with its header");
+    return headerOf(head.payload);
+}
+
+}  // namespace
+
+UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name) {
+    return reading(name, [&] {
+        ByteReader in = opened(bytes);
+        return nextHeader(in);
+    });
+}
+
+UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name) {
+    return reading(name, [&] {
+        ByteReader in(bytes);
+        const Record record = nextRecord(in);
+        if (record.kind != Kind::Unit) damaged("it is no unit");
+        return unitOf(record.payload, header);
+    });
+}
+
+UnitOutline outlineOf(const fs::path& path) {
+    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    struct stat status {};
+    if (!file.isOpen() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+        readFile(path);  // says what is wrong
+        throw Error(ErrorKind::Failed, path.string() + ": cannot read");
+    }
+    return reading(path.string(), [&] {
+        UnitOutline outline;
+        outline.bytes = static_cast<uint64_t>(status.st_size);
+        uint64_t at = 0;
+        const auto bytes = [&](uint64_t size) {
+            if (size > outline.bytes - std::min(outline.bytes, at)) throw std::out_of_range("bytes");
+            std::vector<uint8_t> read(size);
+            if (::pread(file.get(), read.data(), size, static_cast<off_t>(at)) != static_cast<ssize_t>(size))
+                throw std::out_of_range("bytes");
+            return read;
+        };
+        constexpr uint64_t kRecordHead = sizeof(uint32_t) + sizeof(uint64_t), kHash = sizeof(uint64_t);
+        for (bool first = true; at < outline.bytes; first = false) {
+            const uint64_t start = first ? kSignature.size() : 0;
+            const std::vector<uint8_t> head = bytes(std::min(start + kRecordHead, outline.bytes - at));
+            ByteReader in = first ? opened(head) : ByteReader(head);
+            const auto kind = static_cast<Kind>(in.get<uint32_t>());
+            const auto size = in.get<uint64_t>();
+            if (size > outline.bytes) throw std::out_of_range("record");
+            const uint64_t whole = start + kRecordHead + size + kHash;
+            if (first) outline.header = decodeHeader(bytes(whole), path.string());
+            at += start + kRecordHead;
+            if (kind == Kind::Unit) {
+                const std::vector<uint8_t> numbers = bytes(3 * sizeof(int32_t));
+                ByteReader unit(numbers);
+                const auto frame = unit.get<int32_t>(), part = unit.get<int32_t>();
+                outline.units.push_back({frame, part, unit.get<int32_t>()});
+            }
+            at += size + kHash;
+        }
+        if (at != outline.bytes) throw std::out_of_range("record");
+        return outline;
+    });
+}
+
 UnitFile readUnits(const fs::path& path, bool unfinished) {
     const std::vector<uint8_t> bytes = readFile(path);
-    try {
+    return reading(path.string(), [&] {
         ByteReader in = opened(bytes);
         UnitFile file;
-        const Record head = nextRecord(in);
-        if (head.kind != Kind::Head) damaged("it does not begin with its header");
-        file.header = headerOf(head.payload);
+        file.header = nextHeader(in);
         readRecords(in, unfinished, file);
         return file;
-    } catch (const std::out_of_range&) {
-        throw Error(ErrorKind::Failed, path.string() + ": damaged: it ends early");
-    } catch (const std::runtime_error& error) {
-        throw Error(ErrorKind::Failed, path.string() + ": damaged: " + error.what());
-    }
+    });
 }
 
 }  // namespace glint::farm

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +42,19 @@ struct UnitFile {
 std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results);
 std::vector<uint8_t> encodeHeader(const UnitHeader& header);
 std::vector<uint8_t> encodeUnit(const UnitResult& result);
+
+// What a file holds, by a look at where its records begin.
+struct UnitOutline {
+    UnitHeader header;
+    std::vector<Unit> units;
+    uint64_t bytes = 0;  // of the file
+};
+// Throws like readUnits for what it sees; whether the samples are whole it does not.
+UnitOutline outlineOf(const std::filesystem::path& path);
+
+// What encodeHeader and encodeUnit made; `name` stands for it in messages. Both throw Error(Failed).
+UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name);
+UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name);
 
 // Reads a file. Throws Error(Failed) "a.part: damaged: ..." for one that was changed or is no such file, and
 // unless `unfinished` for one that ends early; with it, what is not whole at the end is left out.

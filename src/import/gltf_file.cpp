@@ -196,8 +196,7 @@ std::string GltfFile::readUri(const JsonCursor& uri) {
     } catch (const Error& error) {
         uri.fail(error.what());
     }
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) uri.fail("no such file: " + path.string());
+    if (!files_.exists(path)) uri.fail("no such file: " + path.string());
     return files_.read(path);
 }
 

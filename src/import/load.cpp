@@ -67,9 +67,7 @@ Scene loadFrom(const std::filesystem::path& path, SceneFiles& files) {
     if (extension == ".obj" || extension == ".ply" || extension == ".stl") return loadModel(path, files);
     if (extension == ".gltf" || extension == ".glb") return completed(readGltf(path, files), path);
     if (extension == ".nff") return completed(readNff(path, files), path);
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
-        readWholeFile(path);  // says what is wrong
+    if (!files.isFile(path)) files.read(path);  // says what is wrong
     throw Error(ErrorKind::Scene,
                 path.string() +
                     ": unknown kind of file (a scene is .json, .gltf, .glb or .nff, a model "

@@ -150,8 +150,7 @@ class ObjReader {
 
     // The name may hold blanks; several names may be listed.
     void readLibraries(const std::string& names) {
-        std::error_code ignored;  // a list of names may be too long for a name
-        if (std::filesystem::exists(path_.parent_path() / names, ignored)) return readLibrary(names);
+        if (files_.exists(path_.parent_path() / names)) return readLibrary(names);
         TextScanner words(names, path_.string());
         words.nextLine();
         for (std::string_view name = words.word(); !name.empty(); name = words.word())
@@ -167,8 +166,7 @@ class ObjReader {
             scanner_.fail(error.what());
         }
         if (!libraries_.insert(file.lexically_normal()).second) return;
-        std::error_code ignored;
-        if (!std::filesystem::is_regular_file(file, ignored)) {
+        if (!files_.isFile(file)) {
             warnings_.push_back(printable(path_.string() + ":" + std::to_string(scanner_.line()) +
                                           ": no material file \"" + name + "\""));
             return;

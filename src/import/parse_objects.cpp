@@ -173,9 +173,8 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     } catch (const Error& error) {
         file.fail(error.what());
     }
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) file.fail("no such file: " + path.string());
-    std::shared_ptr<LoadedMesh>& shared = byFile_[std::filesystem::canonical(path)];
+    if (!files_.exists(path)) file.fail("no such file: " + path.string());
+    std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
     if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
     return *loaded_.emplace(name, shared).first->second;
 }

@@ -30,18 +30,6 @@ std::string mebibytes(uint64_t bytes) {
     return text;
 }
 
-// With links followed as far as there are files.
-fs::path real(const fs::path& path, const std::string& name) {
-    std::error_code code;
-    // Absolute, for one that does not exist stays relative else.
-    const fs::path whole = fs::absolute(path.empty() ? "." : path);
-    fs::path found = fs::canonical(whole, code);
-    // This takes any path, and several calls of the system for each of its folders.
-    if (code) found = fs::weakly_canonical(whole, code);
-    if (code) fail(name + ": cannot be read: " + code.message());
-    return found;
-}
-
 bool isWithin(const fs::path& path, const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
@@ -49,50 +37,37 @@ bool isWithin(const fs::path& path, const fs::path& folder) {
 }  // namespace
 
 SceneFiles::SceneFiles(const fs::path& folder, const LoadOptions& options)
-    : root_(real(folder, folder.string())), options_(options) {}
+    : options_(options), source_(options.source ? options.source : fileSystem()), root_(real(folder)) {}
 
 fs::path SceneFiles::resolve(const fs::path& folder, const std::string& name) const {
     if (name.find('\0') != std::string::npos) fail(name + ": no file name holds a zero byte");
     if (name.find("://") != std::string::npos) fail(name.substr(0, 60) + ": URLs are not read, only files");
     const fs::path path = folder / name;
-    const fs::path found = find(path);
+    const fs::path found = real(path);
     if (!options_.allowOutside && !isWithin(found, root_))
         fail(path.string() + ": lies outside the scene's folder (--allow-outside lets such files be read)");
     return path;
 }
 
-fs::path SceneFiles::find(const fs::path& path) const {
-    const fs::path last = path.filename();
-    std::error_code code;
-    // What is no link lies where its folder does, which is looked for once.
-    if (last.empty() || last == "." || last == ".." || fs::is_symlink(fs::symlink_status(path, code)))
-        return real(path, path.string());
-    if (code && code != std::errc::no_such_file_or_directory && code != std::errc::not_a_directory)
-        return real(path, path.string());
-    const auto [folder, isNew] = folders_.try_emplace(path.parent_path().string());
-    if (isNew) folder->second = real(path.parent_path(), path.string());
-    return folder->second / last;
-}
-
 std::string SceneFiles::read(const fs::path& path) {
-    std::error_code code;
-    const auto size = fs::file_size(path, code);
-    if (!code && size > options_.memory - std::min(options_.memory, read_ + pictures_ + taken_))
+    const uint64_t size = source_->status(path).size;
+    if (size > options_.memory - std::min(options_.memory, read_ + pictures_ + taken_))
         fail(path.string() + ": has " + mebibytes(size) + ", more than there is memory for");
-    std::string bytes = readWholeFile(path);
+    std::string bytes = source_->read(path);
     read_ += bytes.size();
     note(path, contentHash(bytes));
     return bytes;
 }
 
 std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
-    const std::string key = find(path).string();
+    const std::string key = real(path).string();
     const auto known = images_.find(key);
     if (known != images_.end()) return known->second;
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) fail(path.string() + ": no such file");
+    if (!exists(path)) fail(path.string() + ": no such file");
     try {
-        auto image = std::make_shared<const Image>(readImage(path, mostPixels()));
+        const std::string bytes = source_->read(path);
+        const std::span<const uint8_t> view(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+        auto image = std::make_shared<const Image>(decodeImage(view, path.string(), mostPixels()));
         pictures_ += image->pixels.size() * sizeof(float);
         images_.emplace(key, image);
         const auto samples = std::as_bytes(std::span(image->pixels));
@@ -104,7 +79,7 @@ std::shared_ptr<const Image> SceneFiles::image(const fs::path& path) {
 }
 
 void SceneFiles::note(const fs::path& path, uint64_t hash) {
-    sources_[find(path).lexically_proximate(root_).generic_string()] = hash;
+    sources_[real(path).lexically_proximate(root_).generic_string()] = hash;
 }
 
 std::vector<SourceFile> SceneFiles::sources() const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/file_source.h"
 #include "core/image.h"
 #include "scene/scene.h"
 
@@ -22,6 +23,8 @@ struct LoadOptions {
     uint64_t memory = std::numeric_limits<uint64_t>::max();
     // The camera of this name becomes the scene's own (scene/cameras.h); empty: the file's default.
     std::string camera = {};
+    // Where the files are; empty: in the file system.
+    std::shared_ptr<FileSource> source = {};
 };
 
 class SceneFiles {
@@ -32,6 +35,11 @@ class SceneFiles {
     // The file that another one in `folder` calls `name`. Throws Error(Scene) for URLs, names with a zero
     // byte, links in a circle, names that the system refuses, and what lies outside and may not be read.
     std::filesystem::path resolve(const std::filesystem::path& folder, const std::string& name) const;
+
+    bool exists(const std::filesystem::path& path) { return source_->status(path).exists; }
+    bool isFile(const std::filesystem::path& path) { return source_->status(path).regular; }
+    // Absolute, with links followed as far as there are files.
+    std::filesystem::path real(const std::filesystem::path& path) const { return source_->real(path); }
 
     // The bytes of a regular file, which count as taken while the scene is read.
     std::string read(const std::filesystem::path& path);
@@ -54,13 +62,11 @@ class SceneFiles {
     std::vector<SourceFile> sources() const;
 
   private:
-    // Where it lies with links followed; it need not be there.
-    std::filesystem::path find(const std::filesystem::path& path) const;
     void note(const std::filesystem::path& path, uint64_t hash);
 
-    std::filesystem::path root_;
-    mutable std::map<std::string, std::filesystem::path> folders_;  // by name, where find() found them
     LoadOptions options_;
+    std::shared_ptr<FileSource> source_;
+    std::filesystem::path root_;
     uint64_t read_ = 0;                                           // bytes of files
     uint64_t pictures_ = 0;                                       // and of their samples
     uint64_t taken_ = 0;                                          // and all else

@@ -44,7 +44,7 @@ TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
             assembly.add(results_[i]);
         }
         EXPECT_TRUE(assembly.complete());
-        EXPECT_EQ(assembly.picture().color.pixels, draw(request_).color.pixels);
+        EXPECT_EQ(assembly.take().picture.color.pixels, draw(request_).color.pixels);
         EXPECT_EQ(readUnits("a.check", true).results.size(), 4u) << size;
     }
 }

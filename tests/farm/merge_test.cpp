@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <random>
 
 #include "core/file_io.h"
@@ -40,15 +41,50 @@ TEST(Merge, HasTheBitsOfThePictureInEveryLayer) {
                 assembly.add(part);
             }
             EXPECT_TRUE(assembly.complete());
-            const std::vector<Layer> layers = assembly.takeLayers();
-            ASSERT_EQ(layers.size(), expected.size());
-            for (size_t i = 0; i < layers.size(); ++i) {
-                EXPECT_EQ(layers[i].name, expected[i].name);
-                EXPECT_TRUE(sameBits(layers[i].image, expected[i].image)) << layers[i].name << ' ' << count;
+            const Rows rows = assembly.take();
+            ASSERT_EQ(rows.layers.size(), expected.size());
+            for (size_t i = 0; i < rows.layers.size(); ++i) {
+                EXPECT_EQ(rows.layers[i].name, expected[i].name);
+                EXPECT_TRUE(sameBits(rows.layers[i].image, expected[i].image))
+                    << rows.layers[i].name << ' ' << count;
             }
-            EXPECT_TRUE(sameBits(assembly.picture().color, whole.color));
-            EXPECT_EQ(assembly.picture().losses.depth.count, whole.losses.depth.count);
+            EXPECT_TRUE(sameBits(rows.picture.color, whole.color));
+            EXPECT_EQ(assembly.losses().depth.count, whole.losses.depth.count);
         }
+    }
+}
+
+// Rows are there as soon as nothing above them is missing, once, and all of them in the end.
+TEST(Merge, RowsCanBeTakenAsTheyBecomeComplete) {
+    Request request = requestFor(75, 43);
+    request.region = {9, 2, 70, 41};
+    const Picture whole = draw(request);
+    std::mt19937 random(11);
+    for (const int count : {1, 5, 40, 300}) {
+        std::vector<UnitResult> parts = partsOf(request, count, {Aov::Radiance});
+        if (count != 40) std::shuffle(parts.begin(), parts.end(), random);
+        Assembly assembly(whole.region, {Aov::Radiance});
+        Image all(whole.region.width(), 0, 4);
+        int y = whole.region.y0, pieces = 0;
+        for (const UnitResult& part : parts) {
+            assembly.add(part);
+            const Rows rows = assembly.take();
+            EXPECT_EQ(rows.picture.region.y0, y);
+            y = rows.picture.region.y1;
+            if (rows.picture.region.height() > 0) ++pieces;
+            const std::vector<float>& pixels = rows.picture.color.pixels;
+            all.pixels.insert(all.pixels.end(), pixels.begin(), pixels.end());
+        }
+        all.height = y - whole.region.y0;
+        EXPECT_TRUE(sameBits(all, whole.color)) << count;
+        EXPECT_GE(pieces, count == 40 ? 5 : 1);
+        EXPECT_EQ(assembly.take().picture.region.height(), 0);
+        EXPECT_EQ(errorOf(ErrorKind::Failed,
+                          [&] {
+                              for (const UnitResult& part : parts) assembly.add(part);
+                          })
+                      .ends_with(" has pixels that another part has too"),
+                  true);
     }
 }
 
@@ -62,7 +98,14 @@ class MergeFiles : public glint::test::WorkingFolderTest {
         writeFiles({{paths_[i], encodeUnits(header, {results_[i]})}});
     }
     static std::string errorIn(const std::vector<std::filesystem::path>& paths) {
-        return errorOf(ErrorKind::Failed, [&] { mergeParts(paths, [](const UnitHeader&) {}); });
+        return errorOf(ErrorKind::Failed, [&] { merge(paths); });
+    }
+    static Assembly merge(const std::vector<std::filesystem::path>& paths) {
+        std::optional<Assembly> assembly;
+        mergeParts(
+            paths, [&](const UnitHeader& header, uint64_t) { assembly.emplace(header.region, header.aovs); },
+            [&](const UnitResult& result) { assembly->add(result); });
+        return std::move(*assembly);
     }
 
     const Request request_ = requestFor(64, 48);
@@ -72,9 +115,9 @@ class MergeFiles : public glint::test::WorkingFolderTest {
 };
 
 TEST_F(MergeFiles, AreReadInAnyOrder) {
-    const Merged merged = mergeParts({paths_[2], paths_[0], paths_[3], paths_[1]}, [](const UnitHeader&) {});
-    EXPECT_TRUE(sameBits(merged.picture.color, draw(request_).color));
-    EXPECT_EQ(merged.producers.size(), 1u);
+    Assembly merged = merge({paths_[2], paths_[0], paths_[3], paths_[1]});
+    EXPECT_TRUE(sameBits(merged.take().picture.color, draw(request_).color));
+    EXPECT_EQ(merged.producers().size(), 1u);
 }
 
 TEST_F(MergeFiles, WhatIsWrongIsNamed) {

@@ -1,0 +1,102 @@
+#include "app/unit_renderer.h"
+
+#include <algorithm>
+#include <numeric>
+#include <ostream>
+
+#include "app/render_identity.h"
+#include "core/content_hash.h"
+#include "core/interrupt.h"
+#include "farm/cut.h"
+
+namespace glint::app {
+
+namespace {
+
+uint64_t pixelsOf(const std::vector<Region>& regions) {
+    uint64_t pixels = 0;
+    for (const Region& r : regions)
+        pixels += static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
+    return pixels;
+}
+
+// Where the picture was cut must be the same for all parts, so that none is drawn twice or never.
+std::string hashOf(const std::vector<std::vector<Region>>& cut) {
+    std::string text;
+    for (const auto& regions : cut) {
+        for (const Region& r : regions)
+            for (const int value : {r.x0, r.y0, r.x1, r.y1}) text += std::to_string(value) + ",";
+        text += ";";
+    }
+    return hashText(contentHash(text));
+}
+
+// Units of some seconds on a processor: they get lost with who draws them, and shared out.
+int partsFor(const farm::CostMap& costs, uint32_t samples) {
+    constexpr double kTests = 1e8, kLeast = 16, kMost = 1024;
+    const auto total =
+        static_cast<double>(std::accumulate(costs.costs.begin(), costs.costs.end(), uint64_t{0}));
+    return static_cast<int>(std::clamp(total * samples / kTests, kLeast, kMost));
+}
+
+}  // namespace
+
+UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts)
+    : command_(command),
+      drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
+      loaded_(loadAndPack(command.scene, err, command.quiet)) {
+    constexpr int kLikelyParts = 64;  // to know how many before they are cut
+    const Region region = checkedRegion(command, loaded_.scene);
+    Progress none("", ProgressMode::None, err, false);
+    request_ = requestOf(command, loaded_, region, none);
+    request_.progress = nullptr;
+    const auto costs =
+        farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
+    if (parts == 0) parts = std::max(partsFor(costs, request_.samples.count()), leastParts);
+    cut_ = farm::cutPicture(costs, parts);
+    header_ = {identityOf(command, loaded_, request_), region, command.aovs, parts};
+    header_.identity.facts.emplace_back("parts", std::to_string(parts));
+    header_.identity.facts.emplace_back("cut", hashOf(cut_));
+}
+
+uint64_t UnitRenderer::pixelsOf(int part) const {
+    return app::pixelsOf(cut_[static_cast<size_t>(part) - 1]);
+}
+
+uint64_t UnitRenderer::mostPixels() const {
+    uint64_t most = 0;
+    for (const std::vector<Region>& regions : cut_) most = std::max(most, app::pixelsOf(regions));
+    return most;
+}
+
+std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function<void(double)>& progress,
+                                                   const std::function<bool()>& unwanted) {
+    Request request = request_;
+    request.progress = progress;
+    if (unwanted) request.cancelled = [&] { return interrupted() || unwanted(); };
+    if (!uploaded_) drawing_.load(loaded_, request);
+    uploaded_ = true;
+    auto result = drawing_.whole([&] {
+        return farm::drawUnit([&](const Request& r) { return drawing_.draw(r); }, request,
+                              cut_[static_cast<size_t>(part) - 1], command_.aovs);
+    });
+    if (!result) return result;
+    // Losses are told where a picture drawn at once would tell them.
+    if (!loaded_.packed.features.transmission && command_.scene.minContribution == 0) result->losses = {};
+    const DrawingFacts facts = drawing_.facts();
+    result->unit = {0, part, header_.parts};
+    result->producer = {facts.device, drawing_.backend() == Backend::Cpu ? "" : facts.driver,
+                        facts.sharesBits()};
+    return result;
+}
+
+void UnitRenderer::complete(Outcome& outcome, const std::vector<farm::Producer>& producers,
+                            std::ostream& err) const {
+    if (uploaded_) outcome.drawn = drawing_.facts();
+    outcome.picture.samplesPerPixel = request_.samples.count();
+    if (command_.quiet) return;
+    warnAboutPicture(outcome, command_, loaded_, err);
+    warnOfMixedBits(producers, "glint: warning: " + command_.scene.scene.string() + ": ", err);
+}
+
+}  // namespace glint::app

@@ -1,0 +1,106 @@
+#include "farm/mpi_transport.h"
+
+#include <dlfcn.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "mpi/module.h"
+
+namespace glint::farm {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<int> numberIn(const char* variable) {
+    const char* const text = std::getenv(variable);
+    int number = 0;
+    if (!text || std::from_chars(text, text + std::strlen(text), number).ec != std::errc())
+        return std::nullopt;
+    return number;
+}
+
+[[noreturn]] void failed(const std::string& what) {
+    throw Error(ErrorKind::Failed, "MPI: " + what);
+}
+
+// Beside the program, as it was built or installed.
+fs::path moduleFile() {
+    std::error_code code;
+    const fs::path folder = fs::read_symlink("/proc/self/exe", code).parent_path();
+    for (const char* const place : {"../lib/glint", GLINT_MPI_FOLDER}) {
+        fs::path file = folder / place / "glint-mpi.so";
+        if (fs::exists(file, code)) return file;
+    }
+    failed(
+        "started by mpirun, but this glint has no glint-mpi.so (it is built where MPI is found); --join and "
+        "--part need none");
+}
+
+const mpi::Module& loadModule() {
+    const fs::path file = moduleFile();
+    // Global: Open MPI's own plugins look for its symbols there.
+    void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
+    if (!library) failed(::dlerror());
+    using Entry = const mpi::Module* (*)();
+    const auto entry = reinterpret_cast<Entry>(::dlsym(library, mpi::kEntry));
+    const mpi::Module* const module = entry ? entry() : nullptr;
+    if (!module || module->interface != mpi::kInterface)
+        failed(file.string() + " belongs to another version of glint");
+    return *module;
+}
+
+class MpiTransport : public Transport {
+  public:
+    MpiTransport() : module_(loadModule()) {
+        if (const char* const fault = module_.begin(&rank_, &size_)) failed(fault);
+    }
+    int rank() const override { return rank_; }
+    int size() const override { return size_; }
+    void send(int to, const std::vector<uint8_t>& bytes) override {
+        if (const char* const fault = module_.send(to, bytes.data(), bytes.size())) failed(fault);
+    }
+    std::optional<Message> receive() override {
+        Message message;
+        const int64_t size = module_.next(&message.from);
+        if (size < 0) return std::nullopt;
+        message.bytes.resize(static_cast<size_t>(size));
+        module_.take(message.bytes.data());
+        return message;
+    }
+    int pending() const override { return module_.pending(); }
+    void leave(bool together) override {
+        if (together) module_.end();
+    }
+
+  private:
+    const mpi::Module& module_;
+    int rank_ = 0, size_ = 1;
+};
+
+}  // namespace
+
+std::optional<Launched> launchedByMpi() {
+    // Open MPI; MPICH, Intel MPI and others with Hydra, and srun --mpi=pmi2; srun --mpi=pmix.
+    constexpr std::pair<const char*, const char*> kVariables[] = {
+        {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+        {"PMI_RANK", "PMI_SIZE"},
+        {"PMIX_RANK", "SLURM_STEP_NUM_TASKS"}};
+    for (const auto& [rank, size] : kVariables) {
+        const auto number = numberIn(rank), of = numberIn(size);
+        if (number && of && *of > 1) return Launched{*number, *of};
+    }
+    return std::nullopt;
+}
+
+std::unique_ptr<Transport> openMpi() {
+    return std::make_unique<MpiTransport>();
+}
+
+}  // namespace glint::farm

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Pictures by Open MPI's mpirun: GLINT MPIRUN SOURCE [TEST...]
+
+What ranks do with each other is tested without MPI (ranks_test.cpp); here, that MPI carries it, and what mpirun does to processes.
+"""
+import json
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+GLINT, MPIRUN, SOURCE = map(os.path.abspath, sys.argv[1:4])
+OPTIONS = ["--backend", "cpu", "--size", "256x192", "--spp", "24"]  # a second or two of work
+LONG = [*OPTIONS[:-1], "2400"]
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", LP_NUM_THREADS="1")
+SCENE = f"{SOURCE}/scenes/showcase.json"
+
+
+def mpirun(*arguments, ranks=2, more=()):
+    return [MPIRUN, "--oversubscribe", "--bind-to", "none", *more, "-n", str(ranks), GLINT, *map(str, arguments)]
+
+
+def run(command, code=0, **options):
+    ran = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, timeout=300, **options)
+    if ran.returncode != code:
+        raise SystemExit(f"{' '.join(command)}: exit code {ran.returncode}, not {code}\n{ran.stdout}{ran.stderr}")
+    return ran
+
+
+def said(ran):
+    """What glint said, and not mpirun."""
+    return [line for line in ran.stderr.splitlines() if line.startswith("glint: ")]
+
+
+def check(holds, what):
+    if not holds:
+        raise SystemExit(f"not so: {what}")
+
+
+def whole(folder, scene=SCENE, options=OPTIONS):
+    path = folder / "whole.pfm"
+    run([GLINT, "render", scene, *options, "-q", "-o", str(path)])
+    return path.read_bytes()
+
+
+def has_the_bits_of_one_process(folder):
+    expected = whole(folder)
+    for ranks in (2, 8):
+        ran = run(mpirun("render", SCENE, *OPTIONS, "--stats", "json", "-o", folder / "all.pfm", ranks=ranks))
+        stats = json.loads(ran.stdout)  # one rank speaks
+        check(stats["ranks"] == ranks and stats["lostRanks"] == [], stats)
+        check((folder / "all.pfm").read_bytes() == expected, f"{ranks} ranks have the bits of one process")
+        check(ran.stderr == "", ran.stderr)
+
+
+def devices_do_too(folder):
+    options = ["--size", "160x120", "--spp", "2", "--aov", "color,depth,cost"]
+    run([GLINT, "render", SCENE, *options, "-q", "-o", str(folder / "whole.exr")])
+    run(mpirun("render", SCENE, *options, "-q", "-o", folder / "all.exr", ranks=3))
+    check((folder / "all.exr").read_bytes() == (folder / "whole.exr").read_bytes(), "three devices have the bits of one")
+
+
+def the_scene_is_read_by_rank_0_alone(folder):
+    """The others are started in an empty folder, where its relative name names nothing."""
+    here, there = folder / "here", folder / "there"
+    here.mkdir()
+    there.mkdir()
+    (here / "scene.obj").write_text("mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    (here / "scene.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    ask = [GLINT, "render", "scene.obj", *OPTIONS, "-q", "-o", "all.pfm"]
+    run([MPIRUN, "--oversubscribe", "-n", "1", "-wdir", str(here), *ask, ":", "-n", "2", "-wdir", str(there), *ask])
+    check(list(there.iterdir()) == [], "the others write nothing")
+    together = (here / "all.pfm").read_bytes()
+    run([GLINT, "render", str(here / "scene.obj"), *OPTIONS, "-q", "-o", str(folder / "whole.pfm")])
+    check(together == (folder / "whole.pfm").read_bytes(), "the scene is the same without its files")
+
+
+def mistakes_are_said_once(folder):
+    for arguments, code, text in (
+            (["render", "none.json"], 3, "glint: none.json: no such file"),
+            (["render", SCENE, "--spp", "none"], 2, "glint: "),
+            (["render", SCENE, "-o", "none/a.png"], 1, "glint: none/a.png: cannot write: "),
+            (["render", SCENE, "--device", "none such"], 4, "glint: "),
+            (["render", SCENE, "--frames", "0:3", "-o", "#.png"], 2, "glint: --frames: mpirun's processes share one picture"),
+            (["render", SCENE, "--error", "0.1"], 2, "glint: mpirun: --error decides by the whole picture")):
+        ran = run(mpirun(*arguments, ranks=3), code, cwd=folder)
+        check(len(said(ran)) == 1 and said(ran)[0].startswith(text), f"{arguments}: {ran.stderr}")
+
+
+def one_rank_may_fail(folder):
+    """Rank 1 alone has no device."""
+    ask = [GLINT, "render", SCENE, "-q", "-o", str(folder / "a.pfm")]
+    ran = run([MPIRUN, "--oversubscribe", "-n", "1", *ask, ":", "-n", "1", "-x", "VK_ICD_FILENAMES=/none", *ask], 4)
+    check(len(said(ran)) == 1 and said(ran)[0].startswith("glint: rank 1 ("), ran.stderr)
+    check(not (folder / "a.pfm").exists(), "nothing is written")
+
+
+def other_ways_are_not_disturbed(folder):
+    """Processes of --join need no MPI, whoever starts them."""
+    expected = whole(folder)
+    run(mpirun("render", SCENE, *OPTIONS, "-q", "--join", folder / "farm", "-o", folder / "all.pfm", ranks=2))
+    check((folder / "all.pfm").read_bytes() == expected, "mpirun starts --join")
+
+
+def rank_processes(folder):
+    """{rank: process number} of the picture in `folder`."""
+    found = {}
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if str(folder) not in (process / "cmdline").read_text() or (process / "comm").read_text() != "glint\n":
+                continue
+            for variable in (process / "environ").read_bytes().split(b"\0"):
+                if variable.startswith(b"OMPI_COMM_WORLD_RANK="):
+                    found[int(variable.split(b"=")[1])] = int(process.name)
+        except OSError:
+            pass
+    return found
+
+
+def start(command, folder, ranks):
+    child = subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while len(rank_processes(folder)) < ranks and child.poll() is None:
+        time.sleep(0.01)
+    return child
+
+
+def trial(folder, number, ranks=4):
+    """Seconds that a picture took of whose ranks one was sent a signal (none: 0) at a random moment, and what was said."""
+    begin = time.monotonic()
+    command = mpirun("render", SCENE, *OPTIONS, "--lease", "1", "-o", folder / "all.pfm", ranks=ranks, more=["--enable-recovery"])
+    child = start(command, folder, ranks)
+    if number:
+        time.sleep(random.uniform(0, 2.5))
+        victim = rank_processes(folder).get(random.randint(1, ranks - 1))
+        if victim:
+            os.kill(victim, number)
+    out, err = child.communicate(timeout=120)
+    return time.monotonic() - begin, child.returncode, err
+
+
+def a_killed_rank_loses_nothing(folder):
+    expected = whole(folder)
+    noticed = 0
+    for _ in range(4):
+        (folder / "all.pfm").unlink(missing_ok=True)
+        _, code, err = trial(folder, signal.SIGKILL)
+        check((folder / "all.pfm").read_bytes() == expected, f"the picture of the survivors is complete\n{err}")
+        check(code == 0, err)
+        noticed += "has gone; what it had was drawn by others" in err
+        if noticed:
+            break
+    check(noticed > 0, "a death is told")
+
+
+def without_recovery_mpirun_ends_all(folder):
+    child = start(mpirun("render", SCENE, *LONG, "-o", folder / "all.pfm", ranks=3), folder, 3)
+    os.kill(rank_processes(folder)[2], signal.SIGKILL)
+    child.communicate(timeout=60)
+    check(child.returncode == 137 and not (folder / "all.pfm").exists(), f"exit code {child.returncode}")
+
+
+def interrupts_end_all(folder):
+    child = start(mpirun("render", SCENE, *LONG, "-o", folder / "all.pfm", ranks=3), folder, 3)
+    time.sleep(1)
+    begin = time.monotonic()
+    child.send_signal(signal.SIGINT)
+    child.communicate(timeout=60)
+    check(time.monotonic() - begin < 20 and child.returncode != 0, "mpirun ends soon")
+    check(rank_processes(folder) == {} and not (folder / "all.pfm").exists(), "nothing is left")
+
+
+def trials(folder):
+    """By hand: 30 deaths."""
+    expected = whole(folder)
+    plain = sorted(trial(folder, 0)[0] for _ in range(5))[2]
+    good, times = 0, []
+    for _ in range(30):
+        (folder / "all.pfm").unlink(missing_ok=True)
+        seconds, code, _ = trial(folder, signal.SIGKILL)
+        times.append(seconds)
+        good += code == 0 and (folder / "all.pfm").exists() and (folder / "all.pfm").read_bytes() == expected
+    times.sort()
+    print(f"{good} of 30 complete with equal bits; {plain:.2f} s without a death, with one median {times[15]:.2f}, worst {times[-1]:.2f}")
+
+
+TESTS = [has_the_bits_of_one_process, devices_do_too, the_scene_is_read_by_rank_0_alone, mistakes_are_said_once, one_rank_may_fail,
+         other_ways_are_not_disturbed, a_killed_rank_loses_nothing, without_recovery_mpirun_ends_all, interrupts_end_all]
+for test in [globals()[name] for name in sys.argv[4:]] or TESTS:
+    with tempfile.TemporaryDirectory() as name:
+        started = time.monotonic()
+        test(pathlib.Path(name))
+        print(f"{test.__name__}: {time.monotonic() - started:.1f} s", flush=True)
