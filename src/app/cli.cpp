@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <ostream>
+#include <thread>
 
 #include "app/command_list.h"
 #include "app/exit_code.h"
@@ -48,7 +50,11 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
         out.flush();  // results come before the error, whoever reads both
         // All processes of mpirun have the same command line, and one says what is wrong with it.
         const auto launched = farm::launchedByMpi();
-        if (code == ExitCode::Usage && launched && launched->rank > 0) return static_cast<int>(code);
+        if (code == ExitCode::Usage && launched && launched->rank > 0) {
+            // mpirun ends all when the first one leaves; rank 0 must have said it.
+            std::this_thread::sleep_for(std::chrono::seconds(2));
+            return static_cast<int>(code);
+        }
         err << "glint: " << printable(message) << std::endl;
         return static_cast<int>(code);
     };
