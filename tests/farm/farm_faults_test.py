@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""What fails while a picture is drawn in pieces, with the program as users have it: GLINT [TEST...]
+
+A limit of a file's size stands for a full disk: the write fails in the middle, and so does every one after it.
+"""
+import json
+import os
+import pathlib
+import resource
+import subprocess
+import sys
+import tempfile
+
+GLINT = os.path.abspath(sys.argv[1])
+OPTIONS = ["--backend", "cpu", "--size", "128x96", "--spp", "4"]
+SCENE = '{"camera": {"eye": [0, 0, 5], "target": [0, 0, 0]}, "lights": [{"type": "point", "position": [2, 3, 5]}], ' \
+        '"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]}'
+NOBODY = 65534 if os.getuid() == 0 else None  # whom permissions mean something to
+
+
+def run(*arguments, code, says="", file_bytes=None, memory=None, user=None):
+    def prepare():
+        if file_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (file_bytes, file_bytes))
+        if memory is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+        if user is not None:
+            os.setgid(user)
+            os.setuid(user)
+
+    ran = subprocess.run([GLINT, *map(str, arguments)], capture_output=True, text=True, preexec_fn=prepare, timeout=300)
+    lines = ran.stderr.splitlines()
+    if ran.returncode != code or (code != 0 and (len(lines) != 1 or says not in lines[0])):
+        raise SystemExit(f"{arguments}: exit code {ran.returncode} and {ran.stderr!r}, not {code} and {says!r}")
+    return ran
+
+
+def check(holds, what):
+    if not holds:
+        raise SystemExit(f"not so: {what}")
+
+
+def render(*more, **options):
+    return run("render", "a.json", *OPTIONS, "-q", *more, **options)
+
+
+def whole():
+    render("-o", "whole.pfm", code=0)
+    return pathlib.Path("whole.pfm").read_bytes()
+
+
+def full_disks():
+    expected = whole()
+    render("--part", "1/2", "-o", "1.part", code=1, says="1.part: cannot write: ", file_bytes=20_000)
+    check(not pathlib.Path("1.part").exists(), "no half part")
+    render("--join", "farm", "-o", "all.pfm", code=1, says="cannot write: ", file_bytes=4_000)
+    check(not list(pathlib.Path("farm").glob("*.part")), "no half unit")
+    render("--join", "farm", "-o", "all.pfm", code=0)
+    check(pathlib.Path("all.pfm").read_bytes() == expected, "a folder goes on when there is room again")
+    render("--checkpoint", "c.check", "-o", "again.pfm", code=1, says="c.check: cannot write: ", file_bytes=60_000)
+    check(0 < pathlib.Path("c.check").stat().st_size <= 60_000, "what was finished stays")
+    render("--checkpoint", "c.check", "-o", "again.pfm", code=0)
+    check(pathlib.Path("again.pfm").read_bytes() == expected, "a checkpoint goes on when there is room again")
+    for part in (1, 2):
+        render("--part", f"{part}/2", "-o", f"{part}.part", code=0)
+    for more in ([], ["--in-bands"]):
+        run("merge", "1.part", "2.part", "-o", "m.pfm", *more, code=1, says="m.pfm: cannot write: ", file_bytes=20_000)
+        check(not pathlib.Path("m.pfm").exists(), "no half picture")
+
+
+def folders_without_permission():
+    render("--part", "1/1", "-o", "1.part", code=0)
+    pathlib.Path("farm").mkdir()
+    os.chmod(".", 0o777)
+    for mode in (0o000, 0o555, 0o333):  # nothing, no writing, no reading
+        os.chmod("farm", mode)
+        render("--join", "farm", "-o", "all.pfm", code=1, says="farm: cannot be used: Permission denied", user=NOBODY)
+    os.chmod("1.part", 0o000)
+    run("merge", "1.part", "-o", "m.pfm", code=1, says="1.part: cannot read: Permission denied", user=NOBODY)
+    os.chmod(".", 0o555)
+    render("--checkpoint", "c.check", "-o", "/tmp/never.pfm", code=1, says="c.check: cannot write: ", user=NOBODY)
+    render("--part", "1/1", "-o", "2.part", code=1, says="2.part: cannot write: ", user=NOBODY)
+
+
+def huge_pictures_are_refused_before_they_are_drawn():
+    huge = ["render", "a.json", "--backend", "cpu", "--size", "65536x65536", "-q"]
+    memory = 2 << 30
+    run(*huge, "--checkpoint", "c.check", "-o", "a.png", code=1, says="of memory", memory=memory)
+    run(*huge, "--join", "farm", "-o", "a.hdr", code=1, says="of memory", memory=memory)
+    run(*huge, "--part", "1/4", "-o", "1.part", code=1, says="of memory", memory=memory)
+    check(not [p for p in pathlib.Path(".").iterdir() if p.name not in ("a.json", "farm")], "nothing is left")
+    check(not pathlib.Path("farm").exists() or not list(pathlib.Path("farm").glob("*.part")), "nothing is begun")
+
+
+def merging_in_bands_has_the_same_pixels():
+    for layers in ("color", "color,alpha"):
+        for name in ("m.pfm", "m.exr", "m.png"):
+            options = ["--aov", layers]
+            render(*options, "--band-rows", "8", "-o", f"whole-{name}", code=0)
+            parts = [f"{k}.part" for k in range(1, 6)]
+            for k, part in enumerate(parts, 1):
+                render(*options, "--part", f"{k}/5", "-o", part, code=0)
+            for order in (parts, parts[::-1]):
+                ran = run("merge", *order, "-o", name, "--in-bands", "--stats", "json", code=0)
+                stats = json.loads(ran.stdout)
+                check(stats["inBands"] is True and stats["hash"], stats)
+                for file in stats["files"]:
+                    check(pathlib.Path(file).read_bytes() == pathlib.Path(f"whole-{file}").read_bytes(), f"{file} of {layers}")
+    run("merge", *parts, "-o", "m.hdr", "--in-bands", code=2, says="m.hdr: bands go into .png")
+
+
+TESTS = [full_disks, folders_without_permission, huge_pictures_are_refused_before_they_are_drawn, merging_in_bands_has_the_same_pixels]
+for test in [globals()[name] for name in sys.argv[2:]] or TESTS:
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        pathlib.Path("a.json").write_text(SCENE)
+        test()
+        print(test.__name__, "ok", flush=True)
+        os.chdir("/")
+        os.chmod(folder, 0o755)
