@@ -4,7 +4,7 @@
     bench/farm_rates.py [--glint build/bin/glint] [--size 1600x1200] [--spp 4] [--backend gpu] SCENE > rates.json
 
 Processor seconds, so that other work on the machine counts little: to start one process (device, scene, kernels from the cache), to draw the
-whole picture beyond that, and to take a pixel into the picture and write it, which is what `glint merge` of 16 parts takes.
+whole picture beyond that, and to take a pixel into the picture and write it, which is what `glint merge` of 4 parts takes.
 """
 import argparse
 import json
@@ -44,9 +44,9 @@ def main():
         draw(arguments.size, *out)  # kernels are compiled
         start = median(lambda: draw("8x8", *out))
         whole = median(lambda: draw(arguments.size, *out)) - start
-        parts = [f"{folder}/{k}.part" for k in range(1, 17)]
+        parts = [f"{folder}/{k}.part" for k in range(1, 5)]
         for k, part in enumerate(parts, 1):
-            draw(arguments.size, "--part", f"{k}/16", "-o", part)
+            draw(arguments.size, "--part", f"{k}/4", "-o", part)
         merge = median(lambda: seconds([arguments.glint, "merge", *parts, "-q", "-o", f"{folder}/m.exr", "--in-bands"]))
     print(json.dumps({"scene": arguments.scene, "pixels": width * height, "samples": int(arguments.spp), "start": round(start, 3),
                       "draw": round(whole, 3), "merge": round(merge, 3)}))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What many machines would make of one picture: the hand-out of src/farm/hand_out.cpp, played through with workers that vary, die and hang.
 
-    bench/farm_simulation.py --rates rates.json [--workers 10,100,1000,10000] [--pixels P] [--seed 1] [--check]
+    bench/farm_simulation.py --rates rates.json [--workers 10,100,1000,10000] [--pixels P] [--samples S] [--seed 1] [--check]
 
 `rates.json` comes from bench/farm_rates.py. What cannot be measured on one machine is assumed, and an option each: the network, how much
 units and machines differ, and how often machines die. The same seed gives the same table.
@@ -28,7 +28,7 @@ class Farm:
         heapq.heapify(self.free)
         self.outstanding = []  # (since, unit, worker), some of them out of date
         self.finished, self.sum, self.twice, self.duplicates = 0, 0.0, 0, 0
-        self.idle, self.events, self.count = [], [], 0
+        self.idle, self.events, self.count, self.look = [], [], 0, None
         self.dies = {}
         span = units * unit_seconds / workers
         for worker in self.random.sample(range(1, workers), min(deaths, workers - 1)):
@@ -51,7 +51,9 @@ class Farm:
                 heapq.heappop(self.outstanding)
                 continue
             if since > now - patience:
-                self.at(since + patience + 1e-9, "look")
+                if self.look is None or since + patience < self.look:
+                    self.look = since + patience + 1e-9
+                    self.at(self.look, "look")
                 return None
             heapq.heappop(self.outstanding)
             if who == worker:
@@ -101,6 +103,7 @@ class Farm:
                         heapq.heappush(self.free, unit)
                 self.wake(now)
             elif kind == "look":
+                self.look = None if self.look is None or self.look <= now else self.look
                 self.wake(now)
             else:
                 worker, unit = what
@@ -125,7 +128,7 @@ def broadcast(options, workers):
 
 def simulate(options, rates, workers, units_each, deaths):
     pixels = options.pixels
-    work = rates["draw"] * pixels / rates["pixels"]
+    work = rates["draw"] * options.samples / rates["samples"] * pixels / rates["pixels"]
     units = min(max(units_each * workers, 16), 2 ** 20)
     spread_over = broadcast(options, workers)
     result = rates["merge"] / rates["pixels"] * pixels / units
@@ -140,7 +143,8 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rates", required=True)
     parser.add_argument("--workers", default="10,100,1000,10000")
-    parser.add_argument("--pixels", type=int, default=0, help="of the picture (default: an hour of work for each of 1,000 workers)")
+    parser.add_argument("--pixels", type=int, default=2 ** 28, help="of the picture (default: 16,384 x 16,384)")
+    parser.add_argument("--samples", type=int, default=256, help="of a pixel")
     parser.add_argument("--scene-bytes", type=float, default=1e9)
     parser.add_argument("--network", type=float, default=1.25e9, help="bytes a second out of one machine")
     parser.add_argument("--latency", type=float, default=0.004, help="seconds of a message, with the time until somebody looks for it")
@@ -153,9 +157,9 @@ def main():
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     rates = json.load(open(options.rates))
-    if not options.pixels:
-        options.pixels = round(3600 * 1000 * rates["pixels"] / rates["draw"])
-    print(f"{options.pixels / 1e9:.2f} thousand million pixels, {rates['draw'] * options.pixels / rates['pixels'] / 3600:.0f} hours of work\n")
+    work = rates["draw"] * options.samples / rates["samples"] * options.pixels / rates["pixels"]
+    print(f"{options.pixels:,} pixels, {options.samples} samples each: {work / 3600:.1f} hours of work for one worker; the writer alone takes "
+          f"{rates['merge'] * options.pixels / rates['pixels']:.0f} s\n")
     print("| workers | units each | seconds of a unit | deaths | broadcast, s | picture, s | efficiency | writer busy | units drawn twice |\n"
           "|---|---|---|---|---|---|---|---|---|")
     bad = False
