@@ -19,14 +19,17 @@ const char* __lsan_default_suppressions() {
 
 // ThreadSanitizer (GLINT_SANITIZE=thread) sees what these libraries hand over between their threads, but not
 // the atomics that they do it with, as nobody compiled them for it: Mesa's lavapipe, and LLVM, whose code it
-// runs. Their calls of memcpy and the like, in glint's mapped buffers too, are not looked at.
+// runs. Their calls of memcpy and the like, in glint's mapped buffers too, are not looked at. LLVM registers
+// that code with libgcc, which is not compiled for it either.
 const char* __tsan_default_suppressions() {
     return "called_from_lib:libvulkan_lvp.so\n"
            "called_from_lib:libLLVM-\n"
            "race:libvulkan_lvp.so\n"
            "race:libLLVM-\n"
            "mutex:libvulkan_lvp.so\n"
-           "thread:libvulkan_lvp.so\n";
+           "thread:libvulkan_lvp.so\n"
+           "mutex:__register_frame_info\n"
+           "mutex:__deregister_frame_info\n";
 }
 
 }  // extern "C"
