@@ -1,6 +1,7 @@
 // Parts and checkpoints. No mutation hits on the right hash of a record, so each input is read once as it is
 // and once with the hashes made right.
 #include <cstring>
+#include <optional>
 
 #include "core/content_hash.h"
 #include "farm/merge.h"
@@ -30,13 +31,19 @@ void read(fuzz::Input input) {
     const auto path = fuzz::write("input.part", input);
     fuzz::expectAnswer(ErrorKind::Failed, [&] { farm::readUnits(path, true); });
     // What merge asks before it takes memory, with less to give.
-    const auto room = [](const farm::UnitHeader& header) {
+    std::optional<farm::Assembly> assembly;
+    const auto room = [&](const farm::UnitHeader& header, uint64_t) {
         const Region& r = header.region;
         if (static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height()) * (1 + header.aovs.size()) >
             (1u << 20))
             throw Error(ErrorKind::Failed, "too large");
+        assembly.emplace(header.region, header.aovs);
     };
-    fuzz::expectAnswer(ErrorKind::Failed, [&] { farm::mergeParts({path}, room); });
+    const auto add = [&](const farm::UnitResult& result) {
+        assembly->add(result);
+        assembly->take();
+    };
+    fuzz::expectAnswer(ErrorKind::Failed, [&] { farm::mergeParts({path}, room, add); });
 }
 
 }  // namespace
