@@ -2,6 +2,8 @@
 # own. A module names the modules to its left; tests/module_dependencies checks the #include lines against the same order (docs/design/architecture.md).
 # The modules whose loops the sanitized tests spend their time in. The others are compiled without optimization there, in half the time.
 set(GLINT_HOT_MODULES core scene import trace bvh pack reference)
+# The modules that never wait for their own code, only for that of others. -O1 compiles them in 0.7 of the time.
+set(GLINT_COLD_MODULES app report bench farm)
 function(glint_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;APART;MODULES;LIBRARIES" ${ARGN})
   add_library(glint_${name} STATIC ${ARG_SOURCES})
@@ -11,11 +13,13 @@ function(glint_module name)
   target_link_libraries(glint_${name} PUBLIC ${ARG_MODULES} glm::glm PRIVATE ${ARG_LIBRARIES} Threads::Threads)
   if(GLINT_SANITIZE AND NOT name IN_LIST GLINT_HOT_MODULES)
     target_compile_options(glint_${name} PRIVATE -O0)
+  elseif(name IN_LIST GLINT_COLD_MODULES)
+    target_compile_options(glint_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
 
 # A gtest program. LABEL says what its tests need, and where tools/test runs them:
-#   unit       no device; with sanitizers
+#   unit       no device; in tools/test-more with sanitizers
 #   optimized  no device, but the optimized build: what it looks for is not in another
 #   gpu        a device: lavapipe, GlintLavapipe.cmake
 #   window     the same, on a screen of its own in memory
@@ -24,9 +28,11 @@ endfunction()
 # CTest knows each test by its name, `ctest -R Suite.Name`, and runs it in a process of its own. With `-C Programs` it knows the programs
 # besides (label "program"), each in SHARDS processes that divide its tests among them: 40 processes instead of 2,900.
 # ENVIRONMENT takes NAME=value pairs that its tests see besides.
+# SWEEPS: tests that do the same for every scene, or for long, as gtest's patterns; tools/test leaves them out but for those that SAMPLE
+# names, and tools/test-more runs them all (label "sweep").
 include(GlintLavapipe)
 function(glint_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT;SWEEPS;SAMPLE" ${ARGN})
   add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:glint_test_times>)
   list(TRANSFORM ARG_MODULES PREPEND glint_)
   target_link_libraries(${name} PRIVATE ${ARG_MODULES} glint_test_support ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
@@ -75,7 +81,18 @@ endif()
   endif()
 endfunction()
 
-# Part of glint_test: its program as CTest's tests name.1, name.2 ...
+# Part of glint_test: the tests of its program that match `filter` as CTest's tests <name><suffix>.1, .2 ...
+macro(glint_test_shards suffix label filter)
+  foreach(shard RANGE 1 ${ARG_SHARDS})
+    math(EXPR index "${shard} - 1")
+    set(shard_environment ${ARG_ENVIRONMENT} GTEST_TOTAL_SHARDS=${ARG_SHARDS} GTEST_SHARD_INDEX=${index})
+    set(test ${name}${suffix}.${shard})
+    add_test(NAME ${test} CONFIGURATIONS Programs COMMAND ${name} --gtest_brief=1 --gtest_filter=${filter})
+    set_tests_properties(${test} PROPERTIES LABELS "program;${label}" TIMEOUT 1800 COST ${cost} ${lock} ENVIRONMENT "${shard_environment}")
+  endforeach()
+endmacro()
+
+# Part of glint_test: its program as CTest's tests.
 macro(glint_test_programs)
   if(NOT ARG_SHARDS)
     set(ARG_SHARDS 1)
@@ -87,11 +104,20 @@ macro(glint_test_programs)
   elseif(ARG_SHARDS GREATER 1)
     set(cost 10)
   endif()
-  foreach(shard RANGE 1 ${ARG_SHARDS})
-    math(EXPR index "${shard} - 1")
-    set(shard_environment ${ARG_ENVIRONMENT} GTEST_TOTAL_SHARDS=${ARG_SHARDS} GTEST_SHARD_INDEX=${index})
-    add_test(NAME ${name}.${shard} CONFIGURATIONS Programs COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name}.${shard} PROPERTIES LABELS "program;${ARG_LABEL}" TIMEOUT 1800 COST ${cost} ${lock}
-                                                     ENVIRONMENT "${shard_environment}")
-  endforeach()
+  if(ARG_SWEEPS)
+    list(JOIN ARG_SWEEPS ":" sweeps)
+    set(sample "*")
+    glint_test_shards("" "${ARG_LABEL}" "-${sweeps}")
+    glint_test_shards(".sweeps" sweep "${sweeps}")
+    if(ARG_SAMPLE)
+      list(JOIN ARG_SAMPLE ":" sample)
+      set(ARG_SHARDS 1)
+      glint_test_shards(".sample" "${ARG_LABEL}" "${sample}")
+    endif()
+    add_test(NAME ${name}.patterns COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> "-DPATTERNS=${sweeps}:${sample}"
+                                           -P ${CMAKE_SOURCE_DIR}/cmake/check_patterns.cmake)
+    set_tests_properties(${name}.patterns PROPERTIES LABELS "program;${ARG_LABEL}")
+  else()
+    glint_test_shards("" "${ARG_LABEL}" "*")
+  endif()
 endmacro()
