@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kOwnFiles = "/proc/self/fd";
+
 [[noreturn]] void fail(const fs::path& path, int errorNumber) {
     throw Error(ErrorKind::Failed,
                 path.string() + ": cannot write: " + std::generic_category().message(errorNumber));
@@ -76,10 +78,12 @@ StagedFile::~StagedFile() {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-// A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system).
+// A file without a name goes away with the process, whatever ends it (Linux 3.11; not every file system). It
+// gets a name by way of /proc, which a bare chroot may lack.
 void StagedFile::makeTemporary(const struct stat& status) {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-    file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+    if (::access(kOwnFiles, X_OK) == 0)
+        file_ = Descriptor(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
     nameless_ = file_.isOpen();
     if (!nameless_) {
         file_ = Descriptor(tryNames([](const fs::path& name) {
@@ -121,7 +125,7 @@ void StagedFile::revoke() const {
 
 // Nothing replaces a file but a rename, so the file has another name for a moment.
 void StagedFile::giveName() {
-    const std::string self = "/proc/self/fd/" + std::to_string(file_.get());
+    const std::string self = std::string(kOwnFiles) + "/" + std::to_string(file_.get());
     const int failed = tryNames([&](const fs::path& name) {
         return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
     });
