@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "support.h"
 
@@ -23,14 +22,6 @@ class Animation : public FolderTest {
     const Json hop_ = {
         {"target", "/objects/0/center"}, {"times", {0, 2}}, {"values", {{-1.6, 1, 0}, {-1.6, 2, 0}}}};
     const Json turn_ = {{"target", "/camera/eye"}, {"times", {0, 2}}, {"values", {{0, 1.5, 7}, {2, 1.5, 7}}}};
-
-    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
-        std::vector<std::string> list;
-        std::istringstream lines(ran.out);
-        for (std::string line; std::getline(lines, line);)
-            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
-        return list;
-    }
 };
 
 // Frames by keys; the slider by the mouse and by typing; what is saved is what `glint render` draws of that

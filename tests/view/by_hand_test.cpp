@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/image_io.h"
 #include "support.h"
@@ -30,13 +29,6 @@ class ByHand : public FolderTest {
     ByHand() { byHand_ = true; }
     Json scene_ = Json::parse(sceneText());
 
-    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
-        std::vector<std::string> list;
-        std::istringstream lines(ran.out);
-        for (std::string line; std::getline(lines, line);)
-            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
-        return list;
-    }
     // What the last C printed.
     static Json copied(const Ran& ran) {
         const size_t from = ran.out.rfind("\"camera\": ");
@@ -84,7 +76,7 @@ TEST_F(ByHand, TheLensGoesThroughAndIsFocused) {
     scene_["camera"]["focusDistance"] = 4.0;
     writeText("scene.json", scene_.dump());
     const Ran ran = view(
-        "key H\nset samples 1\nsettle\nkey C\nkey alt+S\nsettle\nclick 120 120\nprint pick\nkey Esc\nhand "
+        "set samples 1\nkey H\nsettle\nkey C\nkey alt+S\nsettle\nclick 120 120\nprint pick\nkey Esc\nhand "
         "mousemove "
         "@120,120 keydown ctrl click 1 keyup ctrl\nprint focus\nkey alt+S\nsettle\nkey C\n",
         {"--spp", "4"});
@@ -115,7 +107,7 @@ TEST_F(ByHand, TheLensGoesThroughAndIsFocused) {
 TEST_F(ByHand, RowsOfADataLayerAreNormalisedTogether) {
     size_ = "800x700";
     std::string script =
-        "key H\nset samples 1\nset depth 20\nsettle\nkey L\nsettle\nhand mousemove @500,400 mousedown 1 "
+        "set samples 1\nkey H\nset depth 20\nsettle\nkey L\nsettle\nhand mousemove @500,400 mousedown 1 "
         "mousemove "
         "@520,400 mousemove @540,400 mouseup 1\n";
     constexpr int kPictures = 8, kLegend = 60;  // below its numbers, which change
@@ -251,7 +243,7 @@ TEST_F(ByHand, FliesAndMoves) {
 TEST_F(ByHand, TheWipeIsDraggedAndAPictureNamed) {
     size_ = "640x480";
     const Ran ran = view(
-        "key H\nset samples 1\nsettle\nkey K\nkey 5\nkey B\nsettle\nwait 2\nhand mousemove @320,240 "
+        "set samples 1\nkey H\nsettle\nkey K\nkey 5\nkey B\nsettle\nwait 2\nhand mousemove @320,240 "
         "mousedown 1 mousemove "
         "@330,240 mousemove @480,240 mouseup 1\nwait 2\nwindow wipe.png\nexpect pick none\nkey Esc\nkey "
         "R\nkey "

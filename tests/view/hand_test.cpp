@@ -36,13 +36,6 @@ std::vector<nlohmann::json> cameras(const Ran& ran) {
 }
 
 // What `print WHAT` wrote, time after time.
-std::vector<std::string> printed(const Ran& ran, const std::string& what) {
-    std::vector<std::string> list;
-    std::istringstream lines(ran.out);
-    for (std::string line; std::getline(lines, line);)
-        if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
-    return list;
-}
 
 glm::dvec3 vectorOf(const nlohmann::json& json) {
     return {json[0], json[1], json[2]};
@@ -94,7 +87,7 @@ TEST_F(Hand, PlusAndMinusAlsoOnTheKeypad) {
 // The focus distance goes along the view direction: the middle of the picture looks at the sphere's front.
 TEST_F(Hand, ControlClickFocuses) {
     const Ran ran = view(
-        "key H\nset samples 1\nset lens 0.1\nhand mousemove @230,240 keydown ctrl click 1 keyup ctrl\n"
+        "set samples 1\nkey H\nset lens 0.1\nhand mousemove @230,240 keydown ctrl click 1 keyup ctrl\n"
         "hand mousemove @230,240 click 1\nprint camera\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     std::istringstream line(ran.out.substr(ran.out.find('\n') + 1));
@@ -130,7 +123,7 @@ TEST_F(Hand, MovingTakesWhatIsStaleAway) {
 
 TEST_F(Hand, TheWheelStaysNearTheScene) {
     const Ran ran = view(
-        "key H\nset samples 1\nhand mousemove @320,240 click --repeat 400 --delay 1 5\nprint camera\n"
+        "set samples 1\nkey H\nhand mousemove @320,240 click --repeat 400 --delay 1 5\nprint camera\n"
         "hand click --repeat 900 --delay 1 4\nprint camera\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const auto distance = [&](size_t i) {
@@ -194,7 +187,7 @@ TEST_F(Hand, FullscreenAndBack) {
 
 TEST_F(Hand, TheInspectorReadsThePixel) {
     const Ran ran =
-        view("key H\nset samples 1\nhand key i\nhand mousemove @330,150\nsettle\nwait 3\nprint pixel\n");
+        view("set samples 1\nkey H\nhand key i\nhand mousemove @330,150\nsettle\nwait 3\nprint pixel\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     render("scene.json", "rendered.exr");
     const Image image = readImage("rendered.exr");
@@ -202,7 +195,8 @@ TEST_F(Hand, TheInspectorReadsThePixel) {
     std::snprintf(expected, sizeof(expected), "330 150  %.6g %.6g %.6g  /objects/1",
                   static_cast<double>(image.at(330, 150, 0)), static_cast<double>(image.at(330, 150, 1)),
                   static_cast<double>(image.at(330, 150, 2)));
-    EXPECT_EQ(printed(ran, "pixel").at(0).rfind(expected, 0), 0u) << printed(ran, "pixel").at(0);
+    EXPECT_EQ(printed(ran, "pixel").at(0).rfind(expected, 0), 0u)
+        << printed(ran, "pixel").at(0) << "; rendered: " << expected;
 }
 
 // With Ctrl+Q right behind S the picture is there, whole, and nobody had to wait for it.
@@ -224,7 +218,7 @@ TEST_F(Hand, ASaveThatFailsIsSaid) {
 
 TEST_F(Hand, SavesWhatIsSeen) {
     const Ran ran = view(
-        "hand key h\nset samples 4\nset exposure 1.5\nset tonemap aces\nsettle\nwindow color.png\nhand key "
+        "set samples 4\nhand key h\nset exposure 1.5\nset tonemap aces\nsettle\nwindow color.png\nhand key "
         "s\nsettle\n"
         "aov normal\nkey Esc\nsettle\nwait 2\nwindow normal.png\nhand key s\nsettle\n");
     ASSERT_EQ(ran.code, 0) << ran.err;

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "core/image_io.h"
@@ -21,14 +20,6 @@ class Newcomer : public FolderTest {
         byHand_ = true;
     }
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
-
-    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
-        std::vector<std::string> list;
-        std::istringstream lines(ran.out);
-        for (std::string line; std::getline(lines, line);)
-            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
-        return list;
-    }
 };
 
 // ---- drag and drop ----

@@ -135,7 +135,7 @@ TEST_F(Settings, Shadows) {
 
 // Each layer shows what an EXR of the same picture holds.
 TEST_F(Settings, Layers) {
-    std::string script = "key H\nset samples 1\n";
+    std::string script = "set samples 1\nkey H\n";
     for (const char* name : {"depth", "normal", "object", "primitive", "material", "bounces", "cost", "uv"})
         script +=
             std::string("aov ") + name + "\nexpect-layer " + name + "\nsettle\nwindow " + name + ".png\n";

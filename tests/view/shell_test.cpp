@@ -22,13 +22,6 @@ class Shell : public FolderTest {
         const size_t at = ran.out.find("\"camera\"");
         return nlohmann::json::parse("{" + ran.out.substr(at, ran.out.find('\n', at) - at) + "}")["camera"];
     }
-    static std::vector<std::string> printed(const Ran& ran, const std::string& what) {
-        std::vector<std::string> list;
-        std::istringstream lines(ran.out);
-        for (std::string line; std::getline(lines, line);)
-            if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
-        return list;
-    }
 };
 
 // ---- the camera goes through unchanged ----
@@ -79,7 +72,7 @@ TEST_F(Shell, TheLensIsSeen) {
     scene_["camera"]["lensRadius"] = 0.4;
     scene_["camera"]["focusDistance"] = 3.0;
     writeText("scene.json", scene_.dump());
-    const Ran ran = view("key H\nset samples 16\nsettle\nkey S\nsettle\n");
+    const Ran ran = view("set samples 16\nkey H\nsettle\nkey S\nsettle\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     render("scene.json", "lens.png", {"--spp", "128"});
     scene_["camera"]["lensRadius"] = 0;
@@ -111,7 +104,7 @@ TEST_F(Shell, SwitchingLayersTracesNothingAgain) {
 
 TEST_F(Shell, APictureEqualsItself) {
     const Ran ran = view(
-        "key H\nset samples 1\nsettle\nsave before.png\nkey K\nkey B\nwait 3\nexpect figures 0\nsave "
+        "set samples 1\nkey H\nsettle\nsave before.png\nkey K\nkey B\nwait 3\nexpect figures 0\nsave "
         "wipe.png\n"
         "key B\nwait 3\nsave difference.png\nkey B\nkey B\nwait 2\nsave after.png\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
@@ -128,7 +121,7 @@ TEST_F(Shell, ADroppedPictureIsComparedWith) {
     writeText("red.json", scene_.dump());
     render("red.json", "red.png");
     const Ran ran =
-        view("key H\nset samples 1\nsettle\ndrop red.png\nwait 3\nsave wipe.png\nprint figures\n");
+        view("set samples 1\nkey H\nsettle\ndrop red.png\nwait 3\nsave wipe.png\nprint figures\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const Image wipe = readImage("wipe.png"), red = readImage("red.png");
     EXPECT_EQ(pixelOf(wipe, 3, 3), pixelOf(red, 3, 3));
@@ -153,7 +146,7 @@ TEST_F(Shell, FlickerShowsOneAfterTheOther) {
     render("red.json", "red.png");
     render("scene.json", "own.png");
     std::string script =
-        "key H\nset samples 1\nsettle\nsave own-seen.png\ndrop red.png\nkey B\nkey B\nkey Esc\nkey "
+        "set samples 1\nkey H\nsettle\nsave own-seen.png\ndrop red.png\nkey B\nkey B\nkey Esc\nkey "
         "B\nkey B\nkey B\nwait 3\n";
     for (int i = 0; i < 8; ++i) script += "save " + std::to_string(i) + ".png\nidle 0.2\n";
     const Ran ran = view(script);
@@ -241,7 +234,7 @@ TEST_F(Shell, ResetsGiveTheFileBack) {
 
 TEST_F(Shell, ProgressIsSeenWithoutThePanel) {
     const Ran ran = view(
-        "key H\nset samples 1\nsettle\nexpect covered 0.000\nhand key alt+s\nwait 3\nprint covered\nstay\n"
+        "set samples 1\nkey H\nsettle\nexpect covered 0.000\nhand key alt+s\nwait 3\nprint covered\nstay\n"
         "hand key ctrl+q key ctrl+q\n",
         {"--spp", "4096"});
     EXPECT_EQ(ran.code, 1);
@@ -289,7 +282,7 @@ TEST_F(Shell, BuildQualityIsUsed) {
 TEST_F(Shell, ThePickIsATreeOfRays) {
     scene_["materials"]["one"] = {{"transmission", 1}, {"ior", 1.5}};
     writeText("scene.json", scene_.dump());
-    const Ran ran = view("key H\nset samples 1\nhand mousemove @70,90 click 1\nprint pick\n");
+    const Ran ran = view("set samples 1\nkey H\nhand mousemove @70,90 click 1\nprint pick\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("% eye: /objects/0"), std::string::npos) << ran.out;
     EXPECT_NE(ran.out.find("\n  "), std::string::npos);

@@ -97,6 +97,14 @@ Ran FolderTest::view(const std::string& script, const std::vector<std::string>& 
     return ran;
 }
 
+std::vector<std::string> FolderTest::printed(const Ran& ran, const std::string& what) {
+    std::vector<std::string> list;
+    std::istringstream lines(ran.out);
+    for (std::string line; std::getline(lines, line);)
+        if (line.rfind(what + " ", 0) == 0) list.push_back(line.substr(what.size() + 1));
+    return list;
+}
+
 void FolderTest::render(const std::string& scene, const std::string& output,
                         const std::vector<std::string>& more) {
     std::vector<std::string> args = {"render", scene, "--size", size_, "-o", output, "-q"};

@@ -38,6 +38,8 @@ class FolderTest : public glint::test::WorkingFolderTest {
     // `glint view scene.json --size SIZE --validation --script ...` with `script`; fails on a validation
     // message.
     Ran view(const std::string& script, const std::vector<std::string>& more = {});
+    // What the script's `print WHAT` printed, one for each time.
+    static std::vector<std::string> printed(const Ran& ran, const std::string& what);
     // `glint render NAME --size SIZE`, to `output`.
     void render(const std::string& scene, const std::string& output,
                 const std::vector<std::string>& more = {});

@@ -29,7 +29,7 @@ TEST_F(Window, ClosesByItsKey) {
 
 // The picture behind the panel is the picture of `glint render`: the same bytes on the screen.
 TEST_F(Window, ShowsWhatRenderDraws) {
-    const Ran ran = view("key H\nset samples 1\nsettle\nwindow shown.png\n");
+    const Ran ran = view("set samples 1\nkey H\nsettle\nwindow shown.png\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     render("scene.json", "rendered.png");
     const Image shown = readImage("shown.png"), rendered = readImage("rendered.png");
