@@ -92,22 +92,35 @@ void Post::leave(bool together) {
     if (thread_.joinable()) thread_.join();
 }
 
+template <typename Act>
+void Post::guarded(const Act& act) {
+    try {
+        act();
+    } catch (const Error& error) {
+        if (handler_) handler_->fail(error);
+    } catch (const std::exception& error) {
+        if (handler_) handler_->fail(Error(ErrorKind::Failed, error.what()));
+    }
+}
+
 bool Post::sendAll(Transport& transport) {
     std::deque<std::pair<int, Bytes>> letters;
     {
         const std::lock_guard lock(mutex_);
         letters.swap(outbox_);
     }
-    for (const auto& [to, bytes] : letters) transport.send(to, *bytes);
+    for (const auto& letter : letters) guarded([&] { transport.send(letter.first, *letter.second); });
     return !letters.empty();
 }
 
 bool Post::receiveAll(Transport& transport) {
     bool any = false;
-    while (auto message = transport.receive()) {
-        any = true;
-        handler_->receive(message->from, std::move(message->bytes));
-    }
+    guarded([&] {
+        while (auto message = transport.receive()) {
+            any = true;
+            handler_->receive(message->from, std::move(message->bytes));
+        }
+    });
     return any;
 }
 
@@ -121,7 +134,7 @@ void Post::serve(Transport& transport) {
         if (moved) rest.disturb();
         if (const double passed = sinceTick.seconds(); passed >= kTick) {
             sinceTick.restart();
-            handler_->tick(std::min(passed, kLongestTick));
+            guarded([&] { handler_->tick(std::min(passed, kLongestTick)); });
         }
         std::unique_lock lock(mutex_);
         if (leaving_) return;

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <thread>
 
+#include "core/error.h"
 #include "farm/scene_stream.h"
 #include "farm/transport.h"
 
@@ -26,6 +27,8 @@ class Post {
         // Now and then. `passed`: seconds since the last time, but no more than a process that was stopped
         // meanwhile had to listen.
         virtual void tick(double passed) = 0;
+        // A message could not be sent, or what came could not be taken.
+        virtual void fail(const Error& error) = 0;
     };
 
     // The transport is made in the thread. Throws what `open` throws.
@@ -48,6 +51,8 @@ class Post {
   private:
     void run(const Open& open);
     void serve(Transport& transport);
+    template <typename Act>
+    void guarded(const Act& act);
     bool sendAll(Transport& transport);
     bool receiveAll(Transport& transport);
     void finish(Transport& transport);

@@ -56,7 +56,7 @@ class FirstRank : private Post::Handler {
     // Of the units, those that are done.
     double share();
     // From a thread that failed: the others throw the same.
-    void fail(const Error& error);
+    void fail(const Error& error) override;
     void check();  // throws it
 
     // All ranks may go, with the exit code. Waits until they do, if all are there. Returns whether they were.
@@ -128,7 +128,7 @@ class OtherRank : private Post::Handler {
     void put(const UnitResult& result);
 
     // Tells rank 0, which ends all.
-    void fail(const Error& error);
+    void fail(const Error& error) override;
 
     // Waits until rank 0 lets everybody go, and goes. Returns the exit code for this process.
     int end();

@@ -24,6 +24,8 @@ class Net {
     Post::Open open(int rank) {
         return [this, rank] { return std::make_unique<Line>(*this, rank); };
     }
+    // Longer messages are refused.
+    void limit(size_t bytes) { limit_ = bytes; }
     void cutOff(int rank, bool cut = true) { cutOff_[static_cast<size_t>(rank)] = cut; }
 
   private:
@@ -34,6 +36,7 @@ class Net {
         int size() const override { return static_cast<int>(net_.inboxes_.size()); }
         void send(int to, const std::vector<uint8_t>& bytes) override {
             if (net_.cutOff_[static_cast<size_t>(rank_)] || net_.cutOff_[static_cast<size_t>(to)]) return;
+            if (bytes.size() > net_.limit_) throw Error(ErrorKind::Failed, "too long a message");
             const std::lock_guard lock(net_.mutex_);
             net_.inboxes_[static_cast<size_t>(to)].push_back({rank_, bytes});
         }
@@ -55,6 +58,7 @@ class Net {
     std::mutex mutex_;
     std::vector<std::deque<Transport::Message>> inboxes_;
     std::vector<std::atomic<bool>> cutOff_;
+    size_t limit_ = SIZE_MAX;
 };
 
 class Ranks : public glint::test::WorkingFolderTest {
@@ -235,6 +239,20 @@ TEST_F(Ranks, TheSceneComesRoundTheDead) {
     EXPECT_FALSE(ranks.end(0));
     for (auto& thread : threads) thread.join();
     EXPECT_EQ(ended_, 1);  // rank 1, for which rank 0 is dead
+    EXPECT_EQ(codes_, 1);
+}
+
+// As of MPI, which counts bytes by an int.
+TEST_F(Ranks, AMessageThatCannotBeSentIsAnError) {
+    Net net(2);
+    net.limit(900);  // less than a unit
+    std::thread draws = other(net, 1, draw);
+    Post post(net.open(0));
+    FirstRank ranks(post, kLease);
+    const std::string said = errorOf(ErrorKind::Failed, [&] { first(ranks); });
+    EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): too long a message")) << said;
+    ranks.end(1);
+    draws.join();
     EXPECT_EQ(codes_, 1);
 }
 
