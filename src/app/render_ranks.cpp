@@ -1,6 +1,7 @@
 #include "app/render_ranks.h"
 
 #include <algorithm>
+#include <limits>
 #include <ostream>
 #include <sstream>
 #include <thread>
@@ -34,6 +35,14 @@ int leastUnits(int ranks) {
 int windowOf(const farm::UnitHeader& header, uint64_t unit, bool rows) {
     if (!rows) return header.parts;
     return static_cast<int>(std::clamp<uint64_t>(availableMemory() / 2 / unit, 1, header.parts));
+}
+
+// MPI counts the bytes of a message by an int.
+void checkMessage(const UnitRenderer& units, uint64_t bytes) {
+    if (bytes <= std::numeric_limits<int>::max()) return;
+    throw Error(ErrorKind::Failed,
+                "mpirun: a unit of this picture has up to " + std::to_string(units.mostPixels()) +
+                    " pixels, more than a message of MPI holds; --join and --part draw it");
 }
 
 void warnOfLostRanks(const std::vector<std::string>& lost, std::ostream& err) {
@@ -87,6 +96,7 @@ int drawAsFirst(const RenderCommand& command, farm::FirstRank& ranks, int count,
     UnitRenderer units(command, 0, err, leastUnits(count));
     const farm::UnitHeader& header = units.header();
     const uint64_t unit = unitBytes(command.aovs, units.mostPixels());
+    checkMessage(units, unit);
     const bool rows = needsRows(header, output, 3 * unit, availableMemory(), command.bandRows.has_value());
     UnitPicture picture(header, output, rows);
     ranks.begin(header, windowOf(header, unit, rows));

@@ -30,8 +30,11 @@ bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& outp
     if (wanted && !able)
         throw Error(ErrorKind::Argument,
                     output.string() + ": bands go into .png (layers color and alpha alone), .exr and .pfm");
-    if (!wanted && whole <= available) return false;
-    if (!able) checkMemory(region.width(), region.height(), perPixel, available);
+    if (!wanted && whole + heldBytes <= available) return false;
+    if (!able) {
+        checkMemory(region.width(), region.height(), perPixel, available);
+        return false;
+    }
     const uint64_t strips =
         4 * static_cast<uint64_t>(shared::kTileSize) * static_cast<uint64_t>(region.width()) * perPixel;
     if (heldBytes + strips > available)

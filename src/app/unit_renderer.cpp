@@ -39,6 +39,13 @@ int partsFor(const farm::CostMap& costs, uint32_t samples) {
     return static_cast<int>(std::clamp(total * samples / kTests, kLeast, kMost));
 }
 
+// What draws and what gathers holds whole units.
+int partsToHold(const Region& region, uint64_t bytesPerPixel) {
+    constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
+    return static_cast<int>(std::clamp<uint64_t>(pixelsOf({region}) * bytesPerPixel / kUnitBytes, 1,
+                                                 static_cast<uint64_t>(farm::kMostParts)));
+}
+
 }  // namespace
 
 UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream& err, int leastParts)
@@ -52,7 +59,9 @@ UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream
     request_.progress = nullptr;
     const auto costs =
         farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
-    if (parts == 0) parts = std::max(partsFor(costs, request_.samples.count()), leastParts);
+    if (parts == 0)
+        parts = std::max({partsFor(costs, request_.samples.count()), leastParts,
+                          partsToHold(region, bytesPerPixel(command.aovs, false))});
     cut_ = farm::cutPicture(costs, parts);
     header_ = {identityOf(command, loaded_, request_), region, command.aovs, parts};
     header_.identity.facts.emplace_back("parts", std::to_string(parts));
