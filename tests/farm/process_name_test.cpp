@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+
+#include <cmath>
 
 namespace glint::farm::test::process_name_test {
 namespace {
@@ -55,6 +58,19 @@ TEST(ProcessName, NumbersAreUsedAgain) {
     std::string name = nameOfThisProcess();
     name += '1';  // started at another time
     EXPECT_TRUE(hasEnded(name));
+}
+
+// The name ends with that time: clock ticks since the system was started, which a clock of its own counts
+// too.
+TEST(ProcessName, HasTheTimeOfItsStart) {
+    timespec now{};
+    ASSERT_EQ(::clock_gettime(CLOCK_BOOTTIME, &now), 0);
+    const Named other = child();
+    const double seconds = static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+    const double ticks = std::stod(other.name.substr(other.name.rfind('/') + 1));
+    EXPECT_LT(std::abs(ticks / static_cast<double>(::sysconf(_SC_CLK_TCK)) - seconds), 2) << other.name;
+    ::kill(other.pid, SIGKILL);
+    ::waitpid(other.pid, nullptr, 0);
 }
 
 TEST(ProcessName, WhatCannotBeToldIsNotSaid) {

@@ -3,7 +3,7 @@
 # and munge.   tests/farm/slurm_test.sh GLINT SOURCE
 set -euo pipefail
 glint=$(realpath "$1") source=$(realpath "$2")
-folder=$(mktemp -d /tmp/glint-slurm.XXXXXX)
+folder=$(mktemp -d)
 daemons=""
 finish() {
     result=$?
