@@ -50,15 +50,18 @@ void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExte
     }
 }
 
-bool hasLayer(const char* name) {
+void requireValidationLayer() {
     uint32_t count = 0;
     check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
     std::vector<VkLayerProperties> layers(count);
     check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties");
     layers.resize(count);
-    return std::any_of(layers.begin(), layers.end(), [&](const VkLayerProperties& layer) {
-        return std::strcmp(layer.layerName, name) == 0;
+    const bool present = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+        return std::strcmp(layer.layerName, kValidationLayer) == 0;
     });
+    if (!present)
+        throw Error(ErrorKind::Device, std::string("the validation layer ") + kValidationLayer +
+                                           " is not installed (Debian package vulkan-validationlayers)");
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
@@ -120,8 +123,8 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     features.pNext = &messenger;  // for what goes wrong while the instance itself is made or destroyed
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = enabled;
-    const bool validation = log != nullptr && hasLayer(kValidationLayer);
-    if (validation) {
+    if (log != nullptr) {
+        requireValidationLayer();
         layers.push_back(kValidationLayer);
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
@@ -148,12 +151,13 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     GLINT_INSTANCE_FUNCTIONS(GLINT_LOAD)
     GLINT_SURFACE_FUNCTIONS(GLINT_LOAD)
 #undef GLINT_LOAD
-    if (validation) {
+    if (log != nullptr) {
         const auto createMessenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
             vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
         if (createMessenger == nullptr ||
             createMessenger(instance_, &messenger, nullptr, &messenger_) != VK_SUCCESS) {
-            messenger_ = VK_NULL_HANDLE;
+            vk_.vkDestroyInstance(instance_, nullptr);
+            throw Error(ErrorKind::Device, "the validation layer cannot be listened to");
         }
     }
 }

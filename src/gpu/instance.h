@@ -54,8 +54,8 @@ class ValidationLog {
 
 class Instance {
   public:
-    // With `log`, the validation layer is loaded if it is installed and writes there; `log` must outlive the
-    // instance. Throws Error(Device) if there is no loader, none that knows Vulkan 1.1, or if one of
+    // With `log`, the validation layer is loaded and writes there; `log` must outlive the instance. Throws
+    // Error(Device) if there is no loader, none that knows Vulkan 1.1, or if that layer or one of
     // `wantedExtensions` is missing.
     explicit Instance(ValidationLog* log, const std::vector<std::string>& wantedExtensions = {});
     ~Instance();

@@ -81,5 +81,20 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
     EXPECT_EQ(again.code, 0) << again.err;
 }
 
+// A picture that nobody validated is not written as if it had been.
+TEST_F(GpuProcess, ValidationWithoutItsLayerDrawsNothing) {
+    for (const std::string command : {"render", "bench", "verify"}) {
+        std::vector<std::string> args = {command, "a.json", "--validation"};
+        if (command == "render") args.insert(args.end(), {"-o", "out.png"});
+        Child child(args, {{"VK_LAYER_PATH", "/nonexistent"}});
+        EXPECT_EQ(child.wait(), 4) << command;
+        EXPECT_EQ(child.err(),
+                  "glint: the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
+                  "vulkan-validationlayers)\n");
+        EXPECT_EQ(child.out(), "") << command;
+        EXPECT_EQ(names(), std::set<std::string>{"a.json"});
+    }
+}
+
 }  // namespace
 }  // namespace glint::app::test::gpu_process_test

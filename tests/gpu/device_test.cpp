@@ -69,6 +69,14 @@ TEST(Validation, IsOffUnlessAskedFor) {
     EXPECT_TRUE(device.validationMessages().empty());
 }
 
+// Silence of a layer that is not there would pass for a picture without faults.
+TEST(Validation, NeedsItsLayer) {
+    const ScopedEnvironment nowhere("VK_LAYER_PATH", "/nonexistent");
+    EXPECT_EQ(errorOf([] { const Device device(withValidation()); }),
+              "the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian package "
+              "vulkan-validationlayers)");
+}
+
 // The other tests rely on silence, so the layer must be known to speak.
 TEST(Validation, CollectsWhatTheLayerSays) {
     const Device device(withValidation());
