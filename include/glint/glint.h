@@ -182,7 +182,8 @@ GLINT_API glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geo
 /* Puts a geometry, or an instance, elsewhere; the matrix is applied to it as it was added. */
 GLINT_API glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry,
                                                  const double transform[12]);
-/* Other vertices for a geometry that glint_scene_add_triangles made, as many as it has. Instances follow. */
+/* Other vertices for a geometry that is a mesh, as many as it has, all finite; else nothing changes.
+ * Instances follow. */
 GLINT_API glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry,
                                                 const glint_view* vertices);
 
@@ -190,7 +191,12 @@ GLINT_API glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geo
 GLINT_API glint_status glint_scene_find_material(const glint_scene* scene, const char* name,
                                                  uint32_t* material);
 
-/* Makes everything added and changed so far what queries see. Builds the trees. */
+/* Makes everything added and changed so far what queries see. Where nothing was added, and it was meshes,
+ * their instances and planes that changed, the trees stay and their boxes follow, until tests of a ray have
+ * become 1.3 times as many; else they are built anew (docs/guide/library.md). The answers are those of a
+ * scene made anew, in the same bits. Queries that run go on with the scene that they began with; where they
+ * hold it no more, the second commit after it uses its memory again, so a scene that changes takes twice the
+ * room. A call that fails leaves what queries see as it was. */
 GLINT_API glint_status glint_scene_commit(glint_scene* scene);
 
 typedef struct glint_scene_info {
@@ -200,6 +206,8 @@ typedef struct glint_scene_info {
     uint64_t triangles;        /* instanced ones as often as they are shown */
     double lower[3], upper[3]; /* the box of everything committed but planes; all zero if there is nothing */
     uint32_t width, height;    /* of its picture, as files and texts say */
+    uint32_t refits;           /* commits since its trees were last built, all of which kept them */
+    uint32_t reserved;
 } glint_scene_info;
 
 /* Of the committed scene. */

@@ -277,7 +277,7 @@ class Scene:
         del rows
 
     def set_vertices(self, geometry: int, vertices: ArrayLike) -> None:
-        """Other vertices for a mesh, as many as it has; its instances follow."""
+        """Other vertices for a mesh, as many as it has and all finite; its instances follow."""
         points = _native.numbers(vertices, 3, "vertices")
         _native.call("glint_scene_set_vertices", self._handle, geometry, ctypes.byref(_native.view(points)))
 
@@ -288,7 +288,8 @@ class Scene:
         return found.value
 
     def commit(self) -> Scene:
-        """Makes what was added and changed what queries see."""
+        """Makes what was added and changed what queries see. Where vertices and transforms alone changed, the trees stay and their
+        boxes follow, see `refits`; the answers are those of a scene made anew."""
         _native.call("glint_scene_commit", self._handle)
         return self
 
@@ -312,6 +313,11 @@ class Scene:
     def triangles(self) -> int:
         """How many there are; instanced ones count as often as they are shown."""
         return int(self._info().triangles)
+
+    @property
+    def refits(self) -> int:
+        """Commits since the trees were last built, all of which kept them."""
+        return int(self._info().refits)
 
     @property
     def warnings(self) -> list[str]:

@@ -44,7 +44,7 @@ DeviceInfo = _struct("DeviceInfo", [("index", ctypes.c_uint32), ("usable", ctype
                                     ("reference", ctypes.c_int32), ("name", ctypes.c_char * 256), ("reason", ctypes.c_char * 256)])
 SceneInfo = _struct("SceneInfo", [("geometries", ctypes.c_uint32), ("warnings", ctypes.c_uint32), ("triangles", ctypes.c_uint64),
                                   ("lower", ctypes.c_double * 3), ("upper", ctypes.c_double * 3), ("width", ctypes.c_uint32),
-                                  ("height", ctypes.c_uint32)])
+                                  ("height", ctypes.c_uint32), ("refits", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
 Camera = _struct("Camera", [("eye", ctypes.c_double * 3), ("target", ctypes.c_double * 3), ("up", ctypes.c_double * 3),
                             ("fov_y", ctypes.c_double)])
 LAYERS = ("color", "depth", "position", "normal", "geometry", "primitive", "material")

@@ -33,6 +33,7 @@ class Collapse {
     struct Child {
         Box box;
         uint32_t child = shared::kNone;
+        uint32_t slot = shared::kNone;  // of the binary tree that has it: 2 * node + side
     };
     struct Wide {
         std::array<Child, kWidth> children;
@@ -87,15 +88,15 @@ class Collapse {
 
     void open(uint32_t node, uint32_t places, Wide& wide) const {
         const uint32_t first = plans_[node].first[places - 1];
-        add(nodes_[node].child0, {nodes_[node].lo0, nodes_[node].hi0}, first, wide);
-        add(nodes_[node].child1, {nodes_[node].lo1, nodes_[node].hi1}, places - first, wide);
+        add(nodes_[node].child0, 2 * node, {nodes_[node].lo0, nodes_[node].hi0}, first, wide);
+        add(nodes_[node].child1, 2 * node + 1, {nodes_[node].lo1, nodes_[node].hi1}, places - first, wide);
     }
-    void add(uint32_t child, const Box& box, uint32_t places, Wide& wide) const {
+    void add(uint32_t child, uint32_t slot, const Box& box, uint32_t places, Wide& wide) const {
         if (child == shared::kNone) return;
         if (isInnerChild(child) && plans_[child].opened[places - 1])
             open(child, places, wide);
         else
-            wide.children[wide.count++] = {box, child};
+            wide.children[wide.count++] = {box, child, slot};
     }
 
     const std::vector<shared::Node>& nodes_;

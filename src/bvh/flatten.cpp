@@ -19,16 +19,8 @@ float margin(float x) {
     return std::max(std::abs(x) * 0x1p-23f, 0x1p-100f);
 }
 
-Box widened(Box box) {
-    for (int i = 0; i < 3 && !box.empty(); ++i) {
-        box.lo[i] -= margin(box.lo[i]);
-        box.hi[i] += margin(box.hi[i]);
-    }
-    return box;
-}
-
 void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight, uint32_t child) {
-    const Box box = widened(tight);
+    const Box box = storedBox(tight);
     shared::Node& node = nodes[slot / 2];
     if (slot % 2 == 0) {
         node.lo0 = box.lo;
@@ -42,6 +34,14 @@ void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight,
 }
 
 }  // namespace
+
+Box storedBox(Box tight) {
+    for (int i = 0; i < 3 && !tight.empty(); ++i) {
+        tight.lo[i] -= margin(tight.lo[i]);
+        tight.hi[i] += margin(tight.hi[i]);
+    }
+    return tight;
+}
 
 std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds) {
     std::vector<shared::Node> nodes;

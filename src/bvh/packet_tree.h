@@ -13,6 +13,13 @@ namespace glint {
 // corners of its children, each with the child as in shared::Node but inner ones counted in wide nodes, then
 // the upper ones. Inner children come first, and their numbers follow each other. An absent child is kNone
 // with an empty box. Empty for an empty tree.
-std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& nodes);
+// slots: receives for each child of each node, 8 a node, the slot of the binary tree that has it, 2 * node +
+// side, kNone for an absent one; may be null.
+std::vector<shared::PacketCorner> packetTree(const std::vector<shared::Node>& nodes,
+                                             std::vector<uint32_t>* slots = nullptr);
+
+// Takes over the boxes of the binary tree that packetTree was made of, or of one with the same children.
+void refitPacketTree(const std::vector<shared::Node>& nodes, const std::vector<uint32_t>& slots,
+                     std::vector<shared::PacketCorner>& corners);
 
 }  // namespace glint

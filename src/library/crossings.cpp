@@ -17,7 +17,7 @@ using reference::Hit;
 using ReadRay = std::function<LocalRay(uint64_t)>;
 
 std::vector<Hit> crossingsOf(const Snapshot::Part& part, const LocalRay& ray) {
-    return reference::crossings(part.tracer, referenceRay(ray));
+    return reference::crossings(part.tracer(), referenceRay(ray));
 }
 
 // Blocks of rays on all processors; false if it was cancelled.
@@ -241,7 +241,7 @@ glint_status glint_query_inside(const glint_scene* scene, const glint_view* poin
                  [&](uint64_t i, uint32_t crossings, bool) {
                      const glm::dvec3 point = ray(i).origin;
                      const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&
-                                     glint::reference::touches(part.tracer, point);
+                                     glint::reference::touches(part.tracer(), point);
                      out.putFlag(i,
                                  on ? GLINT_ON_SURFACE : (crossings % 2 == 1 ? GLINT_INSIDE : GLINT_OUTSIDE));
                  }}

@@ -14,7 +14,8 @@
 
 namespace glint::library {
 class Snapshot;
-}
+class Retired;
+}  // namespace glint::library
 
 struct glint_device {
     std::atomic<uint32_t> owners{1};
@@ -23,6 +24,9 @@ struct glint_device {
 };
 
 struct glint_scene {
+    glint_scene();
+    ~glint_scene();
+
     std::atomic<uint32_t> owners{1};
     glint_device* device = nullptr;  // an owner of it
 
@@ -30,10 +34,13 @@ struct glint_scene {
     glint::Scene draft;
     std::vector<glint::Affine> added;  // for each object, its transform as it was added
     bool framed = true;                // there is no camera yet: commit finds one
+    bool grown = false;                // something was added since it was committed
+    uint64_t trees = 0;                // built so far
 
     // What queries see.
     mutable std::mutex mutex;
     std::shared_ptr<const glint::library::Snapshot> committed;
+    const std::shared_ptr<glint::library::Retired> retired;
 };
 
 namespace glint::library {

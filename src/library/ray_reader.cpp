@@ -89,7 +89,7 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
         material_.putIndex(i, details.material);
         return;
     }
-    const reference::Surface surface = part_.tracer.surfaceAt(referenceRay(ray), hit);
+    const reference::Surface surface = part_.tracer().surfaceAt(referenceRay(ray), hit);
     geometry_.putIndex(i, surface.object);
     primitive_.putIndex(i, surface.primitive);
     material_.putIndex(i, surface.material);

@@ -72,7 +72,7 @@ void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callba
     if (snapshot.part().queries) {
         askDevice(rays, any, callbacks, *snapshot.part().queries, write);
     } else {
-        askReference(rays, any, callbacks, snapshot.part().tracer, write);
+        askReference(rays, any, callbacks, snapshot.part().tracer(), write);
     }
 }
 

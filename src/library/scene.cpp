@@ -73,6 +73,7 @@ glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* inf
         }
         known.width = static_cast<uint32_t>(snapshot->scene().image.width);
         known.height = static_cast<uint32_t>(snapshot->scene().image.height);
+        known.refits = snapshot->refits();
         writeStruct(info, known, "glint_scene_info_of: info");
     });
 }

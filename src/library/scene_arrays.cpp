@@ -1,4 +1,5 @@
 // What scenes are filled with.
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -19,6 +20,7 @@ uint32_t addObject(glint_scene& scene, Object object) {
     if (number >= std::numeric_limits<uint32_t>::max()) refuse("a scene has at most 4294967295 geometries");
     object.name = "/objects/" + std::to_string(number);
     scene.added.push_back(object.transform.value_or(Affine{}));
+    scene.grown = true;
     scene.draft.objects.push_back(std::move(object));
     return static_cast<uint32_t>(number);
 }
@@ -80,6 +82,10 @@ Affine readTransform(const double* transform, const char* call) {
     return affineOf(rows);
 }
 
+bool isFinite(const dvec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
 // Objects and what they need join the scene; everything else of `text` replaces it.
 void merge(glint_scene& scene, Scene text) {
     Scene& draft = scene.draft;
@@ -115,6 +121,7 @@ void merge(glint_scene& scene, Scene text) {
         addObject(scene, std::move(object));
     }
     scene.framed = false;
+    scene.grown = true;
 }
 
 }  // namespace
@@ -206,7 +213,12 @@ glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, con
             refuse("glint_scene_set_vertices: the mesh has " + std::to_string(before->positions.size()) +
                    " vertices, but " + std::to_string(given.count()) + " were given");
         auto mesh = std::make_shared<glint::Mesh>(*before);
-        for (uint64_t i = 0; i < given.count(); ++i) mesh->positions[i] = given.three(i);
+        for (uint64_t i = 0; i < given.count(); ++i) {
+            const glm::dvec3 position = given.three(i);
+            if (!isFinite(position))
+                refuse("glint_scene_set_vertices: vertex " + std::to_string(i) + " is not finite");
+            mesh->positions[i] = position;
+        }
         for (glint::Object& object : scene->draft.objects) {
             auto* other = std::get_if<glint::MeshShape>(&object.shape);
             if (other != nullptr && other->mesh == before) other->mesh = mesh;

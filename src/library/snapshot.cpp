@@ -1,5 +1,7 @@
 #include "library/snapshot.h"
 
+#include <utility>
+
 #include "library/status.h"
 #include "reference/render.h"
 #include "scene/frame_model.h"
@@ -8,22 +10,74 @@
 
 namespace glint::library {
 
-Snapshot::Part::Part(const glint_device& device, PackedScene scene)
-    : packed(std::move(scene)), tracer(packed) {
+std::vector<Whereabouts> whereaboutsOf(const Scene& draft) {
+    std::vector<Whereabouts> whereabouts;
+    for (const Object& object : draft.objects) {
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        whereabouts.push_back({shape != nullptr ? shape->mesh : nullptr, object.transform});
+    }
+    return whereabouts;
+}
+
+Snapshot::Part::Part(const glint_device& device, const Scene& scene, bool split) : moving_(scene, split) {
+    prepare(device);
+}
+
+Snapshot::Part::Part(const glint_device& device, const Part& other) : moving_(other.moving_) {
+    prepare(device);
+}
+
+void Snapshot::Part::prepare(const glint_device& device) {
     if (device.vulkan) queries = std::make_unique<render::RayQueries>(*device.vulkan, packed);
 }
 
-Snapshot::Snapshot(glint_device* device, Scene scene)
-    : device_(device), scene_(std::move(scene)), part_(*device, packScene(scene_)) {
+const reference::Tracer& Snapshot::Part::tracer() const {
+    const std::lock_guard lock(tracerMutex_);
+    if (!tracer_) tracer_ = std::make_unique<reference::Tracer>(packed);
+    return *tracer_;
+}
+
+bool Snapshot::Part::update(const glint_device& device, const Scene& scene, const std::vector<bool>& moved) {
+    tracer_ = nullptr;
+    if (!moving_.update(scene, moved)) return false;
+    if (queries && !queries->update()) prepare(device);
+    return true;
+}
+
+Snapshot::Snapshot(glint_device* device, Scene placed, std::vector<Whereabouts> whereabouts, uint64_t tree)
+    : device_(device),
+      scene_(std::move(placed)),
+      whereabouts_(std::move(whereabouts)),
+      tree_(tree),
+      part_(*device, scene_, true) {
     warnings_ = scene_.warnings;
     warnings_.insert(warnings_.end(), part_.packed.warnings.begin(), part_.packed.warnings.end());
+}
+
+Snapshot::Snapshot(const Snapshot& other, glint_device* device)
+    : device_(device),
+      scene_(other.scene_),
+      whereabouts_(other.whereabouts_),
+      tree_(other.tree_),
+      refits_(other.refits_),
+      part_(*device, other.part_),
+      warnings_(other.warnings_) {}
+
+bool Snapshot::update(Scene placed, std::vector<Whereabouts> whereabouts, uint32_t refits) {
+    counting_ = nullptr;
+    renderer_ = nullptr;
+    std::vector<bool> moved(whereabouts.size());
+    for (size_t i = 0; i < moved.size(); ++i) moved[i] = whereabouts[i] != whereabouts_[i];
+    scene_ = std::move(placed);
+    whereabouts_ = std::move(whereabouts);
+    refits_ = refits;
+    return part_.update(*device_, scene_, moved);
 }
 
 const Snapshot::Part& Snapshot::counting() const {
     if (!part_.packed.features.splitTriangles) return part_;
     const std::lock_guard lock(countingMutex_);
-    if (!counting_)
-        counting_ = std::make_unique<Part>(*device_, packScene(scene_, 0, BuildQuality::Default, false));
+    if (!counting_) counting_ = std::make_unique<Part>(*device_, scene_, false);
     return *counting_;
 }
 
@@ -47,6 +101,32 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
     return renderer_->render(camera, request);
 }
 
+std::shared_ptr<const Snapshot> Retired::owned(const std::shared_ptr<Retired>& retired,
+                                               std::unique_ptr<Snapshot> snapshot) {
+    std::shared_ptr<Snapshot> shared(
+        snapshot.get(), [retired](Snapshot* last) { retired->put(std::unique_ptr<Snapshot>(last)); });
+    (void)snapshot.release();
+    return shared;
+}
+
+void Retired::put(std::unique_ptr<Snapshot> snapshot) {
+    const std::lock_guard lock(mutex_);
+    if (tree_ != 0 && snapshot->tree() == tree_) kept_.swap(snapshot);
+}
+
+std::unique_ptr<Snapshot> Retired::take(uint64_t tree) {
+    const std::lock_guard lock(mutex_);
+    tree_ = tree;
+    if (kept_ && kept_->tree() != tree) kept_ = nullptr;
+    return std::move(kept_);
+}
+
+void Retired::close() {
+    const std::lock_guard lock(mutex_);
+    tree_ = 0;
+    kept_ = nullptr;
+}
+
 std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene) {
     require(scene != nullptr, "scene is NULL");
     const std::lock_guard lock(scene->mutex);
@@ -54,15 +134,41 @@ std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene) {
     return scene->committed;
 }
 
+namespace {
+
+// The version after `current`, with its trees; null if they are no use.
+std::unique_ptr<Snapshot> nextVersion(glint_scene& scene, const Snapshot& current, const Scene& placed,
+                                      const std::vector<Whereabouts>& whereabouts) {
+    std::unique_ptr<Snapshot> next = scene.retired->take(current.tree());
+    if (!next) next = std::make_unique<Snapshot>(current, scene.device);
+    return next->update(placed, whereabouts, current.refits() + 1) ? std::move(next) : nullptr;
+}
+
+}  // namespace
+
 void commit(glint_scene& scene) {
     Scene made = scene.draft;
     if (made.materials.empty()) made.materials.emplace_back().name = "default";
     if (scene.framed) frameModel(made);
     placeObjects(made);
     validateScene(made, "scene");
-    auto snapshot = std::make_shared<const Snapshot>(scene.device, std::move(made));
+    const std::vector<Whereabouts> whereabouts = whereaboutsOf(scene.draft);
+    std::unique_ptr<Snapshot> next;
+    // Nobody but the thread that changes the scene exchanges the pointer.
+    if (scene.committed && !scene.grown) next = nextVersion(scene, *scene.committed, made, whereabouts);
+    if (!next) {
+        scene.retired->close();
+        next = std::make_unique<Snapshot>(scene.device, std::move(made), whereabouts, ++scene.trees);
+    }
+    scene.grown = false;
+    auto snapshot = Retired::owned(scene.retired, std::move(next));
     const std::lock_guard lock(scene.mutex);
     scene.committed.swap(snapshot);
 }
 
 }  // namespace glint::library
+
+glint_scene::glint_scene() : retired(std::make_shared<glint::library::Retired>()) {}
+glint_scene::~glint_scene() {
+    retired->close();
+}

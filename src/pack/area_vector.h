@@ -1,13 +1,31 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <glm/glm.hpp>
 
 namespace glint {
+
+// Where double cannot tell.
+glm::dvec3 exactAreaVector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 // (v1 - v0) x (v2 - v0): along the triangle's normal, as long as twice its area. Exactly zero if and only if
 // the three points, as rounded, are collinear or coincide; otherwise every component is within 2^-28 of the
 // largest one's magnitude, whatever the triangle's shape, so that a needle's normal is as good in fp32 as any
 // other's.
-glm::dvec3 areaVector(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2);
+inline glm::dvec3 areaVector(const glm::vec3& v0, const glm::vec3& v1, const glm::vec3& v2) {
+    const glm::dvec3 a(v0), b(v1), c(v2);
+    const glm::dvec3 e1 = b - a, e2 = c - a;
+    const glm::dvec3 p(e1.y * e2.z, e1.z * e2.x, e1.x * e2.y);
+    const glm::dvec3 q(e1.z * e2.y, e1.x * e2.z, e1.y * e2.x);
+    const glm::dvec3 n = p - q;
+    const glm::dvec3 terms = glm::abs(p) + glm::abs(q);
+    // With u = 2^-53: each edge is off by u, each product by 3u + O(u^2), so n is off by less than 4u (|p| +
+    // |q|) + u |n|, which is under 2^-28 max|n| where |p| + |q| <= 2^22 max|n|. Nothing underflows: floats
+    // are at least 2^-149.
+    const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+    if (std::max({terms.x, terms.y, terms.z}) <= 0x1p22 * largest) return n;
+    return exactAreaVector(a, b, c);
+}
 
 }  // namespace glint

@@ -273,6 +273,7 @@ void Instances::place(const Scene& scene, const PrimitiveNumbers& numbers, const
 void Instances::append(PackedScene& packed) {
     std::vector<uint32_t> roots, triangles;
     uint32_t depth = 0;
+    ownNodes_ = packed.nodes.size();
     for (Prototype& prototype : prototypes_) {
         roots.push_back(sizeOf(packed.nodes));
         triangles.push_back(sizeOf(prototype.geometry.triangles) -
@@ -287,6 +288,24 @@ void Instances::append(PackedScene& packed) {
         packed.statistics.instancedTriangles += triangles[row.root];
         row.root = roots[row.root];
     }
+    setPads(packed);
+}
+
+bool Instances::move(PackedScene& packed) const {
+    size_t shown = 0;
+    for (const uint32_t object : objects_) shown += showsAnything(object) && isFinite(object) ? 1 : 0;
+    if (shown != packed.instances.size()) return false;
+    for (shared::Instance& instance : packed.instances) {
+        if (!isFinite(instance.object)) return false;
+        const uint32_t root = instance.root;
+        instance = row(instance.object);
+        instance.root = root;
+    }
+    setPads(packed);
+    return true;
+}
+
+void Instances::setPads(PackedScene& packed) const {
     double gain = 0, reach = 0;
     for (const Placed& placed : placed_) {
         gain = std::max(gain, placed.gain);

@@ -45,9 +45,15 @@ class Instances {
     const Box& box(uint32_t object) const { return placed_[slot_[object]].box; }
     const shared::Instance& row(uint32_t object) const { return placed_[slot_[object]].row; }
 
+    // Puts the instances' new places, see place(), into the rows of a packed scene that has append() behind
+    // it. False if other instances than those of its rows now show something within the range of fp32.
+    bool move(PackedScene& packed) const;
+
     // Puts the prototypes' arrays behind those of the scene, completes its instances, and says how far boxes
     // are to be widened for them (Environment::instancePad...).
     void append(PackedScene& packed);
+    // Where their nodes begin in a scene that has them.
+    size_t firstNode(const PackedScene& packed) const { return any() ? ownNodes_ : packed.nodes.size(); }
 
   private:
     static constexpr uint32_t kDepth = shared::kMaxBvhDepth;
@@ -58,6 +64,7 @@ class Instances {
         double reach = 0;  // greatest coordinate of the box and the place
     };
     const Prototype& prototypeOf(uint32_t object) const { return prototypes_[prototype_[slot_[object]]]; }
+    void setPads(PackedScene& packed) const;
     Placed placedAt(const Scene& scene, uint32_t object, uint32_t id, const glm::dvec3& origin) const;
 
     std::vector<Prototype> prototypes_;
@@ -66,6 +73,7 @@ class Instances {
     std::vector<uint32_t> objects_;    // of each instance
     std::vector<Placed> placed_;
     uint32_t depthOfPrototypes_ = 0;
+    size_t ownNodes_ = 0;  // of the scene that was appended to
 };
 
 }  // namespace glint

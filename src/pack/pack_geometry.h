@@ -37,4 +37,17 @@ struct PackOptions {
 void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxDepth,
                   const PackOptions& options, PackedScene& packed, Materials& materials);
 
+struct Extent;
+
+// The planes, anew. extent: with the camera.
+void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
+                PackedScene& packed);
+
+// What packScene makes of a scene that is placed. `instances`: of it, still to be placed.
+PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
+                       const PackOptions& options);
+
+// True if light passes through some material.
+bool anyTransmits(const Scene& scene);
+
 }  // namespace glint

@@ -18,10 +18,10 @@
 #include "scene/placement.h"
 
 namespace glint {
-namespace {
 
 void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Extent& extent,
                 PackedScene& packed) {
+    packed.planes.clear();
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const auto* plane = std::get_if<PlaneShape>(&scene.objects[i].shape);
         if (plane == nullptr) continue;
@@ -36,6 +36,8 @@ void packPlanes(const Scene& scene, const PrimitiveNumbers& numbers, const Exten
     }
     checkLimit("planes", packed.planes.size(), shared::kMaxPlanes);
 }
+
+namespace {
 
 // A leaf of polygons must not take more trips than one polygon may: the device cannot stop within a leaf.
 void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& packed) {
@@ -98,24 +100,16 @@ bool anyTransmits(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), transmits);
 }
 
-PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split,
-                      TreeMemory* memory) {
-    PackOptions options{threads, quality};
-    options.memory = memory;
-    if (memory) memory->begin();
-    options.split = split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
-    Scene copy;
-    const Scene& scene = placedScene(given, copy);
-    const PrimitiveNumbers numbers(scene);
-    Instances instances(scene, numbers, options);
-    const Extent geometry = geometryExtent(scene, numbers, &instances, threads);
+PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
+                       const PackOptions& options) {
+    const Extent geometry = geometryExtent(scene, numbers, &instances, options.threads);
     const Extent extent = withCamera(geometry, scene);
     PackedScene packed;
     packed.geometryLo = geometry.lo;
     packed.geometryHi = geometry.hi;
     packed.origin = originOf(extent);
     packPlanes(scene, numbers, extent, packed);
-    instances.place(scene, numbers, packed.origin, threads);
+    instances.place(scene, numbers, packed.origin, options.threads);
 
     Materials materials(scene.materials.size());
     packGeometry(scene, numbers, {packed.origin, scene.camera.eye, &instances}, instances.depthOfTop(),
@@ -139,6 +133,19 @@ PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;
     packed.features.thinLens = scene.camera.lensRadius > 0;
     return packed;
+}
+
+PackedScene packScene(const Scene& given, unsigned threads, BuildQuality quality, bool split,
+                      TreeMemory* memory) {
+    PackOptions options{threads, quality};
+    options.memory = memory;
+    if (memory) memory->begin();
+    options.split = split && !anyTransmits(given);  // coloured shadows and mediaAt count surfaces
+    Scene copy;
+    const Scene& scene = placedScene(given, copy);
+    const PrimitiveNumbers numbers(scene);
+    Instances instances(scene, numbers, options);
+    return packPlaced(scene, numbers, instances, options);
 }
 
 }  // namespace glint

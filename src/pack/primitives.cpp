@@ -141,18 +141,6 @@ void setRounded(Box& box, int axis, double center, double extent, double margin)
     box.hi[axis] = std::nextafter(static_cast<float>(center + extent + margin), kInf);
 }
 
-Box withEdgeMargin(Box tight) {
-    const float margin = edgeMargin(tight);
-    tight.lo -= margin;
-    tight.hi += margin;
-    return tight;
-}
-
-float edgeMargin(const Box& tight) {
-    const glm::dvec3 extent = glm::dvec3(tight.hi) - glm::dvec3(tight.lo);
-    return static_cast<float>(16 * 0x1p-24 * std::max({extent.x, extent.y, extent.z}));
-}
-
 const KindPacker& packerOf(shared::PrimitiveKind kind) {
     switch (kind) {
 #define GLINT_CASE(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \

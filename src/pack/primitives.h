@@ -94,16 +94,27 @@ using Corners = std::array<glm::vec3, 3>;
 // shaders/intersect.glsl), the second is this: 16 u of the largest extent, which leaves room for the weights'
 // own errors in t. Tight boxes lose hits where a triangle is far longer than the ray's way to it, and with
 // them the ray leaves a closed mesh (tests/render/tree_leaks_test.cpp).
-float edgeMargin(const Box& tight);
+inline float edgeMargin(const Box& tight) {
+    const glm::dvec3 extent = glm::dvec3(tight.hi) - glm::dvec3(tight.lo);
+    return static_cast<float>(16 * 0x1p-24 * std::max({extent.x, extent.y, extent.z}));
+}
 
 // Rounds to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<glm::vec3> roundPoint(const glm::dvec3& point);
 // Sets one axis of a box, outwards by the margin and one float.
 void setRounded(Box& box, int axis, double center, double extent, double margin);
-Box withEdgeMargin(Box tight);
+inline Box withEdgeMargin(Box tight) {
+    const float margin = edgeMargin(tight);
+    tight.lo -= margin;
+    tight.hi += margin;
+    return tight;
+}
 
 // Rounds world - origin to fp32; nothing if a component is not finite or beyond fp32.
 std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, const glm::dvec3& origin);
+
+// The three unit vertex normals of a triangle; false if any of them is missing, zero or not finite.
+bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out);
 
 // Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
 // surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.

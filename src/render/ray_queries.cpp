@@ -338,6 +338,12 @@ RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
     : state_(std::make_unique<State>(device, scene)) {}
 RayQueries::~RayQueries() = default;
 
+bool RayQueries::update() {
+    // The scene's arrays may be kept elsewhere than before, and features tell what the kernels are made for.
+    return state_->features == hitFeatures(state_->scene.features) &&
+           state_->buffers.update(state_->device, state_->scene);
+}
+
 bool RayQueries::run(const RayTask& task) {
     // Places, not rays, must fit: runs are as long as the longest.
     const size_t piece = std::max<size_t>(state_->piece / kBlock / kRuns, 1) * kRuns * kBlock;

@@ -46,6 +46,10 @@ class RayQueries {
     RayQueries(const gpu::Device& device, const PackedScene& scene);
     ~RayQueries();
 
+    // Takes over what SceneBuffers::update can: the scene given to the constructor has changed since, in
+    // numbers alone. False if it cannot, and only queries made anew know the scene. Nobody may be asking.
+    bool update();
+
     // False if it was cancelled.
     bool run(const RayTask& task);
 

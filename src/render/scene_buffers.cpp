@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "bvh/packet_tree.h"
+#include "core/parallel.h"
 
 namespace glint::render {
 
@@ -65,12 +66,13 @@ uint64_t largestArray(const PackedScene& scene) {
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                            const TraversalChoice& traversal, Arrays arrays)
-    : arrays_(arrays) {
+    : arrays_(arrays), nodes_(traversal.nodes) {
     WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
-    const Others others{{},
-                        traversal.packets ? packetTree(scene.nodes) : std::vector<shared::PacketCorner>(),
-                        std::move(tree.rows),
-                        {}};
+    const Others others{
+        {},
+        traversal.packets ? packetTree(scene.nodes, &packetSlots_) : std::vector<shared::PacketCorner>(),
+        std::move(tree.rows),
+        {}};
     if (arrays == Arrays::Together) {
         std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
         visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
@@ -89,6 +91,37 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     std::vector<shared::Instance> instances = scene.instances;
     for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];
     write(device, instancesBinding, std::as_bytes(std::span(instances)));
+}
+
+bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
+    if (nodes_ != NodeFormat::Two) return false;
+    if (!packetSlots_.empty()) {
+        if (packetCorners_.empty()) {
+            packetCorners_.resize(2 * packetSlots_.size());
+            gpu::download(device, buffers_[packetCornersBinding],
+                          std::as_writable_bytes(std::span(packetCorners_)));
+        }
+        refitPacketTree(scene.nodes, packetSlots_, packetCorners_);
+    }
+    struct Array {
+        uint32_t binding;
+        std::span<const std::byte> bytes;
+    };
+    std::vector<Array> arrays;
+    const auto add = [&](uint32_t binding, const auto& array) {
+        if (!array.empty()) arrays.push_back({binding, std::as_bytes(std::span(array))});
+    };
+    add(trianglesBinding, scene.triangles);
+    add(triangleSurfacesBinding, scene.triangleSurfaces);
+    add(nodesBinding, scene.nodes);
+    add(packetCornersBinding, packetCorners_);
+    add(vertexNormalsBinding, scene.vertexNormals);
+    add(planesBinding, scene.planes);
+    add(instancesBinding, scene.instances);
+    add(lightsBinding, scene.lights);
+    parallelFor(arrays.size(), [&](size_t i) { write(device, arrays[i].binding, arrays[i].bytes); });
+    setEnvironment(device, scene.environment);
+    return true;
 }
 
 void SceneBuffers::placeTogether(const gpu::Device& device,

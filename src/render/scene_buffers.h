@@ -25,6 +25,11 @@ class SceneBuffers {
     SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
                  const TraversalChoice& traversal, Arrays arrays = Arrays::Apart);
 
+    // The arrays of a scene that differs from the one at construction in numbers alone: as many of
+    // everything, and the same children of each node. False, and nothing is done, with wide nodes, whose
+    // number depends on areas.
+    bool update(const gpu::Device& device, const PackedScene& scene);
+
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.
@@ -42,6 +47,9 @@ class SceneBuffers {
     void write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const;
 
     Arrays arrays_ = Arrays::Apart;
+    NodeFormat nodes_ = NodeFormat::Two;
+    std::vector<uint32_t> packetSlots_;                // see packetTree
+    std::vector<shared::PacketCorner> packetCorners_;  // as on the device, from the first update() on
     // By binding; together: the samples, and the others at kTogether.
     std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers_;
     std::array<uint32_t, GLINT_BINDING_COUNT> first_{};  // texels, together

@@ -34,7 +34,7 @@ bool finite(const glm::dvec3& p) {
 
 // Calls visit(center, axes) for parts that together hold the finite geometry that will be drawn. A part is
 // the image of the unit ball, center + axes b: it reaches |axes^T n| from its centre in the unit direction n.
-// A point has axes of zero, a disc a third axis of zero. Triangles with a bad vertex are left out; planes
+// A point has none, a disc a third axis of zero. Triangles with a bad vertex are left out; planes
 // have no size.
 template <typename Visit>
 class PartVisitor {
@@ -61,9 +61,14 @@ class PartVisitor {
         // It bulges out of the hull of vertex and rim, but not out of a cylinder about it.
         ends(s.vertex, s.radius, s.top, s.radius);
     }
+    // Each vertex once: scenes that change come here with every change.
     void operator()(const MeshShape& s) const {
         const auto& p = s.mesh->positions;
-        for (const glm::uvec3& c : s.mesh->corners) triangle(p[c.x], p[c.y], p[c.z]);
+        std::vector<uint8_t> drawn(p.size());
+        for (const glm::uvec3& c : s.mesh->corners)
+            if (finite(p[c.x]) && finite(p[c.y]) && finite(p[c.z])) drawn[c.x] = drawn[c.y] = drawn[c.z] = 1;
+        for (size_t i = 0; i < p.size(); ++i)
+            if (drawn[i] != 0) point(p[i]);
     }
 
     void corners(const glm::dvec3& lo, const glm::dvec3& hi) const {
@@ -72,7 +77,7 @@ class PartVisitor {
 
   private:
     glm::dvec3 world(const glm::dvec3& p) const { return transform_.linear * p + transform_.offset; }
-    void point(const glm::dvec3& p) const { visit_(world(p), glm::dmat3(0)); }
+    void point(const glm::dvec3& p) const { visit_(world(p), nullptr); }
     void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
         if (!finite(a) || !finite(b) || !finite(c)) return;
         point(a);
@@ -80,7 +85,8 @@ class PartVisitor {
         point(c);
     }
     void ball(const glm::dvec3& center, const glm::dmat3& axes) const {
-        visit_(world(center), transform_.linear * axes);
+        const glm::dmat3 inWorld = transform_.linear * axes;
+        visit_(world(center), &inWorld);
     }
     void disc(const glm::dvec3& center, const glm::dvec3& normal, double radius) const {
         const glm::dvec3 n = glm::normalize(normal);
@@ -113,7 +119,7 @@ void forEachPart(const Scene& scene, const Visit& visit) {
         }
         Box& box = shared[shape->mesh.get()].second;
         if (box.empty()) {
-            const auto add = [&box](const glm::dvec3& center, const glm::dmat3&) { box.add(center); };
+            const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.add(center); };
             PartVisitor<decltype(add)>({}, add)(*shape);
         }
         if (!box.empty()) visitor.corners(box.low, box.high);
@@ -121,8 +127,8 @@ void forEachPart(const Scene& scene, const Visit& visit) {
 }
 
 // How far a part reaches in a direction.
-double reach(const glm::dmat3& axes, const glm::dvec3& direction) {
-    return glm::length(direction * axes);  // axes^T direction
+double reach(const glm::dmat3* axes, const glm::dvec3& direction) {
+    return axes == nullptr ? 0 : glm::length(direction * *axes);  // axes^T direction
 }
 
 struct Frame {
@@ -143,13 +149,12 @@ double viewingDistance(const Scene& scene, const Frame& frame, const glm::dvec3&
     const double tanY = std::tan(kFovY * std::numbers::pi / 360) / kMargin;
     const double tanX = tanY * scene.image.width / scene.image.height;
     double distance = 0;
-    for (const auto& [side, tangent] : {std::pair(frame.right, tanX), std::pair(-frame.right, tanX),
-                                        std::pair(frame.up, tanY), std::pair(-frame.up, tanY)}) {
-        const glm::dvec3 normal = side / tangent + frame.back;  // n / sin a
-        forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3& axes) {
+    const glm::dvec3 normals[] = {frame.right / tanX + frame.back, -frame.right / tanX + frame.back,
+                                  frame.up / tanY + frame.back, -frame.up / tanY + frame.back};  // n / sin a
+    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
+        for (const glm::dvec3& normal : normals)
             distance = std::max(distance, glm::dot(normal, center - middle) + reach(axes, normal));
-        });
-    }
+    });
     return distance;
 }
 
@@ -175,7 +180,7 @@ void frameCamera(Scene& scene) {
     scene.camera = Camera{};
     const Frame frame = viewFrame();
     Box box;
-    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3& axes) {
+    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         const glm::dvec3 extent(reach(axes, {1, 0, 0}), reach(axes, {0, 1, 0}), reach(axes, {0, 0, 1}));
         box.add(center - extent);
         box.add(center + extent);

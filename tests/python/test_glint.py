@@ -147,7 +147,9 @@ def test_scenes_are_filled_and_changed(device):
     scene.commit()
     assert scene.cast([[0.2, 0.1, 9, 0, 0, -1], [50.2, 0.1, 9, 0, 0, -1]]).t == pytest.approx([6, 3], abs=1e-5)
     assert scene.bounds[1] == pytest.approx([51, 2, 6], abs=1e-4)
-    assert scene.triangles == 24 and scene.warnings == []
+    assert scene.triangles == 24 and scene.warnings == [] and scene.refits == 1
+    with pytest.raises(glint.Error, match="vertex 3 is not finite"):
+        scene.set_vertices(mesh, numpy.where(numpy.arange(8)[:, None] == 3, numpy.nan, CUBE))
 
 
 def test_pictures(device):

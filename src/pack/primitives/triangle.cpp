@@ -15,9 +15,6 @@ std::optional<Corners> roundTriangle(const std::array<glm::dvec3, 3>& world, con
     return corners;
 }
 
-namespace {
-
-// The three unit vertex normals of a triangle; false if any of them is missing, zero or not finite.
 bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out) {
     if (mesh == nullptr || mesh->normalCorners.empty()) return false;
     const glm::uvec3 corners = mesh->normalCorners[face];
@@ -30,6 +27,8 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out) 
     }
     return true;
 }
+
+namespace {
 
 uint32_t materialOf(const Object& object, uint32_t face) {
     const Mesh* mesh = TriangleSource(object).mesh();

@@ -1,0 +1,71 @@
+// A packed scene whose vertices and transforms may change: its arrays and boxes follow, its trees stay.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pack/extent.h"
+#include "pack/packed_scene.h"
+
+namespace glint {
+
+class Instances;
+class PrimitiveNumbers;
+
+class MovingScene {
+  public:
+    // Packs a scene that is placed (scene/placement.h), as packScene does.
+    explicit MovingScene(const Scene& placed, bool split = true);
+    ~MovingScene();
+    MovingScene(const MovingScene& other);
+    MovingScene& operator=(const MovingScene&) = delete;
+
+    const PackedScene& packed() const { return packed_; }
+
+    // The tree is built anew where its expected cost has grown so many times, which is what tests of a ray
+    // grow by.
+    static constexpr double kMostGrowth = 1.3;
+
+    // `scene`: placed, and like the one packed but for the camera, transforms, and the positions of meshes;
+    // moved: for each object, whether its transform or its positions may have changed. Afterwards the scene
+    // holds what packing `scene` anew would give, in another order and in another tree: so a ray has the same
+    // answer in the same bits. False where only packing it anew does: then the arrays are of no use any more.
+    // That is where
+    // - the tree has become kMostGrowth times as dear,
+    // - other triangles than before have no area, or the scene's origin is another,
+    // - something moved that is neither triangles nor an instance nor a plane, or the camera did where other
+    //   kinds round by it,
+    // - a mesh changed that instances share, or an object became an instance or ceased to be one,
+    // - materials have textures or let light through.
+    bool update(const Scene& scene, const std::vector<bool>& moved);
+
+  private:
+    struct Face {
+        uint32_t object, face;
+    };
+    // Of an object of triangles that are in the world themselves.
+    struct Vertices {
+        std::shared_ptr<const std::vector<uint8_t>> used;  // 1: a corner of some triangle
+        std::vector<glm::vec3> rounded;                    // relative to the origin; NaN: out of fp32's range
+    };
+    bool knows(const Scene& scene, const std::vector<bool>& moved) const;
+    void measure(const Scene& scene, const std::vector<bool>& moved);
+    void followVertices(const Object& object, size_t number);
+    bool sameOrigin(const Scene& scene, const PrimitiveNumbers& numbers);
+    bool droppedStaySo(const Scene& scene, const std::vector<bool>& moved) const;
+    bool moveTriangle(const Scene& scene, const PrimitiveNumbers& numbers, uint32_t index);
+    bool moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers, const std::vector<bool>& moved);
+    void findDropped(const Scene& scene, const PrimitiveNumbers& numbers);
+
+    PackedScene packed_;
+    std::unique_ptr<Instances> instances_;
+    std::vector<uint8_t> kinds_;                       // of each object
+    std::vector<std::shared_ptr<const Mesh>> shared_;  // of each object, the mesh that it is an instance of
+    std::vector<Vertices> vertices_;                   // of each object
+    std::vector<Extent> extents_;                      // of each object, as far as it is known
+    std::vector<Face> dropped_;                        // triangles that are not packed
+    glm::dvec3 eye_{0};
+    double builtCost_ = 0;
+};
+
+}  // namespace glint

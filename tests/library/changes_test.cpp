@@ -1,0 +1,356 @@
+// Scenes that change: a commit after it answers as a scene made anew does.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "support.h"
+
+namespace glint::library::test {
+namespace {
+
+constexpr uint32_t kSide = 48;  // squares along a side of the sheet
+
+struct Answers {
+    std::vector<double> t;
+    std::vector<uint32_t> geometry, primitive, crossings;
+    std::vector<D3> normal;
+    std::vector<uint8_t> any;
+    bool operator==(const Answers&) const = default;
+};
+
+class LibraryChanges : public LibraryTest {
+  protected:
+    void TearDown() override {
+        glint_scene_release(anew_);
+        LibraryTest::TearDown();
+    }
+
+    // A sheet in waves.
+    static std::vector<D3> sheet(double phase, double height = 0.3) {
+        std::vector<D3> vertices;
+        for (uint32_t y = 0; y <= kSide; ++y)
+            for (uint32_t x = 0; x <= kSide; ++x) {
+                const double u = x / double(kSide), v = y / double(kSide);
+                vertices.push_back(
+                    {4 * u, 4 * v, height * std::sin(7 * u + phase) * std::cos(5 * v - 2 * phase)});
+            }
+        return vertices;
+    }
+    static std::vector<U3> squares() {
+        std::vector<U3> corners;
+        for (uint32_t y = 0; y < kSide; ++y)
+            for (uint32_t x = 0; x < kSide; ++x) {
+                const uint32_t a = y * (kSide + 1) + x, b = a + kSide + 1;
+                corners.push_back({a, a + 1, b + 1});
+                corners.push_back({a, b + 1, b});
+            }
+        return corners;
+    }
+    static std::array<double, 12> placed(double x, double y, double z, double turn = 0) {
+        return {std::cos(turn), -std::sin(turn), 0, x, std::sin(turn), std::cos(turn), 0, y, 0, 0, 1, z};
+    }
+
+    static Answers ask(const glint_scene* scene) {
+        constexpr size_t kRays = 3000;
+        static const auto rays = [] {
+            std::mt19937 random(3);
+            std::uniform_real_distribution<double> uniform(0, 1);
+            std::pair<std::vector<D3>, std::vector<D3>> made;
+            for (size_t i = 0; i < kRays; ++i) {
+                const D3 from = {8 * uniform(random) - 2, 8 * uniform(random) - 2, 6};
+                const D3 to = {9 * uniform(random) - 2, 5 * uniform(random), uniform(random) - 0.5};
+                made.first.push_back(from);
+                made.second.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
+            }
+            return made;
+        }();
+        GLINT_INIT(glint_rays, asked);
+        asked.origins = viewOf(rays.first);
+        asked.directions = viewOf(rays.second);
+        Answers a{std::vector<double>(kRays),   std::vector<uint32_t>(kRays), std::vector<uint32_t>(kRays),
+                  std::vector<uint32_t>(kRays), std::vector<D3>(kRays),       std::vector<uint8_t>(kRays)};
+        GLINT_INIT(glint_hits, hits);
+        hits.t = outOf(a.t);
+        hits.geometry = outOf(a.geometry);
+        hits.primitive = outOf(a.primitive);
+        hits.normal = outOf(a.normal);
+        const glint_out any = outOf(a.any), crossings = outOf(a.crossings);
+        EXPECT_EQ(glint_query_closest(scene, &asked, &hits, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(glint_query_any(scene, &asked, &any, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(glint_query_count(scene, &asked, &crossings, nullptr), GLINT_OK) << glint_last_error();
+        return a;
+    }
+    uint32_t refits() {
+        GLINT_INIT(glint_scene_info, info);
+        EXPECT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK) << glint_last_error();
+        return info.refits;
+    }
+    void setVertices(uint32_t mesh, const std::vector<D3>& vertices) {
+        const glint_view view = viewOf(vertices);
+        ASSERT_EQ(glint_scene_set_vertices(scene(), mesh, &view), GLINT_OK) << glint_last_error();
+    }
+
+    // fill(scene) makes the scene from nothing, as it is now.
+    template <class Fill>
+    void expectAsAnew(const Fill& fill, uint32_t expectedRefits) {
+        EXPECT_EQ(refits(), expectedRefits);
+        glint_scene_release(anew_);
+        ASSERT_EQ(glint_scene_create(device(), &anew_), GLINT_OK);
+        fill(anew_);
+        ASSERT_EQ(glint_scene_commit(anew_), GLINT_OK) << glint_last_error();
+        const Answers expected = ask(anew_), found = ask(scene());
+        size_t hits = 0;
+        for (const uint8_t one : expected.any) hits += one;
+        EXPECT_GT(hits, 500u);
+        EXPECT_EQ(found.t, expected.t);
+        EXPECT_TRUE(found == expected);
+    }
+    static uint32_t add(glint_scene* to, const std::vector<D3>& vertices, const std::vector<U3>& corners) {
+        GLINT_INIT(glint_triangles, triangles);
+        triangles.vertices = viewOf(vertices);
+        triangles.indices = viewOf(corners);
+        uint32_t geometry = GLINT_NONE;
+        EXPECT_EQ(glint_scene_add_triangles(to, &triangles, &geometry), GLINT_OK) << glint_last_error();
+        return geometry;
+    }
+
+  private:
+    glint_scene* anew_ = nullptr;
+};
+
+TEST_F(LibraryChanges, VerticesAreFollowedBitForBit) {
+    const std::vector<U3> corners = squares();
+    add(scene(), sheet(0), corners);
+    commit();
+    for (uint32_t step = 1; step <= 5; ++step) {
+        const std::vector<D3> vertices = sheet(0.2 * step);
+        setVertices(0, vertices);
+        commit();
+        expectAsAnew([&](glint_scene* to) { add(to, vertices, corners); }, step);
+    }
+}
+
+// A tree that no longer fits is built anew, and followed again from then on: triangles change places.
+TEST_F(LibraryChanges, ATreeThatFitsNoMoreIsBuiltAnew) {
+    std::vector<D3> vertices, torn;
+    const std::vector<D3> places = sheet(0);
+    std::vector<U3> corners = squares();
+    for (const U3& corner : corners)
+        for (const uint32_t vertex : corner) vertices.push_back(places[vertex]);
+    std::shuffle(corners.begin(), corners.end(), std::mt19937(1));
+    for (const U3& corner : corners)
+        for (const uint32_t vertex : corner) torn.push_back(places[vertex]);
+    for (uint32_t i = 0; i < corners.size(); ++i) corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
+    add(scene(), vertices, corners);
+    commit();
+    setVertices(0, vertices);
+    commit();
+    EXPECT_EQ(refits(), 1u);
+    setVertices(0, torn);
+    commit();
+    expectAsAnew([&](glint_scene* to) { add(to, torn, corners); }, 0);
+    for (uint32_t step = 1; step <= 3; ++step) {
+        for (D3& vertex : torn) vertex[2] += 0.01;
+        setVertices(0, torn);
+        commit();
+        expectAsAnew([&](glint_scene* to) { add(to, torn, corners); }, step);
+    }
+}
+
+// Two instances of 4,608 triangles share them; a third object is too small for that and is baked. A plane and
+// a sphere stand by.
+TEST_F(LibraryChanges, InstancesAreFollowedBitForBit) {
+    const std::vector<U3> corners = squares();
+    const std::vector<D3> small = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1.2}};
+    const auto fill = [&](glint_scene* to, double at) {
+        add(to, sheet(0), corners);
+        uint32_t instance = 0;
+        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0.5 * at, 1 + at, 0.3).data(), &instance),
+                  GLINT_OK);
+        add(to, small, {{0, 1, 2}});
+        ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, 0, 0, at).data()), GLINT_OK);
+        ASSERT_EQ(glint_scene_add_json(to, R"({"materials": {"m": {}}, "camera": {"eye": [0, 0, 20],
+            "target": [0, 0, 0]}, "objects": [
+            {"type": "plane", "point": [0, 0, -1], "normal": [0, 0, 1], "material": "m"},
+            {"type": "sphere", "center": [4, 4, 1], "radius": 0.5, "material": "m"}]})",
+                                       nullptr, nullptr, nullptr),
+                  GLINT_OK)
+            << glint_last_error();
+    };
+    fill(scene(), 0);
+    commit();
+    GLINT_INIT(glint_scene_info, info);
+    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
+    ASSERT_EQ(info.triangles, 2 * corners.size() + 1);
+    for (uint32_t step = 1; step <= 4; ++step) {
+        const double at = 0.1 * step;
+        ASSERT_EQ(glint_scene_set_transform(scene(), 1, placed(1, 0.5 * at, 1 + at, 0.3).data()), GLINT_OK);
+        ASSERT_EQ(glint_scene_set_transform(scene(), 2, placed(at, 0, 0, at).data()), GLINT_OK);
+        commit();
+        expectAsAnew([&](glint_scene* to) { fill(to, at); }, step);
+    }
+}
+
+// What the trees cannot follow is still right: a sphere moves, a mesh changes that instances share.
+TEST_F(LibraryChanges, WhateverElseChangesIsBuiltAnew) {
+    const std::vector<U3> corners = squares();
+    const auto fill = [&](glint_scene* to, double at) {
+        add(to, sheet(at), corners);
+        uint32_t instance = 0;
+        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(1, 0, 1).data(), &instance), GLINT_OK);
+        const std::vector<D3> center = {{2, 2, 2}};
+        const std::vector<double> radius = {0.5};
+        GLINT_INIT(glint_spheres, sphere);
+        sphere.centers = viewOf(center);
+        sphere.radii = viewOf(radius);
+        ASSERT_EQ(glint_scene_add_spheres(to, &sphere, nullptr), GLINT_OK);
+        ASSERT_EQ(glint_scene_set_transform(to, 2, placed(at, at, 0).data()), GLINT_OK);
+    };
+    fill(scene(), 0);
+    commit();
+    setVertices(0, sheet(0.2));
+    ASSERT_EQ(glint_scene_set_transform(scene(), 2, placed(0.2, 0.2, 0).data()), GLINT_OK);
+    commit();
+    expectAsAnew([&](glint_scene* to) { fill(to, 0.2); }, 0);
+}
+
+TEST_F(LibraryChanges, TrianglesWithoutAreaComeAndGo) {
+    const std::vector<U3> corners = squares();
+    add(scene(), sheet(0), corners);
+    commit();
+    std::vector<D3> pinched = sheet(0.1);
+    pinched[20] = pinched[21];
+    for (const auto& [vertices, warnings] : {std::pair(pinched, 1u), std::pair(sheet(0.2), 0u)}) {
+        setVertices(0, vertices);
+        commit();
+        expectAsAnew([&, &given = vertices](glint_scene* to) { add(to, given, corners); }, 0);
+        GLINT_INIT(glint_scene_info, info);
+        ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
+        EXPECT_EQ(info.warnings, warnings);
+    }
+}
+
+// Those that are left out stay so while the others move.
+TEST_F(LibraryChanges, TrianglesLeftOutAreNoHindrance) {
+    const std::vector<U3> corners = squares();
+    std::vector<D3> pinched = sheet(0);
+    pinched[20] = pinched[21];
+    add(scene(), pinched, corners);
+    commit();
+    for (D3& vertex : pinched) vertex[2] *= 1.25;
+    setVertices(0, pinched);
+    commit();
+    expectAsAnew([&](glint_scene* to) { add(to, pinched, corners); }, 1);
+}
+
+TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
+    const std::vector<U3> corners = squares();
+    add(scene(), sheet(0), corners);
+    commit();
+    const Answers before = ask(scene());
+    std::vector<D3> vertices = sheet(1);
+    vertices[7][1] = std::numeric_limits<double>::quiet_NaN();
+    glint_view view = viewOf(vertices);
+    EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_ERROR_ARGUMENT);
+    EXPECT_STREQ(glint_last_error(), "glint_scene_set_vertices: vertex 7 is not finite");
+    vertices[7][1] = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_ERROR_ARGUMENT);
+    vertices.pop_back();
+    view = viewOf(vertices);
+    EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_ERROR_ARGUMENT);
+    EXPECT_STREQ(glint_last_error(),
+                 "glint_scene_set_vertices: the mesh has 2401 vertices, but 2400 were given");
+    EXPECT_TRUE(ask(scene()) == before);
+    commit();
+    EXPECT_TRUE(ask(scene()) == before);
+    // Beyond what a scene may have: found by the commit, which leaves what queries see.
+    vertices = sheet(1);
+    vertices[7][1] = 1e300;
+    setVertices(0, vertices);
+    EXPECT_EQ(glint_scene_commit(scene()), GLINT_ERROR_SCENE);
+    EXPECT_TRUE(ask(scene()) == before);
+}
+
+// Far away, and then elsewhere: coordinates start from another origin.
+TEST_F(LibraryChanges, FarAwayTheOriginMoves) {
+    const std::vector<U3> corners = squares();
+    std::vector<D3> vertices = sheet(0);
+    add(scene(), vertices, corners);
+    commit();
+    for (D3& vertex : vertices) vertex[0] += 1e6;
+    setVertices(0, vertices);
+    commit();
+    GLINT_INIT(glint_scene_info, info);
+    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
+    EXPECT_EQ(info.refits, 0u);
+    EXPECT_NEAR(info.lower[0], 1e6, 1e-5);
+    const std::vector<D3> origin = {{1e6 + 1, 1, 6}}, down = {{0, 0, -1}};
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origin);
+    rays.directions = viewOf(down);
+    std::vector<double> t(1);
+    GLINT_INIT(glint_hits, hits);
+    hits.t = outOf(t);
+    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_NEAR(t[0], 6 - 0.3 * std::sin(7.0 / 4) * std::cos(5.0 / 4), 2e-3);
+}
+
+// Each call has its answers from one version, and never from one before that of the thread's last call.
+TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
+    constexpr uint32_t kVersions = 60;
+    const std::vector<U3> corners = squares();
+    const auto flat = [](uint32_t version) {
+        std::vector<D3> vertices = sheet(0, 0);
+        for (D3& vertex : vertices) vertex[2] = version;
+        return vertices;
+    };
+    add(scene(), flat(0), corners);
+    commit();
+    const glint_scene* const asked = scene();
+    std::atomic<bool> done = false;
+    std::vector<std::string> wrong(8);
+    std::atomic<uint32_t> calls = 0;
+    {
+        std::vector<std::jthread> threads;
+        for (size_t thread = 0; thread < wrong.size(); ++thread) {
+            threads.emplace_back([&, thread] {
+                std::vector<D3> origins, down = {{0, 0, -1}};
+                for (int i = 0; i < 200; ++i)
+                    origins.push_back({0.01 + 0.019 * i, 0.5 + 0.4 * double(thread), 100});
+                std::vector<double> t(origins.size());
+                GLINT_INIT(glint_rays, rays);
+                rays.origins = viewOf(origins);
+                rays.directions = viewOf(down);
+                GLINT_INIT(glint_hits, hits);
+                hits.t = outOf(t);
+                double last = 100;
+                while (!done && wrong[thread].empty()) {
+                    if (glint_query_closest(asked, &rays, &hits, nullptr) != GLINT_OK)
+                        wrong[thread] = glint_last_error();
+                    for (const double one : t)
+                        if (!(std::abs(one - std::round(t[0])) < 1e-3))
+                            wrong[thread] = "answers of two versions in one call";
+                    if (!(std::round(t[0]) <= last)) wrong[thread] = "an older version than before";
+                    last = std::round(t[0]);
+                    ++calls;
+                }
+            });
+        }
+        for (uint32_t version = 1; version <= kVersions; ++version) {
+            const std::vector<D3> vertices = flat(version);
+            const glint_view view = viewOf(vertices);
+            EXPECT_EQ(glint_scene_set_vertices(scene(), 0, &view), GLINT_OK) << glint_last_error();
+            EXPECT_EQ(glint_scene_commit(scene()), GLINT_OK) << glint_last_error();
+        }
+        done = true;
+    }
+    for (const std::string& what : wrong) EXPECT_EQ(what, "");
+    EXPECT_GT(calls, 8u);
+    EXPECT_EQ(refits(), kVersions);
+}
+
+}  // namespace
+}  // namespace glint::library::test
