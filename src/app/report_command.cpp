@@ -21,14 +21,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kSecondsForScene = 60;
+
 struct ReportCommand {
     std::vector<fs::path> scenes;
     fs::path folder;
     bool allowOutside = false;
     std::string camera;  // by its name; empty: each scene's own
-    int width = 160;     // pixels
-    int repeats = 5;
-    int truthSamples = 256;
+    int width = 256;     // pixels
+    int repeats = 10;
+    int truthSamples = 0;  // as time allows
     Backend truth = Backend::Cpu;
     std::optional<int> budget;      // seconds
     std::vector<std::string> only;  // how the names of families start; empty: all
@@ -41,16 +43,20 @@ void declare(OptionTable& table, ReportCommand& c) {
     addCamera(table, c.camera);
     table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
                "the folder's name", c.folder, OptionTable::Need::Required);
-    table.whole("--size", "WIDTH", "of the pictures in pixels (default 160); the height follows", 4, 4096,
+    table.whole("--size", "WIDTH", "of the pictures in pixels (default 256); the height follows", 4, 4096,
                 c.width);
-    table.whole("--repeats", "N", "runs of each setting (default 5)", 1, 1000, c.repeats);
-    table.whole("--truth-spp", "N", "samples for each pixel of the converged picture (default 256)", 1,
-                kMaxSamplesPerPixel, c.truthSamples);
+    table.whole("--repeats", "N", "runs of each setting (default 10)", 1, 1000, c.repeats);
+    table.whole(
+        "--truth-spp", "N",
+        "samples for each pixel of the converged picture (default: as many as a third of the time allows)", 2,
+        kMaxSamplesPerPixel, c.truthSamples);
     table.choice<Backend>(
         "--truth",
         "who draws the converged picture: the double-precision reference (cpu, default) or the device",
         c.truth);
-    table.whole("--budget", "SECONDS", "after which no further setting is started", 0, 10'000'000, c.budget);
+    table.whole("--budget", "SECONDS",
+                "settings that would take longer are left out (default: 60 for each scene)", 0, 10'000'000,
+                c.budget);
     const auto& families = report::familyStarts();
     table.value("--only", "LIST",
                 "with commas, the settings to measure: " +
@@ -88,7 +94,8 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const gpu::Device device = openDevice(command.device, false, false);
     installInterruptHandler();
     report::Options options = optionsOf(command);
-    options.late = [&] { return command.budget && watch.seconds() >= *command.budget; };
+    const double budget = command.budget.value_or(kSecondsForScene * static_cast<int>(command.scenes.size()));
+    options.secondsLeft = [&watch, budget] { return budget - watch.seconds(); };
     std::string warning;
     const std::optional<report::Report> earlier = report::earlierReport(options, device.info(), warning);
     if (!warning.empty()) err << "glint: warning: " << warning << '\n';

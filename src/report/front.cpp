@@ -1,5 +1,9 @@
 #include "report/front.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "report/statistics.h"
 #include "report/write.h"
 #include "scene/sampling.h"
 
@@ -7,21 +11,30 @@ namespace glint::report {
 
 namespace {
 
-bool clearlyQuicker(const Measured& a, const Measured& b) {
-    return a.wall.high < b.wall.low;
+constexpr double kOfUse = 0.98;  // a ratio above is as good as one
+
+bool clearlyLess(const std::vector<double>& a, const std::vector<double>& b, double tail) {
+    return ratioInterval(a, b, tail).high < kOfUse;
 }
 
-bool clearlyMoreExact(const Measured& a, const Measured& b) {
-    return a.total.rmse + a.total.rmseError < b.total.rmse - b.total.rmseError;
+// What the converged picture cannot tell is not more exact than anything.
+bool clearlyMoreExact(const Measured& a, const Measured& b, double tail) {
+    return !a.hidden && !b.hidden && clearlyLess(a.rmse, b.rmse, tail);
+}
+
+size_t rivalsOf(const SceneReport& scene, const Measured& m) {
+    return static_cast<size_t>(std::count_if(
+        scene.measured.begin(), scene.measured.end(),
+        [&](const Measured& other) { return other.batch == m.batch && contestOf(other) == contestOf(m); }));
 }
 
 const Measured* championAgainst(const SceneReport& scene, const Measured& m) {
+    const double n = static_cast<double>(rivalsOf(scene, m));
+    const double tail = kMistake / std::max(n * (n - 1) / 2, 1.0);
     const Measured* best = nullptr;
     for (const Measured& other : scene.measured) {
-        if (contestOf(other) != contestOf(m) || !beats(other, m)) continue;
-        // More samples are not what sets one method before another.
-        if (contestOf(m) == Contest::Methods && other.spp != m.spp) continue;
-        const auto cost = [](const Measured& x) { return x.wall.median * x.total.rmse; };
+        if (contestOf(other) != contestOf(m) || !beats(other, m, tail)) continue;
+        const auto cost = [](const Measured& x) { return x.wall.median * x.error; };
         if (best == nullptr || cost(other) < cost(*best)) best = &other;
     }
     return best;
@@ -40,11 +53,16 @@ std::string nameWithSamples(const Measured& m) {
     return m.family + ", " + std::to_string(m.spp) + " spp";
 }
 
-// "1.02 x the time, 0.74 x the error".
+// "1.02 (0.99 to 1.05)": with the interval that holds a single ratio in 95 % of cases.
+std::string ratio(const std::vector<double>& a, const std::vector<double>& b) {
+    const Interval interval = ratioInterval(a, b, 0.05);
+    const std::string middle = shortNumber(std::sqrt(interval.low * interval.high));
+    return middle + " (" + shortNumber(interval.low) + " to " + shortNumber(interval.high) + ")";
+}
+
+// "0.75 (0.74 to 0.77) x the time, 1 (1 to 1) x the error".
 std::string factors(const Measured& better, const Measured& m) {
-    const auto ratio = [](double a, double b) { return b > 0 ? shortNumber(a / b) : std::string("?"); };
-    return ratio(better.wall.median, m.wall.median) + " x the time, " +
-           ratio(better.total.rmse, m.total.rmse) + " x the error";
+    return ratio(better.seconds, m.seconds) + " x the time, " + ratio(better.rmse, m.rmse) + " x the error";
 }
 
 // "on" or "beaten" for each count, "1: on, 4: lowDiscrepancy".
@@ -62,14 +80,16 @@ std::string briefly(const SceneReport& scene, Contest contest) {
 }  // namespace
 
 Contest contestOf(const Measured& m) {
-    if (m.family == "depth" || m.family == "cut") return Contest::None;
+    for (const char* other : {"depth", "cut", "adaptive", "error", "reference"})
+        if (m.family.starts_with(other)) return Contest::None;
     const auto sampler = named<Sampler>(m.family);
     return sampler && *sampler != Sampler::Auto ? Contest::Samplers : Contest::Methods;
 }
 
-bool beats(const Measured& a, const Measured& b) {
-    if (clearlyQuicker(a, b)) return !clearlyMoreExact(b, a);
-    return clearlyMoreExact(a, b) && !clearlyQuicker(b, a);
+bool beats(const Measured& a, const Measured& b, double tail) {
+    if (a.batch != b.batch) return false;
+    if (clearlyLess(a.seconds, b.seconds, tail)) return !clearlyMoreExact(b, a, tail);
+    return clearlyMoreExact(a, b, tail) && !clearlyLess(b.seconds, a.seconds, tail);
 }
 
 void markFront(SceneReport& scene) {
@@ -115,7 +135,7 @@ std::string defaultInWords(const SceneReport& scene, Contest contest) {
                   nameWithSamples(*by) + " (" + factors(*by, m) + ")";
         if (!weakness.empty()) beaten += ", which is not the default because it " + weakness;
     }
-    if (!on.empty()) on = "on the front, within the scatter of times and errors, at " + on + " spp";
+    if (!on.empty()) on = "on the front at " + on + " spp";
     return on + (on.empty() || beaten.empty() ? "" : "; ") + beaten;
 }
 

@@ -13,13 +13,16 @@ enum class Contest { Samplers, Methods, None };
 Contest contestOf(const Measured& m);
 
 // Clearly better in time or error and not clearly worse in the other, both wall clock and RMSE against the
-// converged picture. Times differ clearly if their quartiles do not overlap, errors if the intervals of one
-// standard error about them do not.
-bool beats(const Measured& a, const Measured& b);
+// converged picture, of settings of one batch. Ratios are those of one turn, and differ clearly if the
+// interval that holds their expectation with probability 1 - `tail` (report/statistics.h) lies beyond a
+// fiftieth: less is of no use to anybody.
+bool beats(const Measured& a, const Measured& b, double tail);
 
 // Sets isDefault and beatenBy of all that was measured: of what beats a setting, the one of least error times
-// time; empty on the front and for depths and cuts, which are the scene's own decisions. Methods are compared
-// at the same number of samples.
+// time; empty on the front and for what no contest is about (depths and cuts are the scene's own decisions).
+// Each batch with n settings is given a chance of kMistake to name any winner among equals, which its
+// n (n - 1) / 2 pairs share (Bonferroni).
+inline constexpr double kMistake = 0.05;
 void markFront(SceneReport& scene);
 
 // Why a quicker or more exact setting is not the default all the same; empty if nothing speaks against it.

@@ -43,6 +43,7 @@ void visitFields(Visit&& visit, T& a) requires std::is_same_v<std::remove_const_
 template <typename Visit, typename T>
 void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_t<T>, Measured> {
     visit("key", m.key);
+    visit("batch", m.batch);
     visit("family", m.family);
     visit("sampler", m.sampler);
     visit("spp", m.spp);
@@ -50,6 +51,13 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("minContribution", m.minContribution);
     visit("arithmetic", m.arithmetic);
     visit("total", m.total);
+    visit("error", m.error);
+    visit("hidden", m.hidden);
+    visit("samples", m.samples);
+    visit("asked", m.asked);
+    visit("bound", m.bound);
+    visit("runSeconds", m.seconds);
+    visit("runRmse", m.rmse);
     visit("wallSeconds", m.wall);
     visit("deviceSeconds", m.device);
     visit("compileSeconds", m.compile);
@@ -72,7 +80,10 @@ void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_
     visit("maxDepth", s.maxDepth);
     visit("kappa", s.kappa);
     visit("stiffness", s.stiffness);
+    visit("contents", s.contents);
     visit("sampler", s.defaultSampler);
+    visit("truthSamples", s.truthSamples);
+    visit("truthError", s.truthError);
     visit("configurations", s.measured);
     visit("leftOut", s.leftOut);
 }
@@ -168,7 +179,8 @@ std::string csvErrors(const ErrorMeasures& m) {
 }
 
 std::string csvHeader() {
-    std::string line = "scene,key,family,sampler,spp,depth,minContribution";
+    std::string line =
+        "scene,key,batch,family,sampler,spp,depth,minContribution,samples,asked,error,hidden,bound";
     for (const char* kind : {"total", "arithmetic", "samePath", "otherPath"}) {
         for (const char* measure : {"Rmse", "RelMse", "Max", "P99", "PercentAbove255th", "PercentAbove1000th",
                                     "Bias", "RmseStandardError"}) {
@@ -181,9 +193,13 @@ std::string csvHeader() {
 }
 
 std::string csvLine(const SceneReport& scene, const Measured& m) {
-    std::string line = csvText(scene.name) + ',' + csvText(m.key) + ',' + csvText(m.family) + ',' + m.sampler;
-    for (const double value : {static_cast<double>(m.spp), static_cast<double>(m.depth), m.minContribution})
+    std::string line;
+    for (const std::string& text : {scene.name, m.key, m.batch, m.family}) line += csvText(text) + ',';
+    line += m.sampler;
+    for (const double value : {static_cast<double>(m.spp), static_cast<double>(m.depth), m.minContribution,
+                               m.samples, m.asked, m.error})
         line += csvNumber(value);
+    line += (m.hidden ? ",yes" : ",no") + csvNumber(m.bound);
     line += csvErrors(m.total);
     if (m.arithmetic) {
         const ArithmeticError& a = *m.arithmetic;

@@ -9,9 +9,8 @@ namespace glint::report {
 
 namespace {
 
-// Samples at which methods are compared: one, where a pixel is one path, and few.
-constexpr int kMethodSamples[] = {1, 4};
 constexpr int kSweepSamples = 4;
+constexpr int kTwins = 9;
 
 std::string number(double value) {
     char text[32];
@@ -19,44 +18,42 @@ std::string number(double value) {
     return text;
 }
 
-void addBoth(Configuration c, std::string family, Batch& batch) {
+void add(Configuration c, std::string family, int spp, Batch& batch) {
     c.family = std::move(family);
-    for (const int spp : kMethodSamples) {
-        c.spp = spp;
-        batch.configurations.push_back(c);
-    }
+    c.spp = spp;
+    batch.configurations.push_back(std::move(c));
 }
 
-void addMethods(const SceneFeatures& features, bool hasTree, std::optional<gpu::Access> otherAccess,
+void addMethods(const SceneFeatures& features, bool hasTree, std::optional<gpu::Access> otherAccess, int spp,
                 Batch& batch) {
     for (const TriangleMethod method :
          {TriangleMethod::Barycentric, TriangleMethod::Projection, TriangleMethod::Planar3d}) {
         Configuration c;
         c.methods.triangles = method;
-        if (features.triangles) addBoth(c, "triangles: " + std::string(nameOf(method)), batch);
+        if (features.triangles) add(c, "triangles: " + std::string(nameOf(method)), spp, batch);
     }
     for (const SphereMethod method : {SphereMethod::Geometric, SphereMethod::Algebraic}) {
         Configuration c;
         c.methods.spheres = method;
-        if (features.spheres) addBoth(c, "spheres: " + std::string(nameOf(method)), batch);
+        if (features.spheres) add(c, "spheres: " + std::string(nameOf(method)), spp, batch);
     }
     for (const OriginOffset offset : {OriginOffset::Fixed, OriginOffset::None}) {
         Configuration c;
         c.methods.offsets = offset;
-        addBoth(c, "offset: " + std::string(nameOf(offset)), batch);
+        add(c, "offset: " + std::string(nameOf(offset)), spp, batch);
     }
     for (const SlabPad pad : {SlabPad::Gamma3, SlabPad::None}) {
         Configuration c;
         c.methods.slabs = pad;
-        if (hasTree) addBoth(c, "slab pad: " + std::string(nameOf(pad)), batch);
+        if (hasTree) add(c, "slab pad: " + std::string(nameOf(pad)), spp, batch);
     }
     Configuration full;
     full.leaveOut = false;
-    addBoth(full, "nothing left out", batch);
+    add(full, "nothing left out", spp, batch);
     if (!otherAccess) return;
     Configuration other;
     other.access = otherAccess;
-    addBoth(other, *otherAccess == gpu::Access::StorageBuffer ? "storage buffers" : "texel buffers", batch);
+    add(other, *otherAccess == gpu::Access::StorageBuffer ? "storage buffers" : "texel buffers", spp, batch);
 }
 
 // 0, 1, 2, ..., past 4 in steps of about a half, and the whole.
@@ -68,16 +65,62 @@ std::vector<int> depthsUpTo(int maxDepth) {
     return depths;
 }
 
-void addSamplers(Batch& batch) {
-    for (const int spp : {1, 4, 16, 64}) {
+Batch samplersAt(std::initializer_list<int> counts) {
+    Batch batch;
+    for (const int spp : counts) {
+        batch.name += (batch.name.empty() ? "samplers at " : ", ") + std::to_string(spp);
         for (const Sampler sampler : kSamplers) {
             Configuration c;
-            c.family = nameOf(sampler);
             c.sampler = sampler;
-            c.spp = spp;
-            batch.configurations.push_back(c);
+            add(c, std::string(nameOf(sampler)), spp, batch);
         }
     }
+    batch.name += " samples";
+    return batch;
+}
+
+// The same picture in other ways: by contrast, to an error, by the reference.
+Batch otherWays() {
+    Batch batch{"adaptive, --error, reference", {}};
+    for (const double contrast : {0.2, 0.05}) {
+        Configuration c;
+        c.contrast = contrast;
+        add(c, "adaptive " + number(contrast), 4, batch);
+    }
+    for (const double error : {0.03, 0.01}) {
+        Configuration c;
+        c.error = error;
+        add(c, "error " + number(error), 1, batch);
+    }
+    Configuration reference;
+    reference.onReference = true;
+    add(reference, "reference", 4, batch);
+    return batch;
+}
+
+Batch depthsAndCuts(int maxDepth) {
+    Batch batch{"depths and cuts", {}};
+    for (const int depth : depthsUpTo(maxDepth)) {
+        Configuration c;
+        c.maxDepth = depth;
+        add(c, "depth", kSweepSamples, batch);
+    }
+    for (const double cut : {1e-4, 1e-3, 1e-2}) {
+        Configuration c;
+        c.minContribution = cut;
+        add(c, "cut", kSweepSamples, batch);
+    }
+    return batch;
+}
+
+Batch twins() {
+    Batch batch{"the default against itself", {}};
+    for (int twin = 1; twin <= kTwins + 1; ++twin) {
+        Configuration c;
+        c.twin = twin;
+        add(c, twin > kTwins ? kDefaultAmongMethods : "again " + std::to_string(twin), 1, batch);
+    }
+    return batch;
 }
 
 }  // namespace
@@ -91,38 +134,38 @@ std::string keyOf(const Configuration& c) {
     if (c.family == kDefaultAmongMethods) key += " among methods";
     if (c.doublePrecision) key += " fp64";
     if (c.rayByRay) key += " lane";
+    if (c.error) key += " error=" + number(*c.error);
+    if (c.contrast) key += " contrast=" + number(*c.contrast);
+    if (c.onReference) key += " reference";
+    if (c.twin > 0) key += " again=" + std::to_string(c.twin);
     if (!c.access) return key + " auto";
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
 
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets) {
-    std::vector<Batch> batches(3);
-    addSamplers(batches[0]);
-    addBoth({}, kDefaultAmongMethods, batches[1]);
-    addMethods(features, hasTree, otherAccess, batches[1]);
-    Configuration single;
-    single.rayByRay = true;
-    if (packets) addBoth(single, "ray by ray", batches[1]);
-    Configuration wide;
-    wide.doublePrecision = true;
-    if (float64 && (features.triangles || features.spheres || features.planes))
-        addBoth(wide, "fp64 tests", batches[1]);
-    if (!features.mirrors && !features.transmission) return batches;
-    for (const int depth : depthsUpTo(maxDepth)) {
-        Configuration c;
-        c.family = "depth";
-        c.spp = kSweepSamples;
-        c.maxDepth = depth;
-        batches[2].configurations.push_back(c);
-    }
-    for (const double cut : {1e-4, 1e-3, 1e-2}) {
-        Configuration c;
-        c.family = "cut";
-        c.spp = kSweepSamples;
-        c.minContribution = cut;
-        batches[2].configurations.push_back(c);
-    }
+    const auto methodsAt = [&](int spp) {
+        Batch batch{"methods at " + std::to_string(spp) + (spp == 1 ? " sample" : " samples"), {}};
+        add({}, kDefaultAmongMethods, spp, batch);
+        addMethods(features, hasTree, otherAccess, spp, batch);
+        Configuration single;
+        single.rayByRay = true;
+        if (packets) add(single, "ray by ray", spp, batch);
+        Configuration wide;
+        wide.doublePrecision = true;
+        if (float64 && (features.triangles || features.spheres || features.planes))
+            add(wide, "fp64 tests", spp, batch);
+        return batch;
+    };
+    std::vector<Batch> batches{samplersAt({1, 4, 16}), methodsAt(1)};
+    if (features.mirrors || features.transmission) batches.push_back(depthsAndCuts(maxDepth));
+    batches.push_back(otherWays());
+    batches.push_back(samplersAt({64}));
+    batches.push_back(methodsAt(4));
+    batches.push_back(methodsAt(16));
+    batches.push_back(samplersAt({256}));
+    batches.push_back(samplersAt({1024}));
+    batches.push_back(twins());
     return batches;
 }
 

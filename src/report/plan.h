@@ -31,6 +31,11 @@ struct Configuration {
     bool doublePrecision = false;  // of triangles, spheres and planes
     bool rayByRay = false;  // in the binary tree, where the device and the scene would take another way
     std::optional<gpu::Access> access;  // empty: by the device
+    // In place of `spp` samples: until the error is at most this (converge/converge.h); by contrast, at least
+    // `spp` and at most the image's own most.
+    std::optional<double> error, contrast;
+    bool onReference = false;  // drawn by the reference, in double
+    int twin = 0;              // the default once more, under another name
 };
 
 // The default, measured once more in turns with the methods that it is compared with.
@@ -40,14 +45,16 @@ inline constexpr const char* kDefaultAmongMethods = "default methods";
 // cut=0 pruned auto".
 std::string keyOf(const Configuration& configuration);
 
-// Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike.
+// Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike. A
+// batch is measured as a whole or not at all.
 struct Batch {
+    std::string name;
     std::vector<Configuration> configurations;
 };
 
-// Three batches, most important first: samplers, methods, depths and cuts. `otherAccess`: the way of loading
-// that the device would not choose; `float64`: whether it computes in double precision; `packets`:
-// whether the default methods go by packets of rays or wide nodes, which do not know all others.
+// Batches, most important first. `otherAccess`: the way of loading that the device would not choose;
+// `float64`: whether it computes in double precision; `packets`: whether the default methods go by packets of
+// rays or wide nodes, which do not know all others.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets);
 
@@ -56,12 +63,18 @@ std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int ma
 const std::vector<std::string>& familyStarts();
 
 struct Measured {
-    std::string key, family, sampler;
+    std::string key, batch, family, sampler;
     int spp = 0, depth = 0;
     double minContribution = 0;
     std::optional<ArithmeticError> arithmetic;  // not of many samples
-    ErrorMeasures total;                        // against the converged picture
-    Quartiles wall, device;                     // seconds; device: 0 without timestamps
+    ErrorMeasures total;                        // of the first run, against the converged picture
+    double error = 0;  // root mean square of all runs' RMSE, without what the converged picture errs itself
+    bool hidden = false;  // that error is below what the converged picture can tell
+    double samples = 0;   // of a pixel, in the mean
+    double asked = 0;     // the error that was asked for; 0: none was
+    double bound = 0;     // on the RMSE of what a depth or cut leaves out, by the picture's own account
+    std::vector<double> seconds, rmse;  // of each run; runs of one number in a batch took turns
+    Quartiles wall, device;             // seconds; device: 0 without timestamps
     double compile = 0, upload = 0, readback = 0;
     uint64_t rays = 0;  // camera and later rays of the paths; not shadow rays
     int repeats = 0;
@@ -75,9 +88,12 @@ struct SceneReport {
     int width = 0, height = 0, maxDepth = 0;
     double kappa = 0;
     std::string stiffness;
+    std::string contents;        // "mirrors, glass, lens", what makes it dear
     std::string defaultSampler;  // the scene's; "auto" if it names none
+    int truthSamples = 0;        // of each pixel of the converged picture
+    double truthError = 0;       // its own RMSE, by its two halves of different seeds
     std::vector<Measured> measured;
-    std::vector<std::string> leftOut;  // keys
+    std::vector<std::string> leftOut;  // batches
 
     const Measured* find(const std::string& key) const;
 };
@@ -85,7 +101,8 @@ struct SceneReport {
 struct Report {
     std::string version, device, driver, api;
     unsigned cores = 0;
-    int repeats = 0, truthSamples = 0;
+    int repeats = 0;
+    int truthSamples = 0;      // 0: as time allows
     std::string truthBackend;  // "reference" or "device"
     std::vector<SceneReport> scenes;
     bool complete = true;

@@ -84,9 +84,11 @@ void writeReport(const fs::path& folder, Report& report) {
 
 // True if all scenes are through.
 bool measureAll(const fs::path& folder, std::vector<std::unique_ptr<SceneSweep>>& sweeps, Report& report) {
-    constexpr size_t kBatches = 3;  // see planScene
-    for (size_t batch = 0; batch < kBatches; ++batch) {
+    size_t most = 0;
+    for (const auto& sweep : sweeps) most = std::max(most, sweep->batches().size());
+    for (size_t batch = 0; batch < most; ++batch) {
         for (size_t i = 0; i < sweeps.size(); ++i) {
+            if (batch >= sweeps[i]->batches().size()) continue;
             if (!sweeps[i]->measure(sweeps[i]->batches()[batch], report.scenes[i])) return false;
             writeReport(folder, report);
         }
@@ -99,12 +101,15 @@ SweepLimits limitsOf(const Options& options) {
     limits.repeats = options.repeats;
     limits.truthSamples = options.truthSamples;
     limits.truth = options.truth;
-    limits.late = options.late;
+    limits.secondsLeft = options.secondsLeft;
     limits.cancelled = options.cancelled;
     limits.wanted = [&options](const Configuration& c) {
-        return options.only.empty() ||
-               std::any_of(options.only.begin(), options.only.end(),
-                           [&](const std::string& start) { return c.family.starts_with(start); });
+        const auto named = [&](const std::string& family) {
+            return std::any_of(options.only.begin(), options.only.end(),
+                               [&](const std::string& start) { return family.starts_with(start); });
+        };
+        if (c.twin > 0) return named("again");
+        return options.only.empty() || named(c.family);
     };
     return limits;
 }
@@ -133,6 +138,7 @@ Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::
     Report report = freshReport(options, device.info());
     double work = 0, worked = 0;
     SweepLimits limits = limitsOf(options);
+    limits.truthSeconds = options.secondsLeft() / 3 / static_cast<double>(subjects.size());
     limits.worked = [&](double amount) { options.progress(std::min(1.0, (worked += amount) / work)); };
     std::vector<std::unique_ptr<SceneSweep>> sweeps;
     for (Subject& subject : subjects) {
@@ -141,8 +147,7 @@ Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::
         SceneReport empty = sweeps.back()->emptyReport();
         empty.camera = subject.camera;
         report.scenes.push_back(resumed(empty, earlier));
-        for (const Batch& batch : sweeps.back()->batches())
-            work += sweeps.back()->work(batch, report.scenes.back());
+        work += sweeps.back()->work(report.scenes.back());
     }
     if (earlier) keepOtherScenes(*earlier, report);
     makeNamesUnique(report.scenes);

@@ -20,4 +20,17 @@ std::vector<size_t> paretoFront(std::span<const WorkPoint> points);
 // x.
 std::optional<double> logSlope(std::span<const double> x, std::span<const double> y);
 
+// t with P(|T| > t) = `tail` for Student's T of `freedom` degrees, 1 and more; tail in (0, 1). G. W. Hill,
+// "Algorithm 396: Student's t-quantiles", CACM 13(10), 1970: six digits.
+double studentQuantile(double tail, double freedom);
+
+struct Interval {
+    double low = 0, high = 0;
+};
+
+// Of the ratio a / b of what was measured in pairs, one of each in every turn: the interval about the
+// geometric mean of the ratios that holds the expectation with probability 1 - tail, by Student's t on their
+// logarithms. From 0 to infinity for fewer than two pairs, or for values that are not positive.
+Interval ratioInterval(std::span<const double> a, std::span<const double> b, double tail);
+
 }  // namespace glint::report

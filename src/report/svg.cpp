@@ -183,9 +183,9 @@ class Drawing {
 };
 
 Point totalPoint(const Measured& m, const std::string& mark) {
-    return {m.wall.median, m.total.rmse, mark,
-            m.family + ", " + std::to_string(m.spp) + " spp: " + shortNumber(m.wall.median) + " s, error " +
-                shortNumber(m.total.rmse)};
+    return {m.wall.median, m.hidden ? 0 : m.error, mark,
+            m.family + ", " + shortNumber(m.samples) + " spp: " + shortNumber(m.wall.median) + " s, error " +
+                shortNumber(m.error)};
 }
 
 }  // namespace
@@ -198,7 +198,10 @@ std::string precisionDiagram(const SceneReport& scene) {
         Series series;
         const auto points = familyOf(scene, family);
         const bool sampler = !points.empty() && family == points.front()->sampler;
-        series.label = sampler ? family + " (1, 4, 16, 64)" : family;
+        series.label = family;
+        if (sampler)
+            series.label += " (" + std::to_string(points.front()->spp) + " to " +
+                            std::to_string(points.back()->spp) + ")";
         series.line = sampler;
         const std::string mark = sampler ? "" : std::string(1, letter);
         if (!sampler) ++letter;
@@ -207,7 +210,7 @@ std::string precisionDiagram(const SceneReport& scene) {
     }
     std::vector<Point> front;
     for (const Measured* m : frontOf(scene))
-        if (m->total.rmse > 0) front.push_back(totalPoint(*m, ""));
+        if (m->error > 0) front.push_back(totalPoint(*m, ""));
     drawing.setFront(std::move(front));
     return drawing.draw();
 }

@@ -1,8 +1,10 @@
 #include "report/sweep.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <numeric>
 
+#include "converge/converge.h"
 #include "core/file_io.h"
 #include "core/hash.h"
 #include "core/stopwatch.h"
@@ -17,12 +19,7 @@ namespace {
 
 // Rounding does not grow with the number of samples, so the double-precision picture of the very same
 // samples is made for few of them alone.
-constexpr int kMaxArithmeticSamples = 16;
-// Longer runs need no warming up: what is compiled on first use is timed apart.
-constexpr int kMaxWarmUpSamples = 4;
-// A configuration that has run for so long has been measured well enough with fewer runs, but two at least.
-constexpr double kLongRunSeconds = 3;
-constexpr int kLeastRepeats = 2;
+constexpr int kMaxArithmeticSamples = 4;
 
 gpu::Access otherThan(gpu::Access access) {
     return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
@@ -36,27 +33,42 @@ Configuration machineKind(Configuration c) {
     c.maxDepth.reset();
     c.methods = {};
     c.minContribution = 0;
+    c.error.reset();
+    c.contrast.reset();
+    c.twin = 0;
     return c;
 }
 
-glm::dvec3 colorOf(const Picture& picture, size_t i) {
-    const float* p = &picture.color.pixels[i * 4];
-    return {p[0], p[1], p[2]};
+// What is measured without being like the others' kind of picture: of no use for arithmetic.
+bool isPlain(const Configuration& c) {
+    return !c.error && !c.contrast && !c.onReference;
+}
+
+double boundOf(const LostBranches& lost, double pixels) {
+    return std::sqrt(lost.greatest * lost.sum / pixels);  // see docs/design/error-targets.md
+}
+
+std::string contentsOf(const LoadedScene& loaded) {
+    const SceneFeatures& f = loaded.packed.features;
+    std::string words;
+    const auto say = [&](bool there, const char* word) {
+        if (there) words += (words.empty() ? "" : ", ") + std::string(word);
+    };
+    say(f.transmission, "glass");
+    say(f.mirrors, "mirrors");
+    say(loaded.scene.camera.lensRadius > 0, "lens");
+    say(f.textures || f.checkers, "textures");
+    say(f.environmentMap, "environment map");
+    return words.empty() ? "diffuse and shadows" : words;
 }
 
 }  // namespace
 
 struct SceneSweep::Run {
     Configuration configuration;
-    render::Renderer* renderer = nullptr;
+    render::Renderer* renderer = nullptr;  // null: the reference
     Measured measured;
-    std::vector<double> wall, device;
-    double spent = 0;
-
-    bool enough(int repeats) const {
-        const int done = static_cast<int>(wall.size());
-        return done >= repeats || (done >= kLeastRepeats && spent > kLongRunSeconds);
-    }
+    std::vector<double> device;
 };
 
 namespace {
@@ -91,6 +103,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
                          nameOf(probe.traversal()) != nameOf(render::Traversal::Lane));
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
+    std::erase_if(batches_, [](const Batch& batch) { return batch.configurations.empty(); });
 }
 
 SceneSweep::~SceneSweep() = default;
@@ -103,54 +116,51 @@ SceneReport SceneSweep::emptyReport() const {
     report.width = loaded_.scene.image.width;
     report.height = loaded_.scene.image.height;
     report.maxDepth = loaded_.scene.maxDepth;
+    report.contents = contentsOf(loaded_);
     report.defaultSampler = nameOf(loaded_.scene.image.sampler);
     return report;
 }
 
-double SceneSweep::work(const Batch& batch, const SceneReport& report) const {
+namespace {
+
+// An error that rounding alone takes up is not asked for.
+bool isPossible(const Configuration& c, const SceneReport& report) {
+    return !c.error || 2 * (report.kappa + 1) * verify::kFloatUnit < *c.error;
+}
+
+bool hasAll(const SceneReport& report, const Batch& batch) {
+    return std::all_of(batch.configurations.begin(), batch.configurations.end(), [&](const Configuration& c) {
+        return !isPossible(c, report) || report.find(keyOf(c)) != nullptr;
+    });
+}
+
+double workOf(const Batch& batch, int repeats) {
     double sum = 0;
-    for (const Configuration& c : batch.configurations)
-        if (report.find(keyOf(c)) == nullptr) sum += c.spp * (limits_.repeats + 1.0);
+    for (const Configuration& c : batch.configurations) sum += c.spp * (repeats + 1.0);
     return sum;
 }
 
-Request SceneSweep::requestFor(Sampler sampler, int spp, uint32_t seed) const {
+}  // namespace
+
+double SceneSweep::work(const SceneReport& report) const {
+    double sum = 0;
+    for (const Batch& batch : batches_)
+        if (!hasAll(report, batch)) sum += workOf(batch, limits_.repeats);
+    return sum + (sum > 0 ? kTruthWork : 0);
+}
+
+Request SceneSweep::requestFor(const Configuration& c, uint32_t seed) const {
     ImageSettings image = loaded_.scene.image;
-    image.sampler = sampler;
-    image.samplesPerPixel = spp;
+    image.sampler = c.sampler;
+    image.samplesPerPixel = c.spp;
     image.seed = seed;
+    if (c.contrast) image.adaptive = AdaptiveSampling{64, *c.contrast};
     Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
+    request.methods = c.methods;
+    request.minContribution = c.minContribution;
+    request.maxDepth = c.maxDepth;
     request.cancelled = limits_.cancelled;
     return request;
-}
-
-const SceneSweep::Truth* SceneSweep::truthOf(Sampler sampler, int spp, uint32_t seed) {
-    const auto key = std::make_tuple(sampler, spp, seed);
-    if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
-    Request request = requestFor(sampler, spp, seed);
-    request.data = request.exact = true;
-    const Picture picture = reference::render(loaded_.packed, camera_, request);
-    if (!picture.complete) return nullptr;
-    Truth truth;
-    for (size_t i = 0; i < picture.done.size(); ++i) {
-        truth.colors.emplace_back(picture.exact[i]);
-        truth.paths.push_back(picture.data[i].pathHash);
-    }
-    return &truths_.emplace(key, std::move(truth)).first->second;
-}
-
-const SceneSweep::Truth* SceneSweep::converged() {
-    // Another seed: a picture must not be close to the truth because it shares its samples.
-    const uint32_t seed = loaded_.scene.image.seed + 1;
-    if (limits_.truth == Backend::Cpu) return truthOf(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
-    if (deviceTruth_) return deviceTruth_.get();
-    render::Renderer renderer(device_, loaded_.packed);
-    const Request request = requestFor(Sampler::LowDiscrepancy, limits_.truthSamples, seed);
-    const Picture picture = renderer.render(camera_, request);
-    if (!picture.complete) return nullptr;
-    deviceTruth_ = std::make_unique<Truth>();
-    for (size_t i = 0; i < picture.done.size(); ++i) deviceTruth_->colors.push_back(colorOf(picture, i));
-    return deviceTruth_.get();
 }
 
 render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
@@ -165,92 +175,147 @@ render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
     return *renderer;
 }
 
-bool SceneSweep::judge(Run& run, const Picture& picture) {
+SceneSweep::Run SceneSweep::begin(const Configuration& c, const SceneReport& report) {
+    Run run;
+    run.configuration = c;
+    if (!c.onReference) run.renderer = &rendererOf(c);
+    run.measured.key = keyOf(c);
+    run.measured.family = c.family;
+    run.measured.sampler = nameOf(c.sampler);
+    run.measured.spp = c.spp;
+    run.measured.depth = c.maxDepth.value_or(report.maxDepth);
+    run.measured.minContribution = c.minContribution;
+    run.measured.asked = c.error.value_or(0);
+    return run;
+}
+
+// As a user would have it drawn, without the data of any layer. The time of an --error is that of its rounds.
+Picture SceneSweep::draw(Run& run, uint32_t seed) {
     const Configuration& c = run.configuration;
-    const Truth* truth = converged();
-    if (truth == nullptr) return false;
-    run.measured.total = measureError(picture.color, truth->colors);
-    if (c.spp > kMaxArithmeticSamples) return true;
-    const Truth* same = truthOf(c.sampler, c.spp, loaded_.scene.image.seed);
+    const Request request = requestFor(c, seed);
+    if (c.onReference) return reference::render(loaded_.packed, camera_, request);
+    if (!c.error) return run.renderer->render(camera_, request);
+    converge::Job job;
+    job.image = loaded_.scene.image;
+    job.image.sampler = c.sampler;
+    job.image.seed = seed;
+    job.request = request;
+    job.request.ledger = true;
+    job.target.error = *c.error;
+    job.target.depthCounts = false;  // nor does the converged picture look beyond it
+    job.target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
+    job.rounding = (kappa_ + 1) * verify::kFloatUnit;
+    job.maxDepth = loaded_.packed.environment.maxDepth;
+    converge::Result result =
+        converge::converge([&](const Request& part) { return run.renderer->render(camera_, part); }, job);
+    result.picture.samplesPerPixel = result.samplesPerPixel;
+    return std::move(result.picture);
+}
+
+// By a picture of its own, with paths and the account of what it leaves out, that no user waits for.
+bool SceneSweep::judge(Run& run) {
+    const Configuration& c = run.configuration;
+    if (!isPlain(c) || c.spp > kMaxArithmeticSamples) return true;
+    const Truth* same = truthOf(c);
     if (same == nullptr) return false;
+    Request request = requestFor(c, loaded_.scene.image.seed);
+    request.data = request.ledger = true;
+    const Picture picture = run.renderer->render(camera_, request);
+    if (!picture.complete) return false;
     std::vector<uint32_t> paths;
     for (const PixelData& data : picture.data) paths.push_back(data.pathHash);
     run.measured.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
-    return true;
-}
-
-bool SceneSweep::renderOnce(Run& run, bool timed) {
-    const Configuration& c = run.configuration;
-    Request request = requestFor(c.sampler, c.spp, loaded_.scene.image.seed);
-    request.data = true;  // the error by paths and the time come from one run
-    request.methods = c.methods;
-    request.minContribution = c.minContribution;
-    request.maxDepth = c.maxDepth;
-    render::Renderer& renderer = *run.renderer;
-    const render::StageTimes before = renderer.times();
-    const Stopwatch watch;
-    const Picture picture = renderer.render(camera_, request);
-    if (!picture.complete) return false;
-    const render::StageTimes& after = renderer.times();
-    const double compile = after.compile - before.compile;
-    const double seconds = watch.seconds() - compile;
-    limits_.worked(c.spp);
-    run.measured.compile += compile;
-    run.measured.upload = after.upload;
-    if (!timed) return true;
-    run.spent += seconds;
-    run.wall.push_back(seconds);
-    run.device.push_back(after.device - before.device);
-    run.measured.readback = after.readback - before.readback;
-    run.measured.rays = after.pathRays - before.pathRays;
-    return run.wall.size() > 1 || judge(run, picture);
-}
-
-bool SceneSweep::warmUp(const Batch& batch, SceneReport& report, std::vector<Run>& runs) {
-    for (const Configuration& c : batch.configurations) {
-        const std::string key = keyOf(c);
-        if (report.find(key) != nullptr) continue;
-        if (limits_.late()) {
-            report.leftOut.push_back(key);
-            continue;
-        }
-        Run run;
-        run.configuration = c;
-        run.renderer = &rendererOf(c);
-        run.measured.key = key;
-        run.measured.family = c.family;
-        run.measured.sampler = nameOf(c.sampler);
-        run.measured.spp = c.spp;
-        run.measured.depth = c.maxDepth.value_or(loaded_.scene.maxDepth);
-        run.measured.minContribution = c.minContribution;
-        if (c.spp <= kMaxWarmUpSamples && !renderOnce(run, false)) return false;
-        runs.push_back(std::move(run));
+    const double pixels = static_cast<double>(paths.size());
+    if (c.maxDepth || c.minContribution > 0) {
+        const TreeLosses& lost = picture.losses;
+        run.measured.bound =
+            boundOf(lost.depth, pixels) + boundOf(lost.cut, pixels) + boundOf(lost.room, pixels);
     }
     return true;
+}
+
+// What is compiled on first use is timed apart, and the first picture finds nothing in the caches.
+bool SceneSweep::warmUp(Run& run) {
+    const double before = run.renderer ? run.renderer->times().compile : 0;
+    if (!draw(run, loaded_.scene.image.seed).complete) return false;
+    if (run.renderer) run.measured.compile = run.renderer->times().compile - before;
+    limits_.worked(run.configuration.spp);
+    return true;
+}
+
+bool SceneSweep::drawTimed(Run& run, uint32_t seed) {
+    Measured& m = run.measured;
+    const render::StageTimes none;
+    const render::StageTimes before = run.renderer ? run.renderer->times() : none;
+    const Stopwatch watch;
+    const Picture picture = draw(run, seed);
+    const double wall = watch.seconds();
+    if (!picture.complete) return false;
+    const render::StageTimes& after = run.renderer ? run.renderer->times() : none;
+    limits_.worked(run.configuration.spp);
+    m.compile += after.compile - before.compile;
+    const ErrorMeasures error = measureError(picture.color, converged_);
+    if (m.seconds.empty()) m.total = error;
+    m.seconds.push_back(wall - (after.compile - before.compile));
+    m.rmse.push_back(error.rmse);
+    run.device.push_back(after.device - before.device);
+    m.upload = after.upload;
+    m.readback = after.readback - before.readback;
+    m.rays = after.pathRays - before.pathRays;
+    double samples = picture.samplesPerPixel;
+    if (!picture.samples.empty())
+        samples = std::accumulate(picture.samples.begin(), picture.samples.end(), 0.0) /
+                  static_cast<double>(picture.samples.size());
+    m.samples += samples / limits_.repeats;
+    return true;
+}
+
+// Each turn has a seed of its own, the same for all, and begins with another one: whoever always comes first
+// finds the caches as the last one left them.
+bool SceneSweep::takeTurns(std::vector<Run>& runs) {
+    for (int turn = 0; turn < limits_.repeats; ++turn) {
+        for (size_t i = 0; i < runs.size(); ++i) {
+            Run& run = runs[(i + static_cast<size_t>(turn)) % runs.size()];
+            if (limits_.cancelled()) return false;
+            if (!drawTimed(run, loaded_.scene.image.seed + static_cast<uint32_t>(turn))) return false;
+        }
+    }
+    return true;
+}
+
+void SceneSweep::finish(Run& run, const SceneReport& report) const {
+    Measured& m = run.measured;
+    double squares = 0;
+    for (const double rmse : m.rmse) squares += rmse * rmse / static_cast<double>(m.rmse.size());
+    // The converged picture's own error, of other seeds, adds its square to theirs.
+    const double own = report.truthError * report.truthError;
+    m.error = std::sqrt(std::max(squares - own, 0.0));
+    m.hidden = squares < 2 * own;
+    m.wall = quartilesOf(m.seconds);
+    m.device = quartilesOf(run.device);
+    m.repeats = static_cast<int>(m.seconds.size());
 }
 
 bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
+    if (hasAll(report, batch)) return true;
+    std::erase_if(report.measured, [&](const Measured& m) { return m.batch == batch.name; });
+    if (!fits(batch, report)) {
+        report.leftOut.push_back(batch.name);
+        limits_.worked(workOf(batch, limits_.repeats));
+        return true;
+    }
+    if (!drawTruth(report)) return false;
     std::vector<Run> runs;
-    if (!warmUp(batch, report, runs)) return false;
-    if (report.stiffness.empty() && !runs.empty()) {
-        report.kappa = verify::conditionNumber(reference::Tracer(loaded_.packed), camera_,
-                                               loaded_.scene.image.width, loaded_.scene.image.height);
-        report.stiffness = nameOf(verify::classOf(report.kappa));
+    for (const Configuration& c : batch.configurations) {
+        if (!isPossible(c, report)) continue;
+        runs.push_back(begin(c, report));
+        if (!judge(runs.back())) return false;
+        if (!warmUp(runs.back())) return false;
     }
-    for (int round = 0; round < limits_.repeats; ++round) {
-        for (Run& run : runs) {
-            if (limits_.cancelled()) return false;
-            if (run.enough(limits_.repeats)) {
-                limits_.worked(run.configuration.spp);
-            } else if (!renderOnce(run, true)) {
-                return false;
-            }
-        }
-    }
+    if (!takeTurns(runs)) return false;
     for (Run& run : runs) {
-        run.measured.wall = quartilesOf(run.wall);
-        run.measured.device = quartilesOf(run.device);
-        run.measured.repeats = static_cast<int>(run.wall.size());
+        finish(run, report);
+        run.measured.batch = batch.name;
         report.measured.push_back(std::move(run.measured));
     }
     std::erase_if(renderers_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });

@@ -5,6 +5,9 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <tuple>
+#include <vector>
 
 #include "gpu/device.h"
 #include "pack/loaded_scene.h"
@@ -17,14 +20,20 @@
 namespace glint::report {
 
 struct SweepLimits {
-    int repeats = 5;
-    int truthSamples = 256;
+    int repeats = 10;
+    int truthSamples = 0;      // 0: as many as truthSeconds allow
+    double truthSeconds = 20;  // for the converged picture
     Backend truth = Backend::Cpu;
-    std::function<bool()> late;  // no configuration is started any more
+    std::function<double()> secondsLeft;  // a batch that would take longer is left out; infinite: none is
     std::function<bool()> cancelled;
     std::function<bool(const Configuration&)> wanted;
-    std::function<void(double)> worked;  // samples times pictures done, for progress
+    std::function<void(double)> worked;  // what work() counts
 };
+
+// The converged picture in what work() counts, beside samples of pictures.
+inline constexpr double kTruthWork = 500;
+// Of a pixel, where samples are taken until an error is reached.
+inline constexpr double kMostErrorSamples = 1024;
 
 class SceneSweep {
   public:
@@ -35,27 +44,40 @@ class SceneSweep {
     ~SceneSweep();
 
     const std::vector<Batch>& batches() const { return batches_; }
-    // What `worked` sums up to for the configurations of a batch that `report` lacks.
-    double work(const Batch& batch, const SceneReport& report) const;
+    // What `worked` sums up to for all batches that `report` lacks.
+    double work(const SceneReport& report) const;
     // Sizes, names, hash; without measurements.
     SceneReport emptyReport() const;
-    // Adds what `report` lacks of the batch. False if cancelled, and then what was not finished is missing.
+    // Measures the batch, unless `report` has all of it or no time is left for it. False if cancelled, and
+    // then all of the batch is missing.
     bool measure(const Batch& batch, SceneReport& report);
 
   private:
+    // A double-precision picture of the very same samples.
     struct Truth {
         std::vector<glm::dvec3> colors;
         std::vector<uint32_t> paths;
     };
     struct Run;
 
-    Request requestFor(Sampler sampler, int spp, uint32_t seed) const;
-    const Truth* truthOf(Sampler sampler, int spp, uint32_t seed);  // null: cancelled
-    const Truth* converged();
+    Request requestFor(const Configuration& configuration, uint32_t seed) const;
+    const Truth* truthOf(const Configuration& configuration);  // null: cancelled
+    bool drawTruth(SceneReport& report);                       // false: cancelled
+    int truthSamples(const SceneReport& report);
+    Picture drawHalfOfTruth(int samples, uint32_t seed);
+    // Of a picture of one sample, of each pixel.
+    double secondsOf(bool byReference);
+    double predictedSamples(const Configuration& configuration, const SceneReport& report) const;
+    bool fits(const Batch& batch, const SceneReport& report);
+
     render::Renderer& rendererOf(const Configuration& configuration);
-    bool renderOnce(Run& run, bool timed);
-    bool judge(Run& run, const Picture& picture);
-    bool warmUp(const Batch& batch, SceneReport& report, std::vector<Run>& runs);
+    Run begin(const Configuration& configuration, const SceneReport& report);
+    Picture draw(Run& run, uint32_t seed);
+    bool judge(Run& run);
+    bool warmUp(Run& run);
+    bool drawTimed(Run& run, uint32_t seed);
+    bool takeTurns(std::vector<Run>& runs);
+    void finish(Run& run, const SceneReport& report) const;
 
     const gpu::Device& device_;
     std::filesystem::path path_;
@@ -63,8 +85,10 @@ class SceneSweep {
     LoadedScene loaded_;
     shared::Camera camera_;
     std::vector<Batch> batches_;
-    std::map<std::tuple<Sampler, int, uint32_t>, Truth> truths_;
-    std::unique_ptr<Truth> deviceTruth_;
+    std::map<std::tuple<Sampler, int>, Truth> truths_;
+    std::vector<glm::dvec3> converged_;  // colours; empty before drawTruth
+    std::optional<double> deviceSeconds_, referenceSeconds_;
+    double kappa_ = 0;
     std::map<std::string, std::unique_ptr<render::Renderer>> renderers_;  // by what a request cannot vary
 };
 

@@ -12,6 +12,8 @@ namespace glint::report {
 
 namespace {
 
+constexpr int kLeastTellingWidth = 256;
+
 std::string row(const std::vector<std::string>& cells) {
     std::string line = "|";
     for (const std::string& cell : cells) line += " " + cell + " |";
@@ -28,13 +30,17 @@ std::string milliseconds(double seconds) {
     return shortNumber(seconds * 1e3);
 }
 
+std::string errorOf(const SceneReport& scene, const Measured& m) {
+    return m.hidden ? "< " + shortNumber(scene.truthError) : shortNumber(m.error);
+}
+
 bool isSampler(const std::string& family) {
     const auto sampler = named<Sampler>(family);
     return sampler && *sampler != Sampler::Auto;
 }
 
 std::string settingOf(const Measured& m) {
-    const std::string name = m.family + ", " + std::to_string(m.spp) + " spp";
+    const std::string name = m.family + ", " + shortNumber(m.samples) + " spp";
     return isSampler(m.family) ? name : name + " lowDiscrepancy";
 }
 
@@ -45,12 +51,11 @@ std::string samplingTable(const SceneReport& scene) {
         const std::string sampler(nameOf(s));
         for (const Measured* m : familyOf(scene, sampler)) {
             const double rate = m->wall.median > 0 ? static_cast<double>(m->rays) / m->wall.median / 1e6 : 0;
-            out +=
-                row({sampler, std::to_string(m->spp),
-                     milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
-                         milliseconds(m->wall.high) + ")",
-                     milliseconds(m->device.median), shortNumber(m->total.rmse), shortNumber(m->total.relMse),
-                     shortNumber(m->total.max), shortNumber(m->total.percentVisible), shortNumber(rate)});
+            out += row({sampler, std::to_string(m->spp),
+                        milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
+                            milliseconds(m->wall.high) + ")",
+                        milliseconds(m->device.median), errorOf(scene, *m), shortNumber(m->total.relMse),
+                        shortNumber(m->total.max), shortNumber(m->total.percentVisible), shortNumber(rate)});
         }
     }
     return out;
@@ -62,8 +67,9 @@ std::string slopeLine(const SceneReport& scene) {
         const std::string sampler(nameOf(s));
         std::vector<double> x, y;
         for (const Measured* m : familyOf(scene, sampler)) {
+            if (m->hidden) continue;
             x.push_back(m->spp);
-            y.push_back(m->total.rmse);
+            y.push_back(m->error);
         }
         const auto slope = logSlope(x, y);
         out += " " + sampler + " " + (slope ? shortNumber(*slope) : "not measured") + ",";
@@ -94,7 +100,8 @@ std::string methodTable(const SceneReport& scene) {
 
 std::string truncationTable(const SceneReport& scene) {
     if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
-    std::string out = header({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "max", "> 1/255 %", "bias"});
+    std::string out = header({"at 4 spp", "ms (q1..q3)", "RMSE, same samples", "at most, by its own account",
+                              "max", "> 1/255 %", "bias"});
     for (const Measured& m : scene.measured) {
         if ((m.family != "depth" && m.family != "cut") || !m.arithmetic) continue;
         const std::string name = m.family == "cut" ? "cut below " + shortNumber(m.minContribution)
@@ -103,8 +110,8 @@ std::string truncationTable(const SceneReport& scene) {
         out += row({name,
                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
                         milliseconds(m.wall.high) + ")",
-                    shortNumber(e.rmse), shortNumber(e.max), shortNumber(e.percentVisible),
-                    shortNumber(e.bias)});
+                    shortNumber(e.rmse), shortNumber(m.bound), shortNumber(e.max),
+                    shortNumber(e.percentVisible), shortNumber(e.bias)});
     }
     return "\n" + out;
 }
@@ -123,16 +130,67 @@ std::string stabilityTable(const Report& data) {
     return out;
 }
 
-// The quickest that is good enough, in words; of the samplers, which took turns.
-std::string cheapestFor(const SceneReport& scene, double wanted) {
+// The same picture in other ways, beside the default's sampler at as many samples.
+std::string otherWaysTable(const SceneReport& scene) {
+    std::string rows;
+    for (const Measured& m : scene.measured) {
+        if (contestOf(m) != Contest::None || m.family == "depth" || m.family == "cut") continue;
+        rows += row({m.family, shortNumber(m.samples),
+                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
+                         milliseconds(m.wall.high) + ")",
+                     errorOf(scene, m), m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
+    }
+    if (rows.empty()) return "";
+    return "\n" + header({"in another way", "samples", "ms (q1..q3)", "RMSE", "of the error asked for"}) +
+           rows;
+}
+
+// The quickest that is good enough, among settings that any picture can be drawn with.
+const Measured* cheapestFor(const SceneReport& scene, double wanted) {
     const Measured* best = nullptr;
     for (const Measured& m : scene.measured) {
-        if (m.total.rmse > wanted || !isSampler(m.family)) continue;
+        if (m.hidden ? scene.truthError > wanted : m.error > wanted) continue;
+        if (!isSampler(m.family)) continue;
         if (best == nullptr || m.wall.median < best->wall.median) best = &m;
     }
+    return best;
+}
+
+std::string cheapestInWords(const SceneReport& scene, double wanted) {
+    const Measured* best = cheapestFor(scene, wanted);
     if (best == nullptr) return "Nothing measured reaches an error of " + shortNumber(wanted) + ". ";
     return "For an error of " + shortNumber(wanted) + " the cheapest is " + settingOf(*best) + ": " +
            shortNumber(best->wall.median * 1e3) + " ms. ";
+}
+
+// What to take from it all: which samples for which error, on which kind of scene.
+std::string adviceTable(const Report& data) {
+    const double errors[] = {0.03, 0.01, 0.003, 0.001};
+    std::vector<std::string> names{"scene", "with"};
+    for (const double error : errors) names.push_back("error " + shortNumber(error));
+    std::string out = header(names);
+    for (const SceneReport& scene : data.scenes) {
+        std::vector<std::string> cells{scene.name, scene.contents};
+        for (const double error : errors) {
+            const Measured* best = cheapestFor(scene, error);
+            cells.push_back(best == nullptr
+                                ? "not reached"
+                                : settingOf(*best) + ": " + milliseconds(best->wall.median) + " ms");
+        }
+        out += row(cells);
+    }
+    return out;
+}
+
+std::string sceneLine(const SceneReport& scene) {
+    std::string line = scene.camera.empty() ? "" : "camera \"" + printable(scene.camera) + "\", ";
+    line += std::to_string(scene.width) + " x " + std::to_string(scene.height) + " pixels, greatest depth " +
+            std::to_string(scene.maxDepth) + ", kappa " + shortNumber(scene.kappa) + " (" + scene.stiffness +
+            "); converged picture of " + std::to_string(scene.truthSamples) + " samples, whose own error, " +
+            shortNumber(scene.truthError) + ", is taken out of the others'.";
+    return line + (scene.width < kLeastTellingWidth
+                       ? " Starting the device's work takes much of the time of so small a picture."
+                       : "");
 }
 
 }  // namespace
@@ -165,15 +223,20 @@ std::vector<std::string> familiesOf(const SceneReport& scene) {
 
 std::vector<const Measured*> frontOf(const SceneReport& scene) {
     std::vector<WorkPoint> points;
-    for (const Measured& m : scene.measured) points.push_back({m.wall.median, m.total.rmse});
+    std::vector<const Measured*> told;
+    for (const Measured& m : scene.measured) {
+        if (m.hidden) continue;
+        points.push_back({m.wall.median, m.error});
+        told.push_back(&m);
+    }
     std::vector<const Measured*> front;
-    for (const size_t i : paretoFront(points)) front.push_back(&scene.measured[i]);
+    for (const size_t i : paretoFront(points)) front.push_back(told[i]);
     return front;
 }
 
 std::string conclusionOf(const SceneReport& scene) {
     if (scene.measured.empty()) return "Nothing was measured.";
-    std::string out = cheapestFor(scene, 1e-2) + cheapestFor(scene, 1e-3);
+    std::string out = cheapestInWords(scene, 1e-2) + cheapestInWords(scene, 1e-3);
     const std::string sampler = defaultInWords(scene, Contest::Samplers);
     if (!sampler.empty()) out += "The default sampler (" + scene.defaultSampler + ") is " + sampler + ". ";
     const std::string methods = defaultInWords(scene, Contest::Methods);
@@ -184,21 +247,21 @@ std::string conclusionOf(const SceneReport& scene) {
 }
 
 std::string toMarkdown(const Report& data) {
-    std::string out = "device: " + data.device + ", " + data.driver + ", Vulkan " + data.api + "; " +
-                      std::to_string(data.cores) + " cores; glint " + data.version + "\n";
-    out += "converged pictures: " + data.truthBackend + ", " + std::to_string(data.truthSamples) +
-           " lowDiscrepancy samples of another seed\n";
+    std::string out = "## Which samples for which error\n\n" + adviceTable(data) +
+                      "\nErrors are RMSE of linear colour (full scale 1); times are of a picture without "
+                      "loading and compiling, the median of " +
+                      std::to_string(data.repeats) + " runs.\n";
+    out += "\ndevice: " + data.device + ", " + data.driver + ", Vulkan " + data.api + "; " +
+           std::to_string(data.cores) + " cores; glint " + data.version +
+           "; converged pictures: " + data.truthBackend + ", lowDiscrepancy, other seeds\n";
     for (const SceneReport& scene : data.scenes) {
-        out += "\n## " + scene.name + "\n\n" +
-               (scene.camera.empty() ? "" : "camera \"" + printable(scene.camera) + "\", ") +
-               std::to_string(scene.width) + " x " + std::to_string(scene.height) +
-               " pixels, greatest depth " + std::to_string(scene.maxDepth) + ", kappa " +
-               shortNumber(scene.kappa) + " (" + scene.stiffness + ")\n\n";
+        out += "\n## " + scene.name + "\n\n" + sceneLine(scene) + "\n\n";
         out += samplingTable(scene) + "\n" + slopeLine(scene) + "\n" + methodTable(scene) +
-               truncationTable(scene) + "\n" + defaultTable(scene) + "\n" + conclusionOf(scene) + "\n";
+               truncationTable(scene) + otherWaysTable(scene) + "\n" + defaultTable(scene) + "\n" +
+               conclusionOf(scene) + "\n";
         if (!scene.leftOut.empty()) {
-            out += "\nLeft out for want of time:\n";
-            for (const std::string& key : scene.leftOut) out += "- " + key + "\n";
+            out += "\nLeft out for want of time (the same command goes on with it):\n";
+            for (const std::string& name : scene.leftOut) out += "- " + name + "\n";
         }
     }
     return out + "\n## Is the default on the front?\n\n" + defaultSummary(data) + "\n## Stability\n\n" +
