@@ -51,7 +51,7 @@ enum {
     GLINT_ERROR_ARGUMENT = 1,  /* what the caller asked for is at fault */
     GLINT_ERROR_SCENE = 2,     /* the scene, or a file it names, is at fault */
     GLINT_ERROR_DEVICE = 3,    /* no usable device, or it failed */
-    GLINT_ERROR_MEMORY = 4,    /* of the host */
+    GLINT_ERROR_MEMORY = 4,    /* of the host; or the caller's settings refuse it */
     GLINT_ERROR_CANCELLED = 5, /* by the caller's callback; outputs hold what was finished */
     GLINT_ERROR_CAPACITY = 6,  /* more hits than there is room for; nothing was written but how many */
     GLINT_ERROR_FAILED = 7     /* anything else */
@@ -125,6 +125,34 @@ GLINT_API glint_status glint_device_describe(uint32_t index, glint_device_info* 
 /* selector: NULL or "" for the best Vulkan device; a number: the index; "cpu"; else part of the name, any
  * case. */
 GLINT_API glint_status glint_device_open(const char* selector, glint_device** device);
+
+enum { GLINT_LOG_INFO = 0, GLINT_LOG_WARNING = 1 };
+
+/* What holds for a device and for all that is made with it. Two devices opened in one process share nothing
+ * of it. Callbacks may be NULL, must not call glint, and must stay callable until the device is released and
+ * everything made with it. */
+typedef struct glint_settings {
+    uint64_t size;
+    uint32_t
+        threads; /* that one call uses at most; 0: a processor each. A software device has its own besides */
+    uint32_t reserved;
+    /* What the device and its scenes may hold at a time, bytes; 0: no limit. Counted are vertices, indices,
+     * the arrays that are traced, trees while they are built, and buffers on the device: not code, materials
+     * and what the C++ library needs besides. */
+    uint64_t max_bytes;
+    /* Asked with bytes > 0 before so much of that is taken: 0 refuses it, and the call ends with
+     * GLINT_ERROR_MEMORY and leaves everything as it was. Told with bytes < 0 when so much was given back,
+     * where no answer is looked at. From any thread. */
+    int (*memory)(void* user, int64_t bytes);
+    /* Told what was opened, committed, ignored and mended, a line each without its end; level: GLINT_LOG_...
+     * From the thread whose call it is. */
+    void (*log)(void* user, int32_t level, const char* text);
+    void* user; /* handed to both */
+} glint_settings;
+
+/* glint_device_open with settings of one's own; NULL: the default ones. */
+GLINT_API glint_status glint_device_open_with(const char* selector, const glint_settings* settings,
+                                              glint_device** device);
 GLINT_API glint_status glint_device_info_of(const glint_device* device, glint_device_info* info);
 GLINT_API void glint_device_retain(glint_device* device);
 GLINT_API void glint_device_release(glint_device* device);
@@ -198,6 +226,8 @@ GLINT_API glint_status glint_scene_find_material(const glint_scene* scene, const
  * hold it no more, the second commit after it uses its memory again, so a scene that changes takes twice the
  * room. A call that fails leaves what queries see as it was. */
 GLINT_API glint_status glint_scene_commit(glint_scene* scene);
+/* The same, and it may be cancelled, at any time until its end. `options->progress` is not told of it. */
+GLINT_API glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options);
 
 typedef struct glint_scene_info {
     uint64_t size;

@@ -139,9 +139,35 @@ class Owner {
 using DeviceInfo = glint_device_info;
 using SceneInfo = glint_scene_info;
 
+// What holds for a device, see glint_settings. The functions may be empty.
+struct Settings {
+    unsigned threads = 0;
+    std::uint64_t maxBytes = 0;
+    std::function<bool(std::int64_t bytes)> memory;               // false refuses
+    std::function<void(int level, const std::string& text)> log;  // level: GLINT_LOG_...
+};
+
 // A copy is another owner of the same device.
 class Device {
   public:
+    // `settings` must outlive the device and all that is made with it.
+    Device(const std::string& selector, const Settings& settings) {
+        GLINT_INIT(glint_settings, raw);
+        raw.threads = settings.threads;
+        raw.max_bytes = settings.maxBytes;
+        raw.user = const_cast<Settings*>(&settings);
+        if (settings.memory)
+            raw.memory = [](void* user, std::int64_t bytes) {
+                return static_cast<Settings*>(user)->memory(bytes) ? 1 : 0;
+            };
+        if (settings.log)
+            raw.log = [](void* user, std::int32_t level, const char* text) {
+                static_cast<Settings*>(user)->log(level, text);
+            };
+        glint_device* opened = nullptr;
+        check(glint_device_open_with(selector.c_str(), &raw, &opened));
+        owner_ = decltype(owner_)(opened);
+    }
     // "" for the best, a number, "cpu", or part of a name.
     explicit Device(const std::string& selector = {}) {
         glint_device* opened = nullptr;
@@ -278,7 +304,11 @@ class Scene {
         check(glint_scene_find_material(get(), name.c_str(), &found));
         return found;
     }
-    void commit() { check(glint_scene_commit(get())); }
+    // Nothing is said to control.progress.
+    void commit(const Control& control = {}) {
+        const detail::RawOptions options(control);
+        check(glint_scene_commit_with(get(), &options.options));
+    }
 
     SceneInfo info() const {
         GLINT_INIT(glint_scene_info, found);

@@ -84,11 +84,20 @@ def devices() -> list[dict[str, Any]]:
 
 
 class Device:
-    """An open device; scenes keep theirs alive."""
+    """An open device; scenes keep theirs alive.
 
-    def __init__(self, selector: str | int = "") -> None:
+    threads: that a call uses at most, 0 for one a processor. max_bytes: what the device and its scenes may hold, 0 for no limit;
+    a call that needs more raises Error. log: called with lines about what was opened, committed, ignored and mended.
+    """
+
+    def __init__(self, selector: str | int = "", threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None) -> None:
         self._handle = ctypes.c_void_p()
-        _native.call("glint_device_open", str(selector).encode(), ctypes.byref(self._handle))
+        settings = _native.make(_native.Settings)
+        settings.threads, settings.max_bytes = threads, max_bytes
+        self._log = _native.LOG_CALLBACK(lambda user, level, text: log(text.decode()) if log else None)
+        if log:
+            settings.log = self._log
+        _native.call("glint_device_open_with", str(selector).encode(), ctypes.byref(settings), ctypes.byref(self._handle))
 
     def __del__(self) -> None:
         _native.loaded.glint_device_release(self._handle)

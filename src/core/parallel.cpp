@@ -10,6 +10,9 @@
 #include <thread>
 #include <vector>
 
+#include "core/call_terms.h"
+#include "core/error.h"
+
 namespace glint {
 namespace {
 
@@ -17,6 +20,12 @@ namespace {
 class IndexLoop {
   public:
     IndexLoop(size_t count, const std::function<void(size_t)>& body) : count_(count), body_(body) {}
+
+    // For a helper: as the thread that started it.
+    void workFor(const CallTerms* terms) {
+        const CallScope scope(terms);
+        work();
+    }
 
     void work() {
         while (!stopped_.load(std::memory_order_relaxed)) {
@@ -26,6 +35,9 @@ class IndexLoop {
                 return;
             }
             try {
+                const CallTerms* const terms = CallScope::current();
+                if (terms != nullptr && terms->cancelled && terms->cancelled())
+                    throw Error(ErrorKind::Interrupted, "cancelled by the caller");
                 body_(index);
             } catch (...) {
                 const std::lock_guard lock(mutex_);
@@ -66,13 +78,15 @@ unsigned defaultThreadCount() {
 }
 
 void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned threads) {
+    const CallTerms* const terms = CallScope::current();
+    if (threads == 0) threads = terms != nullptr ? terms->threads : 0;
     const size_t wanted = std::min<size_t>(count, threads == 0 ? defaultThreadCount() : threads);
     IndexLoop loop(count, body);
     {
         std::vector<std::jthread> helpers;  // joined at the end of this block
         try {
             for (size_t i = 1; i < wanted; ++i) {
-                helpers.emplace_back([&loop] { loop.work(); });
+                helpers.emplace_back([&loop, terms] { loop.workFor(terms); });
             }
         } catch (const std::system_error&) {
             // No further thread to be had (a limit on processes): those that run do the work.

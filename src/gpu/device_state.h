@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/call_terms.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "gpu/handle.h"
@@ -60,6 +61,7 @@ std::vector<PhysicalDevice> queryDevices(const Instance& instance, VkSurfaceKHR 
 // ---- states of the public types ----
 
 struct BufferState {
+    MemoryCharge charge;
     const DeviceState* device = nullptr;
     std::string name;
     VkDeviceSize bytes = 0;

@@ -194,7 +194,7 @@ using namespace glint::library;
 
 glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays, const glint_out* count,
                                const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
@@ -208,7 +208,7 @@ glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
 
 glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, const glint_out* offsets,
                              const glint_hits* hits, uint64_t* total, const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         const Output places(offsets != nullptr ? *offsets : glint_out{}, Output::Kind::Long, 1,
@@ -223,7 +223,7 @@ glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, c
 // rounding alone. Points that this, or rounding to fp32, might take through a surface are on it.
 glint_status glint_query_inside(const glint_scene* scene, const glint_view* points, const glint_out* where,
                                 const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         require(points != nullptr, "glint_query_inside: points is NULL");
         require(where != nullptr && where->data != nullptr, "glint_query_inside: where is NULL");

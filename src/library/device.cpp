@@ -1,5 +1,6 @@
 // Devices: Vulkan's, and the reference as one more.
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 #include "library/handles.h"
@@ -45,8 +46,43 @@ std::vector<gpu::DeviceInfo> vulkanDevices() {
     }
 }
 
-std::unique_ptr<glint_device> open(const std::string& selector) {
+// What a device's settings say of memory.
+class SettingsAccount final : public MemoryAccount {
+  public:
+    explicit SettingsAccount(const glint_settings& settings) : settings_(settings) {}
+
+    void take(uint64_t bytes) override {
+        uint64_t held = held_.load(std::memory_order_relaxed);
+        do {
+            if (settings_.max_bytes > 0 && bytes > settings_.max_bytes - std::min(held, settings_.max_bytes))
+                throw Failure(GLINT_ERROR_MEMORY, std::to_string(bytes) +
+                                                      " bytes more are too many: " + std::to_string(held) +
+                                                      " are held, and the settings' max_bytes is " +
+                                                      std::to_string(settings_.max_bytes));
+        } while (!held_.compare_exchange_weak(held, held + bytes));
+        if (settings_.memory == nullptr || settings_.memory(settings_.user, static_cast<int64_t>(bytes)) != 0)
+            return;
+        held_ -= bytes;
+        throw Failure(GLINT_ERROR_MEMORY, "the settings' memory callback refused " + std::to_string(bytes) +
+                                              " bytes; " + std::to_string(held) + " are held");
+    }
+    void give(uint64_t bytes) noexcept override {
+        held_ -= bytes;
+        if (settings_.memory != nullptr) settings_.memory(settings_.user, -static_cast<int64_t>(bytes));
+    }
+
+  private:
+    const glint_settings settings_;
+    std::atomic<uint64_t> held_{0};
+};
+
+std::unique_ptr<glint_device> open(const std::string& selector, const glint_settings& settings) {
     auto device = std::make_unique<glint_device>();
+    device->settings = settings;
+    device->terms.threads = settings.threads;
+    if (settings.memory != nullptr || settings.max_bytes > 0)
+        device->terms.account = std::make_shared<SettingsAccount>(settings);
+    const CallScope scope(&device->terms);
     const std::vector<gpu::DeviceInfo> found = vulkanDevices();
     const std::string last = std::to_string(found.size());
     if (selector == kReferenceName || selector == last) {
@@ -61,6 +97,10 @@ std::unique_ptr<glint_device> open(const std::string& selector) {
 }
 
 }  // namespace
+
+void logLine(const glint_device& device, int32_t level, const std::string& text) {
+    if (device.settings.log != nullptr) device.settings.log(device.settings.user, level, text.c_str());
+}
 
 }  // namespace glint::library
 
@@ -85,10 +125,19 @@ glint_status glint_device_describe(uint32_t index, glint_device_info* info) {
 }
 
 glint_status glint_device_open(const char* selector, glint_device** device) {
+    return glint_device_open_with(selector, nullptr, device);
+}
+
+glint_status glint_device_open_with(const char* selector, const glint_settings* settings,
+                                    glint_device** device) {
     return guarded([&] {
         require(device != nullptr, "glint_device_open: device is NULL");
         *device = nullptr;
-        *device = open(selector == nullptr ? "" : selector).release();
+        const glint_settings given =
+            settings == nullptr ? glint_settings{} : readStruct(settings, "glint_device_open_with: settings");
+        std::unique_ptr<glint_device> opened = open(selector == nullptr ? "" : selector, given);
+        logLine(*opened, GLINT_LOG_INFO, "device: " + std::string(opened->info.name));
+        *device = opened.release();
     });
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/call_terms.h"
 #include "glint/glint.h"
 #include "gpu/device.h"
 #include "scene/scene.h"
@@ -18,6 +19,10 @@ class Retired;
 }  // namespace glint::library
 
 struct glint_device {
+    // Given back to last, after the buffers.
+    glint_settings settings{};
+    glint::CallTerms terms;
+
     std::atomic<uint32_t> owners{1};
     std::optional<glint::gpu::Device> vulkan;  // empty: the reference
     glint_device_info info{};
@@ -32,10 +37,11 @@ struct glint_scene {
 
     // What changes work on.
     glint::Scene draft;
-    std::vector<glint::Affine> added;  // for each object, its transform as it was added
-    bool framed = true;                // there is no camera yet: commit finds one
-    bool grown = false;                // something was added since it was committed
-    uint64_t trees = 0;                // built so far
+    std::vector<glint::Affine> added;         // for each object, its transform as it was added
+    bool framed = true;                       // there is no camera yet: commit finds one
+    bool grown = false;                       // something was added since it was committed
+    uint64_t trees = 0;                       // built so far
+    std::vector<glint::MemoryCharge> loaded;  // of meshes from files and texts
 
     // What queries see.
     mutable std::mutex mutex;
@@ -50,6 +56,17 @@ std::shared_ptr<const Snapshot> snapshotOf(const glint_scene* scene);
 
 // Makes the draft what queries see.
 void commit(glint_scene& scene);
+
+// Vertices, indices and what else meshes have.
+uint64_t meshBytes(const Scene& scene);
+
+// By the device's settings, if they ask for it.
+void logLine(const glint_device& device, int32_t level, const std::string& text);
+
+// Of the scene's device; null without a scene.
+inline const CallTerms* termsOf(const glint_scene* scene) {
+    return scene == nullptr ? nullptr : &scene->device->terms;
+}
 
 // An owner of a device as long as it lives.
 class DeviceOwner {

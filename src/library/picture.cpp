@@ -180,7 +180,7 @@ using namespace glint::library;
 
 glint_status glint_render(const glint_scene* scene, const glint_picture* picture,
                           const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         draw(*snapshot, readStruct(picture, "picture"), options);
     });

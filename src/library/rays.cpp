@@ -84,7 +84,7 @@ using namespace glint::library;
 
 glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays, const glint_hits* hits,
                                  const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         const HitWriter writer(readStruct(hits, "hits"), reader.count(), snapshot->part());
@@ -98,7 +98,7 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
 
 glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, const glint_out* hit,
                              const glint_options* options) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");

@@ -1,6 +1,7 @@
 // Scenes as handles: made, loaded, committed, asked about.
 #include "import/load.h"
 #include "library/handles.h"
+#include "library/ray_reader.h"
 #include "library/snapshot.h"
 #include "library/status.h"
 
@@ -23,10 +24,11 @@ glint_status glint_scene_load(glint_device* device, const char* path, glint_scen
     glint_scene* made = nullptr;
     const glint_status created = glint_scene_create(device, scene == nullptr ? nullptr : &made);
     if (created != GLINT_OK) return created;
-    const glint_status loaded = guarded([&] {
+    const glint_status loaded = guarded(termsOf(made), [&] {
         require(path != nullptr, "glint_scene_load: path is NULL");
         made->draft = glint::loadScene(std::filesystem::path(path));
         made->framed = false;
+        made->loaded.push_back(glint::chargeMemory(meshBytes(made->draft)));
         for (const glint::Object& object : made->draft.objects)
             made->added.push_back(object.transform.value_or(glint::Affine{}));
         commit(*made);
@@ -51,14 +53,25 @@ void glint_scene_release(glint_scene* scene) {
 }
 
 glint_status glint_scene_commit(glint_scene* scene) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         require(scene != nullptr, "glint_scene_commit: scene is NULL");
         commit(*scene);
     });
 }
 
-glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info) {
+glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options) {
+    if (options == nullptr) return glint_scene_commit(scene);
     return guarded([&] {
+        require(scene != nullptr, "glint_scene_commit_with: scene is NULL");
+        glint::CallTerms terms = scene->device->terms;
+        terms.cancelled = Callbacks(options).cancelled;
+        const glint::CallScope scope(&terms);
+        commit(*scene);
+    });
+}
+
+glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* info) {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const glint::PackedScene& packed = snapshot->part().packed;
         glint_scene_info known{};
@@ -79,7 +92,7 @@ glint_status glint_scene_info_of(const glint_scene* scene, glint_scene_info* inf
 }
 
 glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const char** text) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         require(text != nullptr, "glint_scene_warning: text is NULL");
         if (index >= snapshot->warnings().size())
@@ -90,7 +103,7 @@ glint_status glint_scene_warning(const glint_scene* scene, uint32_t index, const
 }
 
 glint_status glint_scene_find_material(const glint_scene* scene, const char* name, uint32_t* material) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         require(scene != nullptr, "glint_scene_find_material: scene is NULL");
         require(name != nullptr, "glint_scene_find_material: name is NULL");
         require(material != nullptr, "glint_scene_find_material: material is NULL");

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 #include "import/load.h"
 #include "library/handles.h"
@@ -39,9 +40,29 @@ void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call
                std::to_string(scene->draft.objects.size()));
 }
 
+uint64_t bytesOf(const Mesh& mesh) {
+    const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
+    return bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.corners) + bytes(mesh.normalCorners) +
+           bytes(mesh.uvs) + bytes(mesh.uvCorners) + bytes(mesh.colors) + bytes(mesh.colorCorners) +
+           bytes(mesh.faces) + bytes(mesh.materials);
+}
+
+// An empty mesh that counts as so many bytes.
+std::shared_ptr<Mesh> chargedMesh(uint64_t bytes) {
+    struct Charged {
+        MemoryCharge charge;
+        Mesh mesh;
+    };
+    auto held = std::make_shared<Charged>();
+    held->charge = chargeMemory(bytes);
+    return {held, &held->mesh};
+}
+
 std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
     const NumberView vertices(given.vertices, 3, 0, "glint_scene_add_triangles: vertices");
-    auto mesh = std::make_shared<Mesh>();
+    const uint64_t triangles =
+        given.indices.data == nullptr ? vertices.count() / 3 : uint64_t{given.indices.count};
+    auto mesh = chargedMesh(vertices.count() * sizeof(dvec3) + triangles * sizeof(glm::uvec3));
     mesh->positions.resize(vertices.count());
     for (uint64_t i = 0; i < vertices.count(); ++i) mesh->positions[i] = vertices.three(i);
     if (given.indices.data == nullptr) {
@@ -126,13 +147,23 @@ void merge(glint_scene& scene, Scene text) {
 
 }  // namespace
 
+uint64_t meshBytes(const Scene& scene) {
+    std::set<const Mesh*> seen;
+    uint64_t bytes = 0;
+    for (const Object& object : scene.objects) {
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape != nullptr && seen.insert(shape->mesh.get()).second) bytes += bytesOf(*shape->mesh);
+    }
+    return bytes;
+}
+
 }  // namespace glint::library
 
 using namespace glint::library;
 
 glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                        uint32_t* geometry) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         require(scene != nullptr, "glint_scene_add_triangles: scene is NULL");
         const glint_triangles given = readStruct(triangles, "glint_scene_add_triangles: triangles");
         checkMaterial(*scene, given.material, "glint_scene_add_triangles");
@@ -145,7 +176,7 @@ glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles
 }
 
 glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* spheres, uint32_t* first) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         require(scene != nullptr, "glint_scene_add_spheres: scene is NULL");
         const glint_spheres given = readStruct(spheres, "glint_scene_add_spheres: spheres");
         checkMaterial(*scene, given.material, "glint_scene_add_spheres");
@@ -167,11 +198,12 @@ glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* sp
 
 glint_status glint_scene_add_json(glint_scene* scene, const char* text, const char* folder, uint32_t* first,
                                   uint32_t* count) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         require(scene != nullptr, "glint_scene_add_json: scene is NULL");
         require(text != nullptr, "glint_scene_add_json: text is NULL");
         glint::Scene parsed =
             glint::parseScene(text, "text", folder == nullptr ? std::filesystem::path() : folder);
+        scene->loaded.push_back(glint::chargeMemory(meshBytes(parsed)));
         const auto before = static_cast<uint32_t>(scene->draft.objects.size());
         merge(*scene, std::move(parsed));
         if (first != nullptr) *first = before;
@@ -181,7 +213,7 @@ glint_status glint_scene_add_json(glint_scene* scene, const char* text, const ch
 
 glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, const double transform[12],
                                       uint32_t* instance) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         checkGeometry(scene, geometry, "glint_scene_add_instance");
         const glint::Affine moved = readTransform(transform, "glint_scene_add_instance");
         const glint::Affine base = scene->added[geometry];
@@ -194,7 +226,7 @@ glint_status glint_scene_add_instance(glint_scene* scene, uint32_t geometry, con
 }
 
 glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, const double transform[12]) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         checkGeometry(scene, geometry, "glint_scene_set_transform");
         const glint::Affine moved = readTransform(transform, "glint_scene_set_transform");
         scene->draft.objects[geometry].transform = then(scene->added[geometry], moved);
@@ -202,7 +234,7 @@ glint_status glint_scene_set_transform(glint_scene* scene, uint32_t geometry, co
 }
 
 glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, const glint_view* vertices) {
-    return guarded([&] {
+    return guarded(termsOf(scene), [&] {
         checkGeometry(scene, geometry, "glint_scene_set_vertices");
         require(vertices != nullptr, "glint_scene_set_vertices: vertices is NULL");
         const auto* shape = std::get_if<glint::MeshShape>(&scene->draft.objects[geometry].shape);
@@ -212,7 +244,8 @@ glint_status glint_scene_set_vertices(glint_scene* scene, uint32_t geometry, con
         if (given.count() != before->positions.size())
             refuse("glint_scene_set_vertices: the mesh has " + std::to_string(before->positions.size()) +
                    " vertices, but " + std::to_string(given.count()) + " were given");
-        auto mesh = std::make_shared<glint::Mesh>(*before);
+        const std::shared_ptr<glint::Mesh> mesh = chargedMesh(bytesOf(*before));
+        *mesh = *before;
         for (uint64_t i = 0; i < given.count(); ++i) {
             const glm::dvec3 position = given.three(i);
             if (!isFinite(position))

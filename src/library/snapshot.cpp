@@ -1,8 +1,10 @@
 #include "library/snapshot.h"
 
+#include <set>
 #include <utility>
 
 #include "library/status.h"
+#include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "scene/frame_model.h"
 #include "scene/placement.h"
@@ -19,11 +21,39 @@ std::vector<Whereabouts> whereaboutsOf(const Scene& draft) {
     return whereabouts;
 }
 
-Snapshot::Part::Part(const glint_device& device, const Scene& scene, bool split) : moving_(scene, split) {
+namespace {
+
+uint64_t bytesOf(const PackedScene& packed) {
+    uint64_t bytes = 0;
+    visitArrays(packed, [&](const char*, const auto& array) { bytes += array.size() * sizeof(array[0]); });
+    return bytes;
+}
+
+// While it is packed: a primitive's rows and its part of the nodes, and its box, source and two entries of
+// the builder.
+uint64_t packingBytes(const Scene& scene) {
+    constexpr uint64_t kRows = 112, kBuilding = 176;
+    std::set<const Mesh*> seen;
+    uint64_t primitives = 0;
+    for (const Object& object : scene.objects) {
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape == nullptr || seen.insert(shape->mesh.get()).second)
+            primitives += shape == nullptr ? 1 : shape->mesh->corners.size();
+    }
+    return primitives * (kRows + kBuilding);
+}
+
+}  // namespace
+
+Snapshot::Part::Part(const glint_device& device, const Scene& scene, bool split)
+    : charge_(chargeMemory(packingBytes(scene))), moving_(scene, split) {
+    charge_ = {};
+    charge_ = chargeMemory(bytesOf(packed));
     prepare(device);
 }
 
-Snapshot::Part::Part(const glint_device& device, const Part& other) : moving_(other.moving_) {
+Snapshot::Part::Part(const glint_device& device, const Part& other)
+    : charge_(chargeMemory(bytesOf(other.packed))), moving_(other.moving_) {
     prepare(device);
 }
 
@@ -33,12 +63,16 @@ void Snapshot::Part::prepare(const glint_device& device) {
 
 const reference::Tracer& Snapshot::Part::tracer() const {
     const std::lock_guard lock(tracerMutex_);
-    if (!tracer_) tracer_ = std::make_unique<reference::Tracer>(packed);
+    if (!tracer_) {
+        tracerCharge_ = chargeMemory(2 * bytesOf(packed));  // the same in double
+        tracer_ = std::make_unique<reference::Tracer>(packed);
+    }
     return *tracer_;
 }
 
 bool Snapshot::Part::update(const glint_device& device, const Scene& scene, const std::vector<bool>& moved) {
     tracer_ = nullptr;
+    tracerCharge_ = {};
     if (!moving_.update(scene, moved)) return false;
     if (queries && !queries->update()) prepare(device);
     return true;
@@ -146,6 +180,19 @@ std::unique_ptr<Snapshot> nextVersion(glint_scene& scene, const Snapshot& curren
 
 }  // namespace
 
+namespace {
+
+void report(const glint_device& device, const Snapshot& committed) {
+    if (device.settings.log == nullptr) return;
+    for (const std::string& warning : committed.warnings()) logLine(device, GLINT_LOG_WARNING, warning);
+    logLine(device, GLINT_LOG_INFO,
+            "committed: " + std::to_string(committed.scene().objects.size()) + " geometries, " +
+                std::to_string(committed.triangles()) + " triangles, trees " +
+                (committed.refits() > 0 ? "kept" : "built"));
+}
+
+}  // namespace
+
 void commit(glint_scene& scene) {
     Scene made = scene.draft;
     if (made.materials.empty()) made.materials.emplace_back().name = "default";
@@ -162,8 +209,12 @@ void commit(glint_scene& scene) {
     }
     scene.grown = false;
     auto snapshot = Retired::owned(scene.retired, std::move(next));
-    const std::lock_guard lock(scene.mutex);
-    scene.committed.swap(snapshot);
+    const auto seen = snapshot;
+    {
+        const std::lock_guard lock(scene.mutex);
+        scene.committed.swap(snapshot);
+    }
+    report(*scene.device, *seen);
 }
 
 }  // namespace glint::library

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/call_terms.h"
 #include "library/handles.h"
 #include "pack/moving_scene.h"
 #include "reference/tracer.h"
@@ -40,8 +41,10 @@ class Snapshot {
 
       private:
         void prepare(const glint_device& device);
+        MemoryCharge charge_;  // while the scene is packed, of that too
         MovingScene moving_;
         mutable std::mutex tracerMutex_;
+        mutable MemoryCharge tracerCharge_;
         mutable std::unique_ptr<reference::Tracer> tracer_;
 
       public:

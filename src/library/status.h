@@ -4,7 +4,9 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "core/call_terms.h"
 #include "glint/glint.h"
 
 namespace glint::library {
@@ -38,6 +40,13 @@ glint_status guarded(Body&& body) noexcept {
     } catch (...) {
         return statusOfException();
     }
+}
+
+// The same on the terms of a device's settings; null: of none.
+template <class Body>
+glint_status guarded(const CallTerms* terms, Body&& body) noexcept {
+    const CallScope scope(terms);
+    return guarded(std::forward<Body>(body));
 }
 
 // A caller's struct as this version knows it: what an older caller did not have is zero. `what` names it.

@@ -152,6 +152,16 @@ def test_scenes_are_filled_and_changed(device):
         scene.set_vertices(mesh, numpy.where(numpy.arange(8)[:, None] == 3, numpy.nan, CUBE))
 
 
+def test_a_device_has_settings():
+    lines = []
+    device = glint.Device("cpu", threads=1, max_bytes=20000, log=lines.append)
+    scene = glint.Scene(CUBE, FACES, device=device)
+    assert lines == ["device: cpu", "committed: 1 geometries, 12 triangles, trees built"]
+    assert scene.occluded([[0, 0, 9, 0, 0, -1]]).all()
+    with pytest.raises(glint.Error, match="max_bytes is 20000"):
+        scene.add_triangles(numpy.zeros((3000, 3)))
+
+
 def test_pictures(device):
     picture = glint.render(SCENES / "spheres.json", 32, 24, 1, device=device)
     assert picture.shape == (24, 32, 4) and picture.dtype == numpy.float32

@@ -1,0 +1,266 @@
+// What the caller sets: memory that may be refused, threads, a log, and commits that are cancelled.
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "support.h"
+
+namespace glint::library::test {
+namespace {
+
+// What the callbacks are told.
+struct Told {
+    std::atomic<int64_t> held{0}, most{0};
+    std::atomic<int> asked{0}, refuseAt{0};  // refuseAt: the number of the request to refuse, from 1; 0: none
+    std::vector<std::pair<int, std::string>> lines;
+};
+
+int memory(void* user, int64_t bytes) {
+    auto& told = *static_cast<Told*>(user);
+    if (bytes > 0 && ++told.asked == told.refuseAt) return 0;
+    const int64_t held = told.held += bytes;
+    int64_t most = told.most;
+    while (held > most && !told.most.compare_exchange_weak(most, held)) {
+    }
+    return 1;
+}
+
+void log(void* user, int32_t level, const char* text) {
+    static_cast<Told*>(user)->lines.emplace_back(level, text);
+}
+
+// A sheet of 2 * 40^2 triangles, one of them without area, given, committed and asked; the first status that
+// is not OK.
+class LibrarySettings : public testing::Test {
+  protected:
+    void TearDown() override {
+        glint_scene_release(scene_);
+        glint_device_release(device_);
+    }
+    void close() {
+        glint_scene_release(scene_);
+        glint_device_release(device_);
+        scene_ = nullptr;
+        device_ = nullptr;
+    }
+    glint_settings settings() {
+        GLINT_INIT(glint_settings, made);
+        made.user = &told_;
+        return made;
+    }
+    glint_status open(const glint_settings& settings) {
+        return glint_device_open_with(kSelector, &settings, &device_);
+    }
+    static std::vector<F3> sheet(float height) {
+        std::vector<F3> vertices;
+        for (int y = 0; y <= 40; ++y)
+            for (int x = 0; x <= 40; ++x)
+                vertices.push_back({float(x == 1 && y == 0 ? 0 : x), float(y), height * float(x % 3)});
+        vertices[1] = vertices[0];
+        return vertices;
+    }
+    glint_status fill() {
+        const std::vector<F3> vertices = sheet(1);
+        std::vector<U3> corners;
+        for (uint32_t y = 0; y < 40; ++y)
+            for (uint32_t x = 0; x < 40; ++x) {
+                const uint32_t a = 41 * y + x, b = a + 41;
+                corners.push_back({a, a + 1, b + 1});
+                corners.push_back({a, b + 1, b});
+            }
+        GLINT_INIT(glint_triangles, triangles);
+        triangles.vertices = viewOf(vertices);
+        triangles.indices = viewOf(corners);
+        if (scene_ == nullptr) {
+            const glint_status created = glint_scene_create(device_, &scene_);
+            if (created != GLINT_OK) return created;
+        }
+        return glint_scene_add_triangles(scene_, &triangles, nullptr);
+    }
+    glint_status change(float height) {
+        const std::vector<F3> vertices = sheet(height);
+        const glint_view view = viewOf(vertices);
+        const glint_status set = glint_scene_set_vertices(scene_, 0, &view);
+        return set == GLINT_OK ? glint_scene_commit(scene_) : set;
+    }
+    // The t of one ray, and with it the point, which the reference works out.
+    glint_status ask(double& t) {
+        const std::vector<D3> origin = {{20.3, 20.4, 9}}, down = {{0, 0, -1}};
+        std::vector<double> found(1);
+        std::vector<D3> point(1);
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origin);
+        rays.directions = viewOf(down);
+        GLINT_INIT(glint_hits, hits);
+        hits.t = outOf(found);
+        hits.point = outOf(point);
+        const glint_status status = glint_query_closest(scene_, &rays, &hits, nullptr);
+        t = found[0];
+        return status;
+    }
+    // Everything in a row until something fails.
+    glint_status useIt() {
+        double t = 0;
+        glint_status status = fill();
+        if (status == GLINT_OK) status = glint_scene_commit(scene_);
+        for (int turn = 1; turn < 4 && status == GLINT_OK; ++turn) {
+            status = ask(t);
+            if (status == GLINT_OK) status = change(1 + 0.1f * float(turn));
+        }
+        return status;
+    }
+
+    Told told_;
+    glint_device* device_ = nullptr;
+    glint_scene* scene_ = nullptr;
+};
+
+TEST_F(LibrarySettings, MemoryIsToldAndGivenBack) {
+    glint_settings given = settings();
+    given.memory = memory;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(useIt(), GLINT_OK) << glint_last_error();
+    // Vertices and corners alone are more; all of it is far less than 100 MB, the room for rays included.
+    EXPECT_GT(told_.most, 2 * (41 * 41 * 24 + 3200 * 12));
+    EXPECT_LT(told_.most, 100'000'000);
+    EXPECT_GT(told_.held, 0);
+    close();
+    EXPECT_EQ(told_.held, 0);
+}
+
+// Each request in turn is refused: nothing crashes, nothing is lost, and afterwards everything works.
+TEST_F(LibrarySettings, EachRefusalIsAStatusAndLosesNothing) {
+    int requests = 0, refused = 0;
+    for (int turn = 0; turn <= requests; ++turn) {
+        told_.asked = 0;
+        told_.refuseAt = turn;  // turn 0 counts them
+        glint_settings given = settings();
+        given.memory = memory;
+        const glint_status opened = open(given);
+        const glint_status used = opened == GLINT_OK ? useIt() : opened;
+        if (turn == 0) {
+            ASSERT_EQ(used, GLINT_OK) << glint_last_error();
+            requests = told_.asked;
+            ASSERT_GT(requests, 8);
+        } else if (used != GLINT_OK) {
+            EXPECT_EQ(used, GLINT_ERROR_MEMORY) << turn << ": " << glint_last_error();
+            EXPECT_TRUE(std::strstr(glint_last_error(), "callback refused") != nullptr) << glint_last_error();
+            ++refused;
+            if (scene_ != nullptr) {
+                EXPECT_EQ(glint_scene_commit(scene_), GLINT_OK) << glint_last_error();
+            }
+        }
+        close();
+        EXPECT_EQ(told_.held, 0) << turn;
+    }
+    EXPECT_EQ(refused, requests);
+}
+
+TEST_F(LibrarySettings, WhatQueriesSeeOutlivesARefusedChange) {
+    glint_settings given = settings();
+    given.memory = memory;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    double before = 0, after = 0;
+    ASSERT_EQ(ask(before), GLINT_OK);
+    told_.refuseAt = told_.asked + 2;  // set_vertices gets its copy, the commit its version not
+    EXPECT_EQ(change(2), GLINT_ERROR_MEMORY);
+    ASSERT_EQ(ask(after), GLINT_OK);
+    EXPECT_EQ(after, before);
+    EXPECT_EQ(glint_scene_commit(scene_), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(ask(after), GLINT_OK);
+    EXPECT_NE(after, before);
+}
+
+TEST_F(LibrarySettings, MoreThanMaxBytesIsRefused) {
+    glint_settings given = settings();
+    given.max_bytes = 100'000;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(fill(), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(glint_scene_commit(scene_), GLINT_ERROR_MEMORY);
+    EXPECT_STREQ(glint_last_error(),
+                 "921600 bytes more are too many: 78744 are held, and the settings' max_bytes is 100000");
+}
+
+TEST_F(LibrarySettings, TheLogTellsWhatHappens) {
+    glint_settings given = settings();
+    given.log = log;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    ASSERT_EQ(change(1.1f), GLINT_OK);
+    ASSERT_EQ(told_.lines.size(), 5u);
+    EXPECT_EQ(told_.lines[0].second.substr(0, 8), "device: ");
+    EXPECT_EQ(told_.lines[1].first, GLINT_LOG_WARNING);
+    EXPECT_EQ(told_.lines[1].second,
+              "/objects/0: 1 of 3200 triangles dropped: no area after rounding to fp32");
+    EXPECT_EQ(told_.lines[2], std::pair(int{GLINT_LOG_INFO},
+                                        std::string("committed: 1 geometries, 3199 triangles, trees built")));
+    EXPECT_EQ(told_.lines[4].second, "committed: 1 geometries, 3199 triangles, trees kept");
+}
+
+TEST_F(LibrarySettings, OneThreadIsEnoughIfSoSet) {
+    glint_settings given = settings();
+    given.threads = 1;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(fill(), GLINT_OK);
+    struct Callers {
+        std::thread::id own = std::this_thread::get_id();
+        std::atomic<int> others{0}, all{0};
+    } callers;
+    GLINT_INIT(glint_options, options);
+    options.user = &callers;
+    options.cancelled = [](void* user) {
+        auto& seen = *static_cast<Callers*>(user);
+        seen.others += std::this_thread::get_id() != seen.own;
+        ++seen.all;
+        return 0;
+    };
+    ASSERT_EQ(glint_scene_commit_with(scene_, &options), GLINT_OK) << glint_last_error();
+    EXPECT_GT(callers.all, 0);
+    EXPECT_EQ(callers.others, 0);
+}
+
+// At every point where it is asked.
+TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
+    glint_settings given = settings();
+    given.threads = 1;
+    given.memory = memory;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_EQ(glint_scene_commit(scene_), GLINT_OK);
+    double before = 0, after = 0;
+    ASSERT_EQ(ask(before), GLINT_OK);
+    struct Count {
+        int asked = 0, last = 0;
+    } count;
+    GLINT_INIT(glint_options, options);
+    options.user = &count;
+    options.cancelled = [](void* user) {
+        auto& seen = *static_cast<Count*>(user);
+        return ++seen.asked == seen.last ? 1 : 0;
+    };
+    const std::vector<F3> vertices = sheet(2);
+    const glint_view view = viewOf(vertices);
+    glint_status status = GLINT_ERROR_CANCELLED;
+    int cancelled = 0;
+    for (count.last = 1; count.last < 200 && status == GLINT_ERROR_CANCELLED; ++count.last) {
+        count.asked = 0;
+        ASSERT_EQ(glint_scene_set_vertices(scene_, 0, &view), GLINT_OK);
+        status = glint_scene_commit_with(scene_, &options);
+        if (status != GLINT_ERROR_CANCELLED) break;
+        ++cancelled;
+        ASSERT_EQ(ask(after), GLINT_OK);
+        EXPECT_EQ(after, before);
+    }
+    EXPECT_EQ(status, GLINT_OK) << glint_last_error();
+    EXPECT_GT(cancelled, 2);
+    ASSERT_EQ(ask(after), GLINT_OK);
+    EXPECT_NE(after, before);
+    close();
+    EXPECT_EQ(told_.held, 0);
+}
+
+}  // namespace
+}  // namespace glint::library::test
