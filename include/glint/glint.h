@@ -2,23 +2,24 @@
  *
  * A C API. C++ programs may like glint.hpp better, which wraps it. The tutorial is docs/guide/library.md.
  *
- * Conventions
- *   Status     Every call that can fail returns a glint_status; glint_last_error() then says in one line what
- * was wrong and what to do, by thread. Outputs are untouched where a call fails before it computes. Handles
- * Opaque and counted: ..._retain adds an owner, ..._release takes one away (NULL is allowed). A scene keeps
- * its device alive. Structs    Those that may grow begin with `size`: set it to sizeof of the struct, as
- * GLINT_INIT does together with zeros everywhere else, which stand for "the default" or "not wanted". Arrays
- * Views: a pointer, how many elements, the bytes from one to the next (0: they are packed) and the type of
- * their numbers. One ray's origin is an element of three numbers. An input view with a count of 1 stands for
- * all rays. Nothing is copied on the way in but into the device's own buffers. Outputs    Allocated by the
- * caller. What has no pointer is not wanted, and neither computed nor read back. Units      Right-handed, y
- * up; colours are linear RGB; t is in units of the ray's direction, of any length. Accuracy   Vertices and
- * rays may be fp64 and lie far from 0: a scene has an origin of its own, which is subtracted in double before
- * anything is rounded to fp32. Device "cpu" goes on in double. Threads    A device may be used from any
- * thread. Queries and pictures of a committed scene may run in any number of threads at a time, also while
- * another thread changes or commits the scene: they see the scene as it was last committed. Changes of one
- * scene are made by one thread at a time. Manners    No call ends the process, prints, handles signals or
- * changes the environment.
+ * - Status: every call that can fail returns a glint_status; glint_last_error() then says in one line what
+ * was wrong and what to do, by thread. Outputs are untouched where a call fails before it computes.
+ * - Handles: opaque and counted: ..._retain adds an owner, ..._release takes one away (NULL is allowed). A
+ *   scene keeps its device alive.
+ * - Structs: those that may grow begin with `size`: set it to sizeof of the struct, as GLINT_INIT does
+ * together with zeros everywhere else, which stand for "the default" or "not wanted".
+ * - Arrays: views: a pointer, how many elements, the bytes from one to the next (0: they are packed) and the
+ *   type of their numbers. One ray's origin is an element of three numbers. An input view with a count of 1
+ *   stands for all rays. Nothing is copied on the way in but into the device's own buffers. Arrays need to
+ * live until the call returns, and no longer.
+ * - Outputs: allocated by the caller. What has no pointer is not wanted, and neither computed nor read back.
+ * - Units: right-handed, y up; colours are linear RGB; t is in units of the ray's direction, of any length.
+ * - Accuracy: vertices and rays may be fp64 and lie far from 0: a scene has an origin of its own, which is
+ *   subtracted in double before anything is rounded to fp32. Device "cpu" goes on in double.
+ * - Threads: a device may be used from any thread. Queries and pictures of a committed scene may run in any
+ *   number of threads at a time, also while another thread changes or commits the scene: they see the scene
+ * as it was last committed when they began. Changes of one scene are made by one thread at a time.
+ * - Manners: no call ends the process, prints, handles signals or changes the environment.
  */
 #ifndef GLINT_GLINT_H
 #define GLINT_GLINT_H
@@ -26,6 +27,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* In front of what the library exports. */
 #if defined(__GNUC__)
 #define GLINT_API __attribute__((visibility("default")))
 #else
@@ -38,16 +40,17 @@ extern "C" {
 
 /* ---- Version, status, errors ---- */
 
-#define GLINT_VERSION_MAJOR 0
-#define GLINT_VERSION_MINOR 1
-#define GLINT_VERSION_PATCH 0
+#define GLINT_VERSION_MAJOR 0 /* Of these headers; glint_version() is that of the library. */
+#define GLINT_VERSION_MINOR 1 /* Of these headers. */
+#define GLINT_VERSION_PATCH 0 /* Of these headers. */
 
 /* Of the library that runs: major * 1000000 + minor * 1000 + patch. */
 GLINT_API uint32_t glint_version(void);
 
+/* How a call ended: one of GLINT_OK and GLINT_ERROR_... */
 typedef int32_t glint_status;
 enum {
-    GLINT_OK = 0,
+    GLINT_OK = 0,              /* it did what was asked */
     GLINT_ERROR_ARGUMENT = 1,  /* what the caller asked for is at fault */
     GLINT_ERROR_SCENE = 2,     /* the scene, or a file it names, is at fault */
     GLINT_ERROR_DEVICE = 3,    /* no usable device, or it failed */
@@ -74,48 +77,61 @@ GLINT_API const char* glint_status_name(glint_status status);
 
 /* ---- Arrays ---- */
 
+/* What the numbers of an array are: one of the following. */
 typedef int32_t glint_type;
-enum { GLINT_F32 = 0, GLINT_F64 = 1, GLINT_U32 = 2, GLINT_U8 = 3, GLINT_U64 = 4 };
+enum {
+    GLINT_F32 = 0, /* float */
+    GLINT_F64 = 1, /* double */
+    GLINT_U32 = 2, /* uint32_t */
+    GLINT_U8 = 3,  /* uint8_t */
+    GLINT_U64 = 4  /* uint64_t */
+};
 
+/* An array that is read. */
 typedef struct glint_view {
-    const void* data;
-    uint64_t count;
-    int64_t stride; /* bytes; 0: packed. May be negative. */
-    glint_type type;
+    const void* data; /* the first element; NULL: there is none */
+    uint64_t count;   /* elements */
+    int64_t stride;   /* bytes; 0: packed. May be negative. */
+    glint_type type;  /* of each number of an element */
     int32_t reserved;
 } glint_view;
 
+/* An array that is written. */
 typedef struct glint_out {
-    void* data; /* NULL: not wanted */
-    uint64_t count;
-    int64_t stride;
-    glint_type type;
+    void* data;      /* NULL: not wanted */
+    uint64_t count;  /* elements that there is room for */
+    int64_t stride;  /* as in glint_view */
+    glint_type type; /* of each number of an element */
     int32_t reserved;
 } glint_out;
 
 /* ---- How a long call behaves ---- */
 
+/* What a call of some length asks and tells. NULL, here or for a callback: nothing. The callbacks must not
+ * call glint, and are called until the call returns at the latest. */
 typedef struct glint_options {
     uint64_t size;
     /* Asked now and then, from any thread; true ends the call with GLINT_ERROR_CANCELLED. */
     int (*cancelled)(void* user);
     /* Told the part that is done, 0..1, which never falls; from any thread, one call at a time. */
     void (*progress)(void* user, double fraction);
-    void* user;
+    void* user; /* handed to both */
 } glint_options;
 
 /* ---- Devices ---- */
 
+/* What traces: a Vulkan device, or the reference. Safe to use from any thread. */
 typedef struct glint_device glint_device;
 
+/* What is known of a device. */
 typedef struct glint_device_info {
     uint64_t size;
-    uint32_t index;
+    uint32_t index;    /* as glint_device_open takes it */
     int32_t usable;    /* 0: refused, and `reason` says why */
     int32_t software;  /* Vulkan on the processor */
     int32_t reference; /* device "cpu": the tracer in double precision, without Vulkan */
     char name[256];    /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
-    char reason[256];
+    char reason[256];  /* why it is refused, or a remark */
 } glint_device_info;
 
 /* How many there are: Vulkan's, and "cpu" as the last. */
@@ -126,7 +142,10 @@ GLINT_API glint_status glint_device_describe(uint32_t index, glint_device_info* 
  * case. */
 GLINT_API glint_status glint_device_open(const char* selector, glint_device** device);
 
-enum { GLINT_LOG_INFO = 0, GLINT_LOG_WARNING = 1 };
+enum {
+    GLINT_LOG_INFO = 0,   /* what was done */
+    GLINT_LOG_WARNING = 1 /* what was ignored or mended */
+};
 
 /* What holds for a device and for all that is made with it. Two devices opened in one process share nothing
  * of it. Callbacks may be NULL, must not call glint, and must stay callable until the device is released and
@@ -153,24 +172,32 @@ typedef struct glint_settings {
 /* glint_device_open with settings of one's own; NULL: the default ones. */
 GLINT_API glint_status glint_device_open_with(const char* selector, const glint_settings* settings,
                                               glint_device** device);
+/* Of an open device. `info->size` must be set. */
 GLINT_API glint_status glint_device_info_of(const glint_device* device, glint_device_info* info);
+/* Adds an owner; NULL is allowed. From any thread. */
 GLINT_API void glint_device_retain(glint_device* device);
+/* Takes an owner away; the last closes the device once its scenes are gone. NULL is allowed. From any thread.
+ */
 GLINT_API void glint_device_release(glint_device* device);
 
 /* ---- Scenes ---- */
 
+/* Geometries, and what queries see of them: see glint_scene_commit. */
 typedef struct glint_scene glint_scene;
 
 /* An empty scene, to be filled and committed. */
 GLINT_API glint_status glint_scene_create(glint_device* device, glint_scene** scene);
 /* A scene (.json, .gltf, .glb, .nff) or model (.obj, .ply, .stl) from a file, committed. UTF-8. */
 GLINT_API glint_status glint_scene_load(glint_device* device, const char* path, glint_scene** scene);
+/* Adds an owner; NULL is allowed. From any thread. */
 GLINT_API void glint_scene_retain(glint_scene* scene);
+/* Takes an owner away; the last frees the scene, once no query runs. NULL is allowed. From any thread. */
 GLINT_API void glint_scene_release(glint_scene* scene);
 
 /* Geometries are numbered from 0 in the order in which they are added; hits name them by these numbers. */
-#define GLINT_NONE 0xffffffffu
+#define GLINT_NONE 0xffffffffu /* No geometry, primitive or material. */
 
+/* A mesh. */
 typedef struct glint_triangles {
     uint64_t size;
     glint_view vertices; /* three numbers each, F32 or F64 */
@@ -184,11 +211,12 @@ typedef struct glint_triangles {
 GLINT_API glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                                  uint32_t* geometry);
 
+/* Spheres of one material. */
 typedef struct glint_spheres {
     uint64_t size;
     glint_view centers; /* three numbers each */
     glint_view radii;   /* one number each, > 0; a count of 1: all have that one */
-    uint32_t material;
+    uint32_t material;  /* as in glint_triangles */
     uint32_t reserved;
 } glint_spheres;
 
@@ -229,14 +257,17 @@ GLINT_API glint_status glint_scene_commit(glint_scene* scene);
 /* The same, and it may be cancelled, at any time until its end. `options->progress` is not told of it. */
 GLINT_API glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options);
 
+/* What is known of a committed scene. */
 typedef struct glint_scene_info {
     uint64_t size;
-    uint32_t geometries;
-    uint32_t warnings;         /* see glint_scene_warning */
-    uint64_t triangles;        /* instanced ones as often as they are shown */
-    double lower[3], upper[3]; /* the box of everything committed but planes; all zero if there is nothing */
-    uint32_t width, height;    /* of its picture, as files and texts say */
-    uint32_t refits;           /* commits since its trees were last built, all of which kept them */
+    uint32_t geometries; /* instances among them */
+    uint32_t warnings;   /* see glint_scene_warning */
+    uint64_t triangles;  /* instanced ones as often as they are shown */
+    double lower[3];     /* the box of everything committed but planes; all zero if there is nothing */
+    double upper[3];     /* its other corner */
+    uint32_t width;      /* of its picture, pixels, as files and texts say */
+    uint32_t height;     /* the same */
+    uint32_t refits;     /* commits since its trees were last built, all of which kept them */
     uint32_t reserved;
 } glint_scene_info;
 
@@ -257,15 +288,16 @@ enum {
  * directions. */
 typedef struct glint_rays {
     uint64_t size;
-    glint_view origins;
-    glint_view directions;
-    glint_view t_min; /* no data: 0 */
-    glint_view t_max; /* no data: infinite */
-    uint32_t flags;
+    glint_view origins;    /* three numbers each; a count of 1: all start there */
+    glint_view directions; /* three numbers each, of any length but 0; a count of 1: all go there */
+    glint_view t_min;      /* no data: 0 */
+    glint_view t_max;      /* no data: infinite */
+    uint32_t flags;        /* 0, or GLINT_RAYS_COHERENT */
     uint32_t reserved;
 } glint_rays;
 
-/* On a miss t is infinite, geometry, primitive and material are GLINT_NONE and all else is 0. */
+/* What of each ray's hit is wanted. On a miss t is infinite, geometry, primitive and material are GLINT_NONE
+ * and all else is 0. */
 typedef struct glint_hits {
     uint64_t size;
     glint_out hit;       /* U8: 1 or 0 */
@@ -306,7 +338,11 @@ GLINT_API glint_status glint_query_all(const glint_scene* scene, const glint_ray
                                        const glint_out* offsets, const glint_hits* hits, uint64_t* total,
                                        const glint_options* options);
 
-enum { GLINT_OUTSIDE = 0, GLINT_INSIDE = 1, GLINT_ON_SURFACE = 2 };
+enum {
+    GLINT_OUTSIDE = 0,   /* surfaces go round it an even number of times */
+    GLINT_INSIDE = 1,    /* an odd number */
+    GLINT_ON_SURFACE = 2 /* so near a surface that rounding decides */
+};
 
 /* Where points of three F32 or F64 are, U8 each. Inside is what closed surfaces go round an odd number of
  * times; below a plane is inside. On the surface: so near that rounding to fp32 takes the point through it,
@@ -316,17 +352,21 @@ GLINT_API glint_status glint_query_inside(const glint_scene* scene, const glint_
 
 /* ---- Pictures ---- */
 
+/* A pinhole camera. */
 typedef struct glint_camera {
     uint64_t size;
-    double eye[3], target[3], up[3];
-    double fov_y; /* degrees, vertical, in (0, 180) */
+    double eye[3];    /* where it stands, world */
+    double target[3]; /* what it looks at, other than eye */
+    double up[3];     /* what is up in the picture, not along the way it looks */
+    double fov_y;     /* degrees, vertical, in (0, 180) */
 } glint_camera;
 
 /* Layers of a picture; pixel (x, y) from the upper left corner is element y * width + x. The layers but color
  * are of each pixel's first sample, with the values of a miss where it hits nothing. */
 typedef struct glint_picture {
     uint64_t size;
-    uint32_t width, height;     /* 0: those of the scene */
+    uint32_t width;             /* pixels; 0: those of the scene */
+    uint32_t height;            /* pixels; 0: those of the scene */
     uint32_t samples;           /* 0: those of the scene; else so many for each pixel */
     int32_t max_depth;          /* reflections in a row at most; 0: those of the scene, -1: none */
     const glint_camera* camera; /* NULL: the scene's */
@@ -342,7 +382,7 @@ typedef struct glint_picture {
      * over all pixels and channels of linear radiance, whose full scale is 1, with probability `confidence`
      * (0: 0.95). `samples` must then be 0. A grid of samples becomes a low-discrepancy sequence. */
     double error;
-    double confidence;
+    double confidence;    /* in (0, 1); 0: 0.95 */
     uint32_t max_samples; /* for a pixel, where they end all the same; 0: 65536 */
     uint32_t reserved;
     double*

@@ -23,13 +23,16 @@ inline namespace api {
 // Thrown for every status but GLINT_OK; what() is glint_last_error().
 class Error : public std::runtime_error {
   public:
+    // For check().
     Error(glint_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
+    // Of the call that failed.
     glint_status status() const noexcept { return status_; }
 
   private:
     glint_status status_;
 };
 
+// Throws Error where a call failed.
 inline void check(glint_status status) {
     if (status != GLINT_OK) throw Error(status, glint_last_error());
 }
@@ -38,18 +41,21 @@ inline void check(glint_status status) {
 // floats.
 template <class Element>
 struct ElementOf {
-    using Number = Element;
+    using Number = Element;  // itself
 };
+// Several numbers.
 template <class T, std::size_t N>
 struct ElementOf<std::array<T, N>> {
-    using Number = T;
+    using Number = T;  // of each of them
 };
 
+// What numbers of an array may be.
 template <class Number>
 concept Stored =
     std::same_as<Number, float> || std::same_as<Number, double> || std::same_as<Number, std::uint32_t> ||
     std::same_as<Number, std::uint64_t> || std::same_as<Number, std::uint8_t>;
 
+// Their glint_type.
 template <Stored Number>
 constexpr glint_type typeOf() {
     if constexpr (std::same_as<Number, float>) return GLINT_F32;
@@ -64,40 +70,46 @@ constexpr glint_type typeOf() {
 // expression.
 class View {
   public:
+    // No array.
     View() = default;
+    // All of a vector, span or array.
     template <std::ranges::contiguous_range Range>
     requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> View(const Range& range)
         : View(reinterpret_cast<const typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
                    std::ranges::data(range)),
                std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
+    // `count` elements, so many bytes apart, from `data` on.
     template <Stored Number>
     View(const Number* data, std::uint64_t count, std::int64_t strideBytes)
         : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
 
-    glint_view raw{};
+    glint_view raw{};  // as C has it
 };
 
 // An output array, of the same kinds; a default one is not wanted.
 class Out {
   public:
+    // Not wanted.
     Out() = default;
+    // All of a vector, span or array.
     template <std::ranges::contiguous_range Range>
     requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> &&
         (!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>)Out(Range&& range)
         : Out(reinterpret_cast<typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
                   std::ranges::data(range)),
               std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
+    // `count` elements, so many bytes apart, from `data` on.
     template <Stored Number>
     Out(Number* data, std::uint64_t count, std::int64_t strideBytes)
         : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
 
-    glint_out raw{};
+    glint_out raw{};  // as C has it
 };
 
 // How a long call behaves; both may be empty.
 struct Control {
-    std::function<bool()> cancelled;
-    std::function<void(double)> progress;
+    std::function<bool()> cancelled;       // asked now and then, from any thread; true ends the call
+    std::function<void(double)> progress;  // told the part that is done, 0..1
 };
 
 namespace detail {
@@ -136,14 +148,16 @@ class Owner {
 
 }  // namespace detail
 
+// See glint_device_info.
 using DeviceInfo = glint_device_info;
+// See glint_scene_info.
 using SceneInfo = glint_scene_info;
 
 // What holds for a device, see glint_settings. The functions may be empty.
 struct Settings {
-    unsigned threads = 0;
-    std::uint64_t maxBytes = 0;
-    std::function<bool(std::int64_t bytes)> memory;               // false refuses
+    unsigned threads = 0;                            // that one call uses at most; 0: a processor each
+    std::uint64_t maxBytes = 0;                      // that the device and its scenes may hold; 0: no limit
+    std::function<bool(std::int64_t bytes)> memory;  // false refuses
     std::function<void(int level, const std::string& text)> log;  // level: GLINT_LOG_...
 };
 
@@ -175,11 +189,13 @@ class Device {
         owner_ = decltype(owner_)(opened);
     }
 
+    // What it is.
     DeviceInfo info() const {
         GLINT_INIT(glint_device_info, found);
         check(glint_device_info_of(get(), &found));
         return found;
     }
+    // All that there are.
     static std::vector<DeviceInfo> list() {
         std::uint32_t count = 0;
         check(glint_device_count(&count));
@@ -190,17 +206,22 @@ class Device {
         }
         return devices;
     }
+    // For calls in C; no owner of it.
     glint_device* get() const noexcept { return owner_.get(); }
 
   private:
     detail::Owner<glint_device, glint_device_retain, glint_device_release> owner_;
 };
 
+// See glint_rays.
 struct Rays {
-    View origins, directions;
-    View tMin = {}, tMax = {};  // default: 0 and infinity
-    bool coherent = false;
+    View origins;           // three numbers each
+    View directions;        // three numbers each, of any length
+    View tMin = {};         // default: 0
+    View tMax = {};         // default: infinity
+    bool coherent = false;  // neighbours go about the same way
 
+    // As C has it.
     glint_rays raw() const {
         GLINT_INIT(glint_rays, rays);
         rays.origins = origins.raw;
@@ -212,9 +233,18 @@ struct Rays {
     }
 };
 
+// See glint_hits.
 struct Hits {
-    Out hit = {}, t = {}, geometry = {}, primitive = {}, material = {}, uv = {}, point = {}, normal = {};
+    Out hit = {};        // 1 or 0
+    Out t = {};          // in units of the direction
+    Out geometry = {};   // its number
+    Out primitive = {};  // the triangle's number in its mesh
+    Out material = {};   // its number
+    Out uv = {};         // two numbers
+    Out point = {};      // three numbers, world
+    Out normal = {};     // three numbers: geometric, outward, unit
 
+    // As C has it.
     glint_hits raw() const {
         GLINT_INIT(glint_hits, hits);
         hits.hit = hit.raw;
@@ -229,16 +259,28 @@ struct Hits {
     }
 };
 
+// See glint_camera.
 struct Camera {
-    std::array<double, 3> eye, target, up = {0, 1, 0};
-    double fovY = 40;
+    std::array<double, 3> eye;             // where it stands
+    std::array<double, 3> target;          // what it looks at
+    std::array<double, 3> up = {0, 1, 0};  // what is up in the picture
+    double fovY = 40;                      // degrees, vertical
 };
 
+// See glint_picture.
 struct Picture {
-    std::uint32_t width = 0, height = 0, samples = 0;  // 0: the scene's
-    std::int32_t maxDepth = 0;
-    const Camera* camera = nullptr;  // null: the scene's
-    Out color = {}, depth = {}, position = {}, normal = {}, geometry = {}, primitive = {}, material = {};
+    std::uint32_t width = 0;           // 0: the scene's
+    std::uint32_t height = 0;          // 0: the scene's
+    std::uint32_t samples = 0;         // 0: the scene's
+    std::int32_t maxDepth = 0;         // 0: the scene's, -1: no reflections
+    const Camera* camera = nullptr;    // null: the scene's
+    Out color = {};                    // four numbers: linear RGB, alpha
+    Out depth = {};                    // t of the unit direction
+    Out position = {};                 // three numbers, world
+    Out normal = {};                   // three numbers: shading normal, unit
+    Out geometry = {};                 // its number
+    Out primitive = {};                // its number
+    Out material = {};                 // its number
     const char* cameraName = nullptr;  // one of the scene's `cameras`, instead of `camera`
     double error = 0;                  // > 0: as many samples as it takes, see glint_picture
     double confidence = 0;             // 0: 0.95
@@ -251,6 +293,7 @@ using Transform = std::array<double, 12>;  // three rows of four
 // A copy is another owner of the same scene.
 class Scene {
   public:
+    // Empty, to be filled and committed.
     explicit Scene(const Device& device) {
         glint_scene* made = nullptr;
         check(glint_scene_create(device.get(), &made));
@@ -263,7 +306,7 @@ class Scene {
         return Scene(loaded);
     }
 
-    // Each returns the number of the geometry.
+    // See glint_scene_add_triangles; returns the geometry's number.
     std::uint32_t addTriangles(const View& vertices, const View& indices = {}, std::uint32_t material = 0) {
         GLINT_INIT(glint_triangles, triangles);
         triangles.vertices = vertices.raw;
@@ -273,6 +316,7 @@ class Scene {
         check(glint_scene_add_triangles(get(), &triangles, &geometry));
         return geometry;
     }
+    // See glint_scene_add_spheres; returns the first one's number.
     std::uint32_t addSpheres(const View& centers, const View& radii, std::uint32_t material = 0) {
         GLINT_INIT(glint_spheres, spheres);
         spheres.centers = centers.raw;
@@ -282,39 +326,46 @@ class Scene {
         check(glint_scene_add_spheres(get(), &spheres, &first));
         return first;
     }
+    // See glint_scene_add_json; returns the first geometry's number.
     std::uint32_t addJson(const std::string& text, const std::string& folder = {}) {
         std::uint32_t first = 0;
         check(glint_scene_add_json(get(), text.c_str(), folder.empty() ? nullptr : folder.c_str(), &first,
                                    nullptr));
         return first;
     }
+    // See glint_scene_add_instance; returns the instance's number.
     std::uint32_t addInstance(std::uint32_t geometry, const Transform& transform) {
         std::uint32_t instance = 0;
         check(glint_scene_add_instance(get(), geometry, transform.data(), &instance));
         return instance;
     }
+    // See glint_scene_set_transform.
     void setTransform(std::uint32_t geometry, const Transform& transform) {
         check(glint_scene_set_transform(get(), geometry, transform.data()));
     }
+    // See glint_scene_set_vertices.
     void setVertices(std::uint32_t geometry, const View& vertices) {
         check(glint_scene_set_vertices(get(), geometry, &vertices.raw));
     }
+    // The number of the material of that name.
     std::uint32_t material(const std::string& name) const {
         std::uint32_t found = 0;
         check(glint_scene_find_material(get(), name.c_str(), &found));
         return found;
     }
-    // Nothing is said to control.progress.
+    // See glint_scene_commit; nothing is said to control.progress.
     void commit(const Control& control = {}) {
         const detail::RawOptions options(control);
         check(glint_scene_commit_with(get(), &options.options));
     }
 
+    // Of the committed scene.
     SceneInfo info() const {
         GLINT_INIT(glint_scene_info, found);
         check(glint_scene_info_of(get(), &found));
         return found;
     }
+    // What was ignored or mended, one line each.
     std::vector<std::string> warnings() const {
         std::vector<std::string> texts(info().warnings);
         for (std::uint32_t i = 0; i < texts.size(); ++i) {
@@ -325,12 +376,14 @@ class Scene {
         return texts;
     }
 
+    // The nearest hit of each ray.
     void closest(const Rays& rays, const Hits& hits, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const glint_hits wanted = hits.raw();
         const detail::RawOptions options(control);
         check(glint_query_closest(get(), &asked, &wanted, &options.options));
     }
+    // Whether each ray hits anything, uint8_t.
     void any(const Rays& rays, const Out& hit, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const detail::RawOptions options(control);
@@ -361,6 +414,7 @@ class Scene {
         check(glint_query_inside(get(), &points.raw, &where.raw, &options.options));
     }
 
+    // See glint_render.
     void render(const Picture& picture, const Control& control = {}) const {
         GLINT_INIT(glint_camera, camera);
         GLINT_INIT(glint_picture, wanted);
@@ -393,6 +447,7 @@ class Scene {
         check(glint_render(get(), &wanted, &options.options));
     }
 
+    // For calls in C; no owner of it.
     glint_scene* get() const noexcept { return owner_.get(); }
 
   private:
