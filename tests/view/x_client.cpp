@@ -185,6 +185,16 @@ void giveKeysTo(unsigned long window) {
     XSync(display.get(), False);
 }
 
+bool takesKeys(unsigned long window) {
+    const DisplayHandle display = openDisplay();
+    return display && await([&] {
+               Window focus = 0;
+               int revert = 0;
+               XGetInputFocus(display.get(), &focus, &revert);
+               return focus == window;
+           });
+}
+
 void setDotsPerInch(int dots) {
     const DisplayHandle display = openDisplay();
     if (!display) return;

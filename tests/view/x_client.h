@@ -16,8 +16,10 @@ struct FoundWindow {
     int width = 0;
 };
 std::vector<FoundWindow> windowsCalled(const std::string& title, size_t count);
-// Keys go to this window from now on.
+// Keys go to this window from now on, unless its program has yet to take them itself.
 void giveKeysTo(unsigned long window);
+// Waits until they do, as the program of a new window wants. False if that does not come.
+bool takesKeys(unsigned long window);
 
 // What desktops tell programs of the screen's fineness: the X resource Xft.dpi; 96 is a scale of 1.
 void setDotsPerInch(int dots);
