@@ -137,10 +137,9 @@ Picture Snapshot::render(const shared::Camera& camera, const Request& request) c
 
 std::shared_ptr<const Snapshot> Retired::owned(const std::shared_ptr<Retired>& retired,
                                                std::unique_ptr<Snapshot> snapshot) {
-    std::shared_ptr<Snapshot> shared(
-        snapshot.get(), [retired](Snapshot* last) { retired->put(std::unique_ptr<Snapshot>(last)); });
-    (void)snapshot.release();
-    return shared;
+    // Whatever throws, the deleter is called.
+    return std::shared_ptr<Snapshot>(
+        snapshot.release(), [retired](Snapshot* last) { retired->put(std::unique_ptr<Snapshot>(last)); });
 }
 
 void Retired::put(std::unique_ptr<Snapshot> snapshot) {
