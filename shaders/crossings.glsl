@@ -72,29 +72,59 @@ int sideExactly(vec2 p, vec2 q) {
     return side != 0 ? side : moved;
 }
 
-// Whether the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
-// that is so behind the origin or before it. Three signs that are not zero are right (a rounded difference of
-// rounded products has the sign of the true one), and t lies between those of the corners: so few triangles
-// need more than signs, a loop of one trip, as lavapipe skips work only by not entering a loop. t, u and v
-// are only known where they are wanted.
-bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
-                   out float v, out bool doubtful) {
+// What rounded numbers say of a triangle: that the ray may cross it, and whether that is certain. Three signs
+// that are not zero are right (a rounded difference of rounded products has the sign of the true one), and t
+// lies between those of the corners.
+struct Look {
+    SeenTriangle seen;
+    vec3 z;  // of the corners, along the ray
+    bool crosses, certain;
+};
+Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
     precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
     precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
     precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
-    SeenTriangle seen = seenAlong(frame, a, b, c);
-    float ea = seen.ea;
-    float eb = seen.eb;
-    float ec = seen.ec;
+    Look look;
+    look.seen = seenAlong(frame, a, b, c);
+    float ea = look.seen.ea;
+    float eb = look.seen.eb;
+    float ec = look.seen.ec;
     precise float az = frame.shear.z * a.z;
     precise float bz = frame.shear.z * b.z;
     precise float cz = frame.shear.z * c.z;
+    look.z = vec3(az, bz, cz);
     float nearest = min(az, min(bz, cz));
     float farthest = max(az, max(bz, cz));
-    bool crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
+    look.crosses = ((ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0)) &&
                    farthest > 0.0 && farthest >= ray.tMin && nearest <= ray.tMax;
-    bool certain =
+    look.certain =
         ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
+    return look;
+}
+
+// lavapipe runs what an `if` leaves out, and each loop's body once. So triangles that rounded numbers are not
+// certain of are put aside, a few for each ray, and looked at closely when the ray is through or has as many
+// as there is room for (settleAside).
+const bool kPutsAside = !kPlacesMatter && !FEATURE_INSTANCES && NODE_FORMAT == kNodesTwo;
+const uint kMostAside = 8u;
+const uint kRoomAside = 4u;  // more aside, and a leaf's triangles may find no room
+
+// Whether the ray crosses the triangle at a t of its interval, 0 excluded. doubtful: rounding decides whether
+// that is so behind the origin or before it. t, u and v are only known where they are wanted.
+bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips, out float t, out float u,
+                   out float v, out bool doubtful) {
+    Look look = lookAt(ray, frame, triangle);
+    SeenTriangle seen = look.seen;
+    float ea = seen.ea;
+    float eb = seen.eb;
+    float ec = seen.ec;
+    float az = look.z.x;
+    float bz = look.z.y;
+    float cz = look.z.z;
+    float nearest = min(az, min(bz, cz));
+    float farthest = max(az, max(bz, cz));
+    bool crosses = look.crosses;
+    bool certain = look.certain;
     bool closer = crosses && (kPlacesMatter || !certain);
     t = nearest;
     u = 0.0;

@@ -45,6 +45,45 @@ void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, f
 #endif
 }
 
+#ifdef GLINT_CROSSINGS
+// Counts it if that is certain, and puts it aside if it is not. Without room the host counts the ray anew.
+void lookAtTriangle(inout Traversal traversal, uint index) {
+    Look look = lookAt(traversal.ray, traversal.frame, loadTriangle(index));
+    traversal.crossed += look.crosses && look.certain ? 1u : 0u;
+    if (look.crosses && !look.certain) {
+        traversal.doubtful |= traversal.aside >= kMostAside ? 1u : 0u;
+        traversal.aside1 = uvec4(traversal.aside0.w, traversal.aside1.xyz);
+        traversal.aside0 = uvec4(index, traversal.aside0.xyz);
+        traversal.aside = min(traversal.aside + 1u, kMostAside);
+    }
+}
+const bool kPutsAsideHere = kPutsAside;
+#else
+const bool kPutsAsideHere = false;
+#endif
+
+// Looks closely at the triangles that were put aside.
+void settleAside(inout Traversal traversal) {
+#ifdef GLINT_CROSSINGS
+    if (kPutsAside) {
+        do {
+            if (traversal.aside > 0u) {
+                Triangle triangle = loadTriangle(traversal.aside0.x);
+                traversal.aside0 = uvec4(traversal.aside0.yzw, traversal.aside1.x);
+                traversal.aside1 = uvec4(traversal.aside1.yzw, kNone);
+                --traversal.aside;
+                float t, u, v;
+                bool doubtful;
+                bool isHit = crossTriangle(traversal.ray, traversal.frame, triangle, traversal.trips, t, u, v,
+                                           doubtful);
+                traversal.doubtful |= doubtful ? 1u : 0u;
+                traversal.crossed += isHit ? 1u : 0u;
+            }
+        } while (traversal.aside > 0u);
+    }
+#endif
+}
+
 // The triangle's hit between the ray's ends; Hit.primitive is `primitive`.
 bool hitTriangleAt(inout Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
     Triangle triangle = loadTriangle(index);
@@ -65,6 +104,12 @@ bool hitTriangleAt(inout Traversal traversal, Ray ray, uint index, uint primitiv
 }
 
 void testTriangle(inout Traversal traversal, uint index) {
+#ifdef GLINT_CROSSINGS
+    if (kPutsAside) {
+        lookAtTriangle(traversal, index);
+        return;
+    }
+#endif
     uint primitive = (kKindTriangle << kPrimitiveKindShift) | index;
     Hit hit;
     bool isHit = hitTriangleAt(traversal, traversal.ray, index, primitive, hit);

@@ -44,8 +44,19 @@ struct Traversal {
     uint crossed;   // surfaces so far
     uint doubtful;  // 1: rounding decides about one of them
     uvec2 list;     // the first place of what is crossed, and how many there are
+    uint aside;     // triangles put aside, and which
+    uvec4 aside0, aside1;
 #endif
 };
+
+// True if there is no room for what another leaf may put aside.
+bool asideIsFull(Traversal traversal) {
+#ifdef GLINT_CROSSINGS
+    return kPutsAside && traversal.aside > kRoomAside;
+#else
+    return false;
+#endif
+}
 
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 
@@ -184,35 +195,39 @@ uint traverse(inout Traversal traversal, uint root) {
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
+    // One round, or with kPutsAside as often as there is no more room.
     do {
-        if (current != kNone && traversal.trips < budget) {
-            do {
-                if (isAtHand(current) && traversal.trips < budget) {
-                    current = descend(traversal, current, base, budget, top);
-                    if (isAtHand(current) && !isNode(current)) {
-                        testLeaf(traversal, current);
-                        bool done = top == base || settled(traversal);
-                        current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
-                        top -= done ? 0u : 1u;
+        do {
+            if (current != kNone && traversal.trips < budget && !asideIsFull(traversal)) {
+                do {
+                    if (isAtHand(current) && traversal.trips < budget) {
+                        current = descend(traversal, current, base, budget, top);
+                        if (isAtHand(current) && !isNode(current)) {
+                            testLeaf(traversal, current);
+                            bool done = top == base || settled(traversal);
+                            current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
+                            top -= done ? 0u : 1u;
+                        }
+                        if (FEATURE_INSTANCES) ++traversal.trips;
                     }
-                    if (FEATURE_INSTANCES) ++traversal.trips;
+                } while (FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget);
+                if (FEATURE_INSTANCES) {
+                    // The way out of an instance may lead straight into the next.
+                    bool leaves =
+                        current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
+                    if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
+                    top -= leaves ? 1u : 0u;
+                    bool enters = current != kNone && isInstance(current);
+                    uint root =
+                        enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
+                    if (enters) current = root;
+                    base = enters ? top : (leaves ? 0u : base);
                 }
-            } while (FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget);
-            if (FEATURE_INSTANCES) {
-                // The way out of an instance may lead straight into the next.
-                bool leaves =
-                    current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
-                if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
-                top -= leaves ? 1u : 0u;
-                bool enters = current != kNone && isInstance(current);
-                uint root =
-                    enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
-                if (enters) current = root;
-                base = enters ? top : (leaves ? 0u : base);
+                ++traversal.trips;
             }
-            ++traversal.trips;
-        }
-    } while (current != kNone && traversal.trips < budget);
+        } while (current != kNone && traversal.trips < budget && !asideIsFull(traversal));
+        settleAside(traversal);
+    } while (kPutsAsideHere && current != kNone && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;
     return current == kNone ? kNone : 0u;
 }
@@ -222,7 +237,7 @@ uint traverse(inout Traversal traversal, uint root) {
 uint walk(inout Traversal traversal, uint slot) {
     uint budget = dispatch.tripBudget;
     do {
-        if (slot != kNone && traversal.trips < budget) {
+        if (slot != kNone && traversal.trips < budget && !asideIsFull(traversal)) {
             Node node = loadNode(slot >> 1);
             bool second = (slot & 1u) != 0u;
             uint child = second ? node.child1 : node.child0;
@@ -245,7 +260,8 @@ uint walk(inout Traversal traversal, uint slot) {
             ++traversal.trips;
             if (MODE_COST) ++traversal.cost;
         }
-    } while (slot != kNone && traversal.trips < budget);
+    } while (slot != kNone && traversal.trips < budget && !asideIsFull(traversal));
+    settleAside(traversal);
     return slot;
 }
 
@@ -291,6 +307,10 @@ const bool kHasTree = GLINT_PRIMITIVES(GLINT_IN_TREE, 0);
 // unfinished walk is. Returns kNone when finished, else the slot to resume from.
 uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
     bool sound = prepare(traversal, environment);
+#ifdef GLINT_CROSSINGS
+    traversal.aside = 0u;
+    traversal.aside0 = traversal.aside1 = uvec4(kNone);
+#endif
     if (MODE_RESUME) {
 #ifdef GLINT_SHADOW_RAYS
         bool begins = slot == kSlotFresh;
