@@ -1,6 +1,8 @@
 // Many rays: both devices' answers against each other, pieces, threads, cancelling, pictures.
 #include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -230,6 +232,30 @@ TEST_F(LibraryQueries, PicturesAndTheirLayers) {
     EXPECT_EQ(glint_render(scene(), &picture, &options), GLINT_ERROR_CANCELLED);
     picture.color.count = 3;
     EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);
+}
+
+// Of an even sky no sample differs from another; storing it as fp32 takes half a unit in the last place all
+// the same.
+TEST_F(LibraryQueries, BoundsHoldMoreThanSampling) {
+    const std::string path = testing::TempDir() + "glint_even_sky.json";
+    std::ofstream(path)
+        << R"({"background": [0.3, 0.5, 0.7], "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]},
+                              "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]})";
+    glint_scene* sky = nullptr;
+    ASSERT_EQ(glint_scene_load(device(), path.c_str(), &sky), GLINT_OK) << glint_last_error();
+    std::vector<std::array<float, 4>> color(16 * 16);
+    double bound = -1;
+    GLINT_INIT(glint_picture, picture);
+    picture.width = picture.height = 16;
+    picture.color = outOf(color);
+    picture.error = 0.01;
+    picture.bound = &bound;
+    EXPECT_EQ(glint_render(sky, &picture, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(color[0][1], 0.5f);
+    EXPECT_GE(bound, 0x1p-24);
+    EXPECT_LT(bound, 1e-6);
+    glint_scene_release(sky);
+    std::remove(path.c_str());
 }
 
 TEST_F(LibraryQueries, PicturesToAnError) {
