@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
+#include "gpu/flatten.h"
 #include "gpu/specialize.h"
 #include "gpu/strict.h"
 
@@ -74,7 +75,7 @@ void createLayouts(Program& program, const DeviceState& device) {
 
 void createPipeline(Program& program, const DeviceState& device) {
     const std::vector<uint32_t> specialized =
-        strictArithmetic(specialize(program.key.spirv, program.key.constants));
+        strictArithmetic(flatten(specialize(program.key.spirv, program.key.constants)));
     program.codeBytes = specialized.size() * sizeof(uint32_t);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;

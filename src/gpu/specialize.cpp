@@ -3,74 +3,16 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
+
+#include "gpu/spirv_code.h"
 
 namespace glint::gpu {
 namespace {
 
-// Of the SPIR-V specification 1.3, section 3.32.
-enum Op : uint32_t {
-    OpSourceContinued = 2,
-    OpSource = 3,
-    OpSourceExtension = 4,
-    OpName = 5,
-    OpMemberName = 6,
-    OpString = 7,
-    OpLine = 8,
-    OpEntryPoint = 15,
-    OpConstantTrue = 41,
-    OpConstantFalse = 42,
-    OpConstant = 43,
-    OpSpecConstantTrue = 48,
-    OpSpecConstantFalse = 49,
-    OpSpecConstant = 50,
-    OpSpecConstantOp = 52,
-    OpFunction = 54,
-    OpFunctionEnd = 56,
-    OpFunctionCall = 57,
-    OpVariable = 59,
-    OpStore = 62,
-    OpDecorate = 71,
-    OpImageWrite = 99,
-    OpLogicalEqual = 164,
-    OpLogicalNotEqual = 165,
-    OpLogicalOr = 166,
-    OpLogicalAnd = 167,
-    OpLogicalNot = 168,
-    OpIEqual = 170,
-    OpINotEqual = 171,
-    OpPhi = 245,
-    OpLoopMerge = 246,
-    OpSelectionMerge = 247,
-    OpLabel = 248,
-    OpBranch = 249,
-    OpBranchConditional = 250,
-    OpSwitch = 251,
-    OpUnreachable = 255,
-    OpNoLine = 317,
-    OpModuleProcessed = 330
-};
-constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kDecorationSpecId = 1;
-constexpr uint32_t kWorkgroup = 4, kPrivate = 6;  // storage classes
-
-using Words = std::span<const uint32_t>;
-using Instruction = std::vector<uint32_t>;
-
-uint32_t opOf(Words words) {
-    return words[0] & 0xffff;
-}
-
-Instruction make(Op op, std::initializer_list<uint32_t> operands) {
-    Instruction words{static_cast<uint32_t>(op) | static_cast<uint32_t>(operands.size() + 1) << 16};
-    words.insert(words.end(), operands);
-    return words;
-}
-
-bool isDebug(uint32_t op) {
-    return (op >= OpSourceContinued && op <= OpLine) || op == OpNoLine || op == OpModuleProcessed;
-}
+using namespace spirv;
 
 // What is known of ids: the values of booleans and 32-bit numbers.
 using Known = std::unordered_map<uint32_t, uint32_t>;
@@ -105,42 +47,6 @@ std::optional<uint32_t> folded(uint32_t op, std::optional<uint32_t> a, std::opti
 bool isFoldable(uint32_t op) {
     return (op >= OpLogicalEqual && op <= OpLogicalNot) || op == OpIEqual || op == OpINotEqual;
 }
-
-struct Block {
-    uint32_t label = 0;
-    std::vector<Instruction> body;  // the label first, the terminator last
-
-    const Instruction& terminator() const { return body.back(); }
-    // The merge instruction before the terminator; null if there is none.
-    const Instruction* merge() const {
-        if (body.size() < 2) return nullptr;
-        const uint32_t op = opOf(body[body.size() - 2]);
-        return op == OpLoopMerge || op == OpSelectionMerge ? &body[body.size() - 2] : nullptr;
-    }
-    std::vector<uint32_t> successors() const {
-        const Instruction& last = terminator();
-        switch (opOf(last)) {
-            case OpBranch:
-                return {last[1]};
-            case OpBranchConditional:
-                return {last[2], last[3]};
-            case OpSwitch: {
-                std::vector<uint32_t> targets{last[2]};
-                for (size_t i = 4; i < last.size(); i += 2) targets.push_back(last[i]);
-                return targets;
-            }
-            default:
-                return {};
-        }
-    }
-};
-
-struct Function {
-    std::vector<Instruction> head;  // OpFunction and its parameters
-    std::vector<Block> blocks;
-
-    uint32_t id() const { return head.front()[2]; }
-};
 
 using Labels = std::unordered_set<uint32_t>;
 
@@ -263,70 +169,27 @@ void simplify(Function& function, Known& known) {
 class Module {
   public:
     Module(Words spirv, Words constants) : constants_(constants) {
-        if (spirv.size() < kHeaderWords || spirv[0] != kMagic)
-            throw std::invalid_argument("not a SPIR-V module");
-        header_.assign(spirv.begin(), spirv.begin() + kHeaderWords);
         findSpecIds(spirv);
-        read(spirv);
+        code_ = Code::read(spirv);
+        for (Instruction& i : std::exchange(code_.globals, {})) readGlobal(i);
     }
 
     std::vector<uint32_t> written() {
-        for (Function& function : functions_) simplify(function, known_);
-        keepCalledFunctions();
+        for (Function& function : code_.functions) simplify(function, known_);
+        code_.keepCalledFunctions();
         keepUsedVariables();
         collectIds();
-        std::vector<uint32_t> words = header_;
-        const auto add = [&](const Instruction& i) { words.insert(words.end(), i.begin(), i.end()); };
-        for (const Instruction& i : globals_)
-            if (opOf(i) != OpDecorate || ids_.contains(i[1])) add(i);
-        for (const Function& function : functions_) {
-            for (const Instruction& i : function.head) add(i);
-            for (const Block& block : function.blocks)
-                for (const Instruction& i : block.body) add(i);
-            add(make(OpFunctionEnd, {}));
-        }
-        return words;
+        std::erase_if(code_.globals,
+                      [&](const Instruction& i) { return opOf(i) == OpDecorate && !ids_.contains(i[1]); });
+        return code_.written();
     }
 
   private:
-    template <typename Use>
-    static void each(Words spirv, Use use) {
-        for (size_t at = kHeaderWords; at < spirv.size();) {
-            const size_t length = spirv[at] >> 16;
-            if (length == 0 || at + length > spirv.size())
-                throw std::invalid_argument("a SPIR-V module that ends within an instruction");
-            use(spirv.subspan(at, length));
-            at += length;
-        }
-    }
-
     // Decorations come before the constants, but for this a module is read twice.
     void findSpecIds(Words spirv) {
-        each(spirv, [&](Words i) {
+        eachInstruction(spirv, [&](Words i) {
             if (opOf(i) == OpDecorate && i[2] == kDecorationSpecId && i[3] < constants_.size())
                 values_[i[1]] = constants_[i[3]];
-        });
-    }
-
-    void read(Words spirv) {
-        bool inFunction = false;
-        each(spirv, [&](Words i) {
-            const uint32_t op = opOf(i);
-            if (isDebug(op)) return;
-            if (op == OpFunction) {
-                functions_.emplace_back();
-                inFunction = true;
-            }
-            if (!inFunction) {
-                readGlobal(i);
-            } else if (op == OpFunctionEnd) {
-                inFunction = false;
-            } else {
-                std::vector<Block>& blocks = functions_.back().blocks;
-                if (op == OpLabel) blocks.push_back({i[1], {}});
-                (blocks.empty() ? functions_.back().head : blocks.back().body)
-                    .emplace_back(i.begin(), i.end());
-            }
         });
     }
 
@@ -347,71 +210,45 @@ class Module {
         const uint32_t now = opOf(words);
         if (now == OpConstantTrue || now == OpConstantFalse) known_[words[2]] = now == OpConstantTrue;
         if (now == OpConstant && words.size() == 4) known_[words[2]] = words[3];
-        globals_.push_back(std::move(words));
+        code_.globals.push_back(std::move(words));
     }
 
     static Instruction boolean(Words i, bool value) {
         return make(value ? OpConstantTrue : OpConstantFalse, {i[1], i[2]});
     }
 
-    void keepCalledFunctions() {
-        std::unordered_map<uint32_t, const Function*> byId;
-        for (const Function& function : functions_) byId[function.id()] = &function;
-        std::unordered_set<uint32_t> called;
-        std::vector<uint32_t> pending;
-        for (const Instruction& i : globals_)
-            if (opOf(i) == OpEntryPoint) pending.push_back(i[2]);
-        while (!pending.empty()) {
-            const uint32_t id = pending.back();
-            pending.pop_back();
-            if (!called.insert(id).second) continue;
-            for (const Block& block : byId.at(id)->blocks)
-                for (const Instruction& i : block.body)
-                    if (opOf(i) == OpFunctionCall) pending.push_back(i[3]);
-        }
-        std::erase_if(functions_, [&](const Function& f) { return !called.contains(f.id()); });
-    }
-
     // Of invocations and workgroups: memory that a driver might set aside. A number that is no id may keep
     // one for nothing.
     void keepUsedVariables() {
         std::unordered_set<uint32_t> used;
-        for (const Function& function : functions_)
+        for (const Function& function : code_.functions)
             for (const Block& block : function.blocks)
                 for (const Instruction& i : block.body) used.insert(i.begin() + 1, i.end());
-        std::erase_if(globals_, [&](const Instruction& i) {
+        std::erase_if(code_.globals, [&](const Instruction& i) {
             return opOf(i) == OpVariable && (i[3] == kWorkgroup || i[3] == kPrivate) && !used.contains(i[2]);
         });
     }
 
-    static bool hasResult(const Instruction& i) {
-        const uint32_t op = opOf(i);
-        return i.size() > 2 && op != OpStore && op != OpImageWrite &&
-               (op < OpLoopMerge || op > OpUnreachable);
-    }
-
     // Of everything left that could be decorated.
     void collectIds() {
-        for (const Instruction& i : globals_) {
+        for (const Instruction& i : code_.globals) {
             if (opOf(i) == OpDecorate) continue;
             if (i.size() > 1) ids_.insert(i[1]);
             if (i.size() > 2) ids_.insert(i[2]);
         }
-        for (const Function& function : functions_) {
+        for (const Function& function : code_.functions) {
             for (const Instruction& i : function.head) ids_.insert(i[2]);
             for (const Block& block : function.blocks) {
                 for (const Instruction& i : block.body)
-                    if (hasResult(i)) ids_.insert(i[2]);
+                    if (const size_t at = resultPlace(i)) ids_.insert(i[at]);
             }
         }
     }
 
     Words constants_;
-    std::vector<uint32_t> header_;
     std::unordered_map<uint32_t, uint32_t> values_;  // of specialization constants, by result id
     Known known_;
-    std::vector<Instruction> globals_;
-    std::vector<Function> functions_;
+    Code code_;
     std::unordered_set<uint32_t> ids_;
 };
 

@@ -89,6 +89,7 @@ inline uint32_t groupsFor(uint32_t texels) {
 // constants: FACTOR, then ADDS.
 Kernel scaleKernel(const Device& device, Access access, std::vector<uint32_t> constants);
 Kernel reverseKernel(const Device& device);
+Kernel twistsKernel(const Device& device);
 Kernel emptyKernel(const Device& device);
 
 }  // namespace glint::gpu

@@ -3,6 +3,7 @@
 #include "reverse.spv.h"
 #include "scale.spv.h"
 #include "scale_texel.spv.h"
+#include "twists.spv.h"
 
 namespace glint::gpu {
 
@@ -26,6 +27,14 @@ Kernel reverseKernel(const Device& device) {
     options.spirv = reverse_spv;
     options.bindings = {Access::TexelBuffer, Access::StorageBuffer};
     options.pushConstantBytes = sizeof(ReversePush);
+    return Kernel(device, options);
+}
+
+Kernel twistsKernel(const Device& device) {
+    KernelOptions options;
+    options.name = "twists";
+    options.spirv = twists_spv;
+    options.bindings = {Access::StorageBuffer};
     return Kernel(device, options);
 }
 

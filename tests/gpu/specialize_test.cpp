@@ -2,54 +2,21 @@
 // scene needs. That they draw the same is what every other test of pictures sees.
 #include "gpu/specialize.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <random>
 
-#include <unistd.h>
-
 #include "once.spv.h"
-#include "render/kernels.h"
+#include "specialized.h"
 
 namespace glint::gpu::specialize_test {
 namespace {
 
-constexpr uint32_t kIds = 82;
 constexpr uint32_t kOpDecorate = 71, kSpecId = 1;
-
-std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
-    return {code.generate,        code.intersect,          code.intersectAny, code.light, code.shade,
-            code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt};
-}
-
-std::vector<uint32_t> constantsWhere(auto isOn) {
-    std::vector<uint32_t> constants(kIds, 0);
-    // 70, 71, 77 and 78 choose among methods.
-    for (uint32_t id = 0; id < kIds; ++id)
-        if (id < 70 || (id > 71 && id != 77 && id != 78)) constants[id] = isOn(id) ? 1 : 0;
-    return constants;
-}
 
 size_t specIdsIn(std::span<const uint32_t> words) {
     size_t found = 0;
     for (size_t at = 5; at < words.size(); at += words[at] >> 16)
         if ((words[at] & 0xffff) == kOpDecorate && words[at + 2] == kSpecId) ++found;
     return found;
-}
-
-bool isValid(const std::vector<uint32_t>& words) {
-    const auto path =
-        std::filesystem::temp_directory_path() / ("glint_specialize_" + std::to_string(getpid()));
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(words.size() * 4));
-    const std::string command = std::string(GLINT_SPIRV_VAL) + " --target-env vulkan1.1 " + path.string();
-    const int code = std::system(command.c_str());
-    std::filesystem::remove(path);
-    return code == 0;
 }
 
 void expectGood(const std::vector<uint32_t>& constants, const std::string& what) {

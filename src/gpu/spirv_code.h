@@ -1,0 +1,167 @@
+// A SPIR-V module taken apart into functions, blocks and instructions, for specialize.h and flatten.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+namespace glint::gpu::spirv {
+
+// Of the SPIR-V specification 1.3, section 3.32.
+enum Op : uint32_t {
+    OpUndef = 1,
+    OpSourceContinued = 2,
+    OpSource = 3,
+    OpSourceExtension = 4,
+    OpName = 5,
+    OpMemberName = 6,
+    OpString = 7,
+    OpLine = 8,
+    OpExtInst = 12,
+    OpEntryPoint = 15,
+    OpTypeVoid = 19,
+    OpTypeVector = 23,
+    OpTypeArray = 28,
+    OpTypeStruct = 30,
+    OpTypePointer = 32,
+    OpTypeForwardPointer = 39,
+    OpConstantTrue = 41,
+    OpConstantFalse = 42,
+    OpConstant = 43,
+    OpConstantComposite = 44,
+    OpConstantNull = 46,
+    OpSpecConstantTrue = 48,
+    OpSpecConstantFalse = 49,
+    OpSpecConstant = 50,
+    OpSpecConstantOp = 52,
+    OpFunction = 54,
+    OpFunctionParameter = 55,
+    OpFunctionEnd = 56,
+    OpFunctionCall = 57,
+    OpVariable = 59,
+    OpImageTexelPointer = 60,
+    OpLoad = 61,
+    OpStore = 62,
+    OpAccessChain = 65,
+    OpDecorate = 71,
+    OpVectorShuffle = 79,
+    OpCompositeConstruct = 80,
+    OpCompositeExtract = 81,
+    OpCompositeInsert = 82,
+    OpImageRead = 98,
+    OpImageWrite = 99,
+    OpConvertFToU = 109,
+    OpBitcast = 124,
+    OpSNegate = 126,
+    OpLogicalEqual = 164,
+    OpLogicalNotEqual = 165,
+    OpLogicalOr = 166,
+    OpLogicalAnd = 167,
+    OpLogicalNot = 168,
+    OpIEqual = 170,
+    OpINotEqual = 171,
+    OpBitCount = 205,
+    OpControlBarrier = 224,
+    OpMemoryBarrier = 225,
+    OpAtomicExchange = 229,
+    OpAtomicXor = 242,
+    OpPhi = 245,
+    OpLoopMerge = 246,
+    OpSelectionMerge = 247,
+    OpLabel = 248,
+    OpBranch = 249,
+    OpBranchConditional = 250,
+    OpSwitch = 251,
+    OpReturn = 253,
+    OpReturnValue = 254,
+    OpUnreachable = 255,
+    OpNoLine = 317,
+    OpModuleProcessed = 330,
+    OpGroupNonUniformShuffle = 345,
+    OpGroupNonUniformShuffleXor = 346
+};
+constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kBound = 3;
+constexpr uint32_t kDecorationSpecId = 1, kDecorationNoContraction = 42;
+constexpr uint32_t kWorkgroup = 4, kPrivate = 6, kFunction = 7;  // storage classes
+
+using Words = std::span<const uint32_t>;
+using Instruction = std::vector<uint32_t>;
+
+inline uint32_t opOf(Words words) {
+    return words[0] & 0xffff;
+}
+
+Instruction make(Op op, std::initializer_list<uint32_t> operands);
+Instruction make(Op op, const std::vector<uint32_t>& operands);
+
+struct Block {
+    uint32_t label = 0;
+    std::vector<Instruction> body;  // the label first, the terminator last
+
+    const Instruction& terminator() const { return body.back(); }
+    // The merge instruction before the terminator; null if there is none.
+    const Instruction* merge() const;
+    std::vector<uint32_t> successors() const;
+};
+
+struct Function {
+    std::vector<Instruction> head;  // OpFunction and its parameters
+    std::vector<Block> blocks;
+
+    uint32_t id() const { return head.front()[2]; }
+};
+
+// Calls use(words) for each instruction. Throws std::invalid_argument for what is no module.
+void eachInstruction(Words spirv, const std::function<void(Words)>& use);
+
+// Without debug information.
+struct Code {
+    std::vector<uint32_t> header;
+    std::vector<Instruction> globals;  // all before the first function
+    std::vector<Function> functions;
+
+    static Code read(Words spirv);
+    std::vector<uint32_t> written() const;
+    // Those that no entry point comes to by calls go.
+    void keepCalledFunctions();
+};
+
+// The place of an instruction's result in its words, 0 if it has none. Of what stands in functions.
+size_t resultPlace(const Instruction& i);
+
+// One past the place of the last id among the words of an instruction; 0 for one that is not known here.
+size_t endOfIds(const Instruction& i);
+[[noreturn]] void refuse(const Instruction& i);
+
+// Calls use(id) for each id that it uses, but for its type. Throws std::domain_error for an instruction that
+// is not known here.
+template <typename Words, typename Use>
+void eachId(Words& i, Use use) {
+    const uint32_t op = opOf(i);
+    if (op == OpSwitch) {
+        use(i[1]);
+        for (size_t at = 2; at < i.size(); at += 2) use(i[at]);
+        return;
+    }
+    const size_t end = endOfIds(i);
+    if (end == 0) refuse(i);
+    // Of OpExtInst word 3 is the set of instructions and word 4 which of it.
+    for (size_t at = op == OpExtInst ? 5 : resultPlace(i) + 1; at < end; ++at) use(i[at]);
+}
+
+// A number for each id, 0 until it is set.
+class Table {
+  public:
+    uint32_t operator[](uint32_t id) const { return id < numbers_.size() ? numbers_[id] : 0; }
+    void set(uint32_t id, uint32_t number) {
+        if (id >= numbers_.size()) numbers_.resize(id + id / 2 + 1);
+        numbers_[id] = number;
+    }
+
+  private:
+    std::vector<uint32_t> numbers_;
+};
+
+}  // namespace glint::gpu::spirv
