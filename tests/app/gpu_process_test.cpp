@@ -63,7 +63,7 @@ TEST_F(GpuProcess, InterruptEndsVerify) {
 }
 
 TEST_F(GpuProcess, InterruptedReportIsAReport) {
-    Child child({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "1", "--only", "grid",
+    Child child({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "2", "--only", "grid",
                  "--progress", "plain"});
     ASSERT_TRUE(child.waitForPercent(0)) << child.err();
     child.send(SIGINT);
@@ -76,7 +76,7 @@ TEST_F(GpuProcess, InterruptedReportIsAReport) {
     const std::string json(bytes.begin(), bytes.end());
     EXPECT_NE(json.find("\"complete\": false"), std::string::npos) << json;
     EXPECT_TRUE(std::filesystem::exists("out/report.html"));
-    const Ran again = runGlint({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "1",
+    const Ran again = runGlint({"report", "a.json", "-o", "out", "--size", "3000", "--truth-spp", "2",
                                 "--only", "grid", "--budget", "0"});
     EXPECT_EQ(again.code, 0) << again.err;
 }
