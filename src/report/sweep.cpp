@@ -299,7 +299,9 @@ void SceneSweep::finish(Run& run, const SceneReport& report) const {
 bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
     if (hasAll(report, batch)) return true;
     std::erase_if(report.measured, [&](const Measured& m) { return m.batch == batch.name; });
-    if (!fits(batch, report)) {
+    const bool fitting = fits(batch, report);
+    if (limits_.cancelled()) return false;
+    if (!fitting) {
         report.leftOut.push_back(batch.name);
         limits_.worked(workOf(batch, limits_.repeats));
         return true;
