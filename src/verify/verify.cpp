@@ -1,7 +1,9 @@
 #include "verify/verify.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
 #include "core/parallel.h"
@@ -43,9 +45,15 @@ class Comparison {
         explainIfPossible(rayThrough(pixel.x, pixel.y, filmSampleAt(pixel.x, pixel.y)), pixel, true);
     }
 
-    RowSums row(int y) const {
+    // unexplained: of all rows so far. The others need not be looked at once there are more than `enough`.
+    RowSums row(int y, std::atomic<uint64_t>& unexplained, uint64_t enough) const {
         RowSums sums;
-        for (int x = 0; x < options_.width; ++x) comparePixel(x, y, sums);
+        for (int x = 0; x < options_.width && unexplained <= enough; ++x) {
+            const size_t before = sums.differing.size();
+            comparePixel(x, y, sums);
+            if (sums.differing.size() > before && sums.differing.back().reason == Reason::Unexplained)
+                ++unexplained;
+        }
         return sums;
     }
 
@@ -219,9 +227,12 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
     std::vector<RowSums> rows(options.height);
     std::mutex mutex;
     size_t finished = size_t{sample} * options.height;
+    std::atomic<uint64_t> unexplained = report.unexplained;
+    const uint64_t enough =
+        options.verdictAlone ? report.allowedOthers() : std::numeric_limits<uint64_t>::max();
     parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
         if (isInterrupted()) return;
-        rows[y] = comparison.row(static_cast<int>(y));
+        rows[y] = comparison.row(static_cast<int>(y), unexplained, enough);
         const std::lock_guard lock(mutex);
         ++finished;
         if (options.progress)

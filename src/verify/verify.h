@@ -41,6 +41,9 @@ constexpr auto entriesOf(Reason) {
 struct Options : Request {
     Options() { width = 640, height = 480; }
     size_t worstCount = 10;
+    // Once more pixels are unexplained than a longer search is made for, the verdict is no whatever the
+    // others are: they are left out, and the report's figures are of those before.
+    bool verdictAlone = false;
 };
 
 struct DifferingPixel {

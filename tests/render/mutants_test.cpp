@@ -125,8 +125,9 @@ TEST(Mutants, EveryOneIsRunByATest) {
 
 class VerdictTest : public RenderTest {
   protected:
-    static verify::Report verified(Renderer& renderer, const Case& c) {
+    static verify::Report verified(Renderer& renderer, const Case& c, bool verdictAlone = false) {
         verify::Options options;
+        options.verdictAlone = verdictAlone;
         options.width = c.width;
         options.height = c.height;
         return verify::verify(renderer, c.packed, c.camera, options);
@@ -145,6 +146,26 @@ TEST_F(VerdictTest, NoneOfTheWrongNearHitsIsExplained) {
     const verify::Report report = verified(broken, c);
     EXPECT_GT(report.unexplained, 100u);
     EXPECT_EQ(report.explained(), 0u);
+}
+
+// Who wants the verdict alone gets the same one, and waits for fewer pixels.
+TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
+    const Case c = fileCase("spheres", 64, 48);
+    const KernelCode broken = mutantKernels("sphere_normal");
+    for (const bool sound : {true, false}) {
+        Options options;
+        options.access = gpu::Access::TexelBuffer;
+        options.kernels = sound ? &embeddedKernels(gpu::Access::TexelBuffer) : &broken;
+        options.traversal = Traversal::Lane;
+        Renderer renderer(device(), c.packed, options);
+        const verify::Report whole = verified(renderer, c), alone = verified(renderer, c, true);
+        EXPECT_EQ(whole.passed(), sound);
+        EXPECT_EQ(alone.passed(), sound);
+        if (sound)
+            EXPECT_EQ(whole.rmse, alone.rmse);
+        else
+            EXPECT_LT(alone.unexplained, whole.unexplained);
+    }
 }
 
 // The verdict, and what is counted, do not hang on how bright a picture is.

@@ -1,0 +1,101 @@
+"""Kernels of shaders in which one file is broken."""
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import breaks
+
+SOURCE = Path(__file__).resolve().parent.parent.parent
+SHADERS = SOURCE / "shaders"
+
+# name of KernelFolder: source, defines
+KERNELS = {
+    "generate": ("generate.comp", ()),
+    "intersect": ("intersect.comp", ()),
+    "intersect_any": ("intersect.comp", ("GLINT_ANY_HIT=1",)),
+    "light": ("light.comp", ()),
+    "shade": ("shade.comp", ()),
+    "packet_intersect": ("packet_intersect.comp", ()),
+    "packet_intersect_any": ("packet_intersect.comp", ("GLINT_ANY_HIT=1",)),
+    "light_packet": ("light.comp", ("GLINT_PACKET=1",)),
+    "adapt": ("adapt.comp", ()),
+}
+# spirv-opt -O without what takes 20 s a kernel: functions stay functions.
+OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
+             "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
+             "--eliminate-dead-code-aggressive --compact-ids").split()
+# What verify never draws: double precision is for `glint report`, counts of crossings are for the library, the probe is for the device.
+LEFT_OUT = ("double.glsl", "count.comp", "crossings.glsl", "probe.comp")
+
+
+def includes(name, seen=None):
+    """All files that a shader is made of."""
+    seen = set() if seen is None else seen
+    if name in seen or not (SHADERS / name).exists():
+        return seen
+    seen.add(name)
+    for included in re.findall(r'^\s*#\s*include "([^"]+)"', (SHADERS / name).read_text(), re.M):
+        near = os.path.normpath(os.path.join(os.path.dirname(name), included))
+        includes(near if (SHADERS / near).exists() else included, seen)
+    return seen
+
+
+class Compiler:
+    """Kernels of a copy of the shaders in which one file at a time is broken."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.shaders = self.folder / "shaders"
+        shutil.copytree(SHADERS, self.shaders)
+        self.files = {kernel: includes(source) for kernel, (source, _) in KERNELS.items()}
+        self.spent = 0.0  # processor seconds of the compiler and the optimiser
+        self.kept = {}  # what the optimiser leaves of a sound kernel
+
+    def kernels_of(self, file):
+        return [k for k in KERNELS if file in self.files[k]]
+
+    def call(self, *command):
+        """Runs a program; whether it liked what it was given."""
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.spent += used.ru_utime + used.ru_stime
+        return process.returncode == 0
+
+    def command(self, kernel, texel):
+        source, defines = KERNELS[kernel]
+        defines = [f"-D{d}" for d in defines + (("GLINT_TEXEL_LOADS=1",) if texel else ())]
+        return ["glslangValidator", "--quiet", "--target-env", "vulkan1.1", f"-I{self.shaders}", *defines, self.shaders / source]
+
+    def compile(self, kernel, output, texel=True):
+        """Without the passes of cmake/GlintShaders.cmake: the program does what they do, kernel by kernel (src/gpu/specialize.h)."""
+        return self.call(*self.command(kernel, texel), "-V", "-o", output)
+
+    def compile_all(self, kernels, folder, texel=True):
+        folder.mkdir(parents=True)
+        return all(self.compile(k, folder / f"{k}.spv", texel) for k in kernels)
+
+    def text(self, kernel):
+        """The kernel behind the preprocessor, without its lines' numbers."""
+        done = subprocess.run([*self.command(kernel, True), "-E"], text=True, capture_output=True, check=True)
+        return re.sub(r"^#line.*\n", "", done.stdout, flags=re.M)
+
+    def break_file(self, site):
+        (self.shaders / site.file).write_text(breaks.broken((SHADERS / site.file).read_text(), site))
+
+    def mend(self, site):
+        shutil.copyfile(SHADERS / site.file, self.shaders / site.file)
+
+    def optimised(self, module):
+        """The module as an optimiser leaves it, without names: equal for equivalent code, if it sees that."""
+        output = self.folder / "optimised.spv"
+        if not self.call("spirv-opt", "--strip-debug", *OPTIMISER, module, "-o", output):
+            raise RuntimeError(f"spirv-opt does not read {module}")
+        return output.read_bytes()
+
+    def same_after_optimisation(self, broken, sound, keep=False):
+        if keep and sound not in self.kept:
+            self.kept[sound] = self.optimised(sound)
+        return self.optimised(broken) == (self.kept[sound] if keep else self.optimised(sound))

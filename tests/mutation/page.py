@@ -1,0 +1,127 @@
+"""What came out of mutants, and the page that says it."""
+import collections
+import json
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+# Of reasons.json.
+WHAT = {"same": "nothing that is drawn can differ", "time": "only the time differs", "bound": "a bound is wider or narrower and still holds"}
+
+
+def read_results(file):
+    path = Path(file)
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def read_reasons():
+    """By file, text of the line and change: what a mutant does, and why that is no defect."""
+    path = HERE / "reasons.json"
+    reasons = {}
+    for entry in json.loads(path.read_text()) if path.exists() else []:
+        assert entry["what"] in WHAT, entry
+        for was, becomes in entry["changes"]:
+            reasons[entry["file"], entry["within"], was, becomes] = entry
+    return reasons
+
+
+REASONS = read_reasons()
+
+
+def reason_of(result):
+    return REASONS.get((result["file"], result["within"], result["was"], result["is"]))
+
+
+def counted(results):
+    return [r for r in results if r["state"] != "invalid"]
+
+
+class Score:
+    def __init__(self, results):
+        self.states = collections.Counter(r["state"] for r in results)
+        survivors = [r for r in results if r["state"] == "survived"]
+        self.explained = [r for r in survivors if reason_of(r)]
+        unexplained = [r for r in survivors if not reason_of(r)]
+        self.by_suite = [r for r in unexplained if r.get("suite")]
+        self.asked = sum("suite" in r for r in unexplained)
+        self.left = [r for r in unexplained if not r.get("suite")]
+        self.all, self.equivalent, self.killed = len(results), self.states["equivalent"], self.states["killed"]
+        self.tried = self.killed + len(unexplained)
+        self.by_verify = self.killed / self.tried if self.tried else 0
+        self.by_all = (self.killed + len(self.by_suite)) / self.tried if self.tried else 0
+
+    def summary(self):
+        return f"{self.all} mutants: {dict(self.states)}, {len(self.explained)} of the surviving are no defects"
+
+    def row(self, name):
+        share = f" ({100 * self.by_verify:.0f} %)" if self.tried else ""
+        return f"| {name} | {self.all} | {self.equivalent} | {len(self.explained)} | {self.killed}{share} | {len(self.by_suite)} | {len(self.left)} |"
+
+
+HEAD = """# Mutation score
+
+Would `glint verify` notice a defect that nobody thought of? `tests/mutation/mutation.py` breaks the shaders by itself, one small defect at a time,
+compiles the kernels that include the broken file, and has them drawn and verified on the small scenes of `tests/mutation/cases.txt`. Sites are drawn by a
+seed, kinds of defects in turns. Left out is what `verify` never draws: double precision, the library's counts of crossings, the probe of the device. This page
+is written by the script:
+
+```
+tests/mutation/mutation.py run build/bin/mutation_judge --seed 1 --count N --results mutation.jsonl
+tests/mutation/mutation.py suite build/bin/render_test --results mutation.jsonl
+tests/mutation/mutation.py table --results mutation.jsonl
+```
+"""
+COLUMNS = "mutants | equivalent | no defect | found by verify | by the tests | left |\n|---|---|---|---|---|---|---|"
+
+
+def code(text):
+    return f"`{text}`".replace("|", "\\|") if text else "nothing"
+
+
+def figures(results, score):
+    why = collections.Counter(r["why"] for r in results if r["state"] == "killed")
+    classes = collections.Counter(reason_of(r)["what"] for r in score.explained)
+    seconds = [r["seconds"] for r in results]
+    lines = [f"Of {score.all} mutants",
+             f"- {score.equivalent} are *equivalent*: their kernels are the same, word for word, after spirv-opt;",
+             f"- {len(score.explained)} are *no defects*, for a reason that `tests/mutation/reasons.json` gives for each (" +
+             "; ".join(f"{n}: {WHAT[w]}" for w, n in classes.most_common()) + ");" if score.explained else None,
+             f"- of the {score.tried} others `verify` alone finds {score.killed}, **{100 * score.by_verify:.1f} %** (" +
+             ", ".join(f"{n} {w}" for w, n in why.most_common()) + ").", ""]
+    if score.asked:
+        lines += [f"Of the {score.tried - score.killed} that it lets pass, {score.asked} were given to the GPU tests, which find {len(score.by_suite)}: "
+                  f"**{100 * score.by_all:.1f} %** together.", ""]
+    lines += [f"A mutant takes {sum(seconds) / len(seconds):.1f} s of processor time in the mean, compiler and all.", ""]
+    return [line for line in lines if line is not None]
+
+
+def by(results, key, title):
+    groups = collections.defaultdict(list)
+    for result in results:
+        groups[result[key]].append(result)
+    return [f"| {title} | " + COLUMNS] + [Score(group).row(name) for name, group in sorted(groups.items())] + [""]
+
+
+SEEN = {"same code": "no case runs it", "same bits": "all pictures have the bits of sound ones", "other bits": "pictures differ, within what is predicted"}
+
+
+def survivors(score):
+    lines = ["## What is left", "", "What neither `verify` nor the tests find, and no reason explains. *Seen*: whether the pictures of any case had other bits.", "",
+             "| where | was | is | seen |", "|---|---|---|---|"]
+    for r in sorted(score.left, key=lambda r: (r["file"], r["line"])):
+        asked = "" if "suite" in r else "; the tests were not asked"
+        lines.append(f"| {r['file']}: {code(r['within'])} | {code(r['was'])} | {code(r['is'])} | {SEEN[r['pictures']]}{asked} |")
+    return lines
+
+
+def found_by_tests(score):
+    tests = collections.Counter(r["suite"] for r in score.by_suite)
+    if not tests:
+        return []
+    return ["## What the tests find", "", "| test | mutants that verify let pass |", "|---|---|"] + [f"| {t} | {n} |" for t, n in tests.most_common()] + [""]
+
+
+def written(results):
+    results = counted(results)
+    score = Score(results)
+    lines = [HEAD] + figures(results, score) + by(results, "kind", "kind") + by(results, "file", "file") + found_by_tests(score) + survivors(score)
+    return "\n".join(lines) + "\n"
