@@ -34,6 +34,13 @@ uvec2 owenScrambled(uvec2 x, uvec2 seed) {
     return bitfieldReverse(x);
 }
 
+// Seeds for that. Its first digits are the seed's lowest bits, and pcg4d's results are good in their highest:
+// with them as they are, places in neighbouring pixels correlate (docs/lab/sampling.md).
+uvec4 scrambleSeeds(uvec4 v) {
+    v = pcg4d(v);
+    return v ^ (v >> 16u);
+}
+
 // Point `index` of the first two dimensions of Sobol's sequence: van der Corput's, and the one whose matrix
 // is Pascal's triangle modulo 2 (I. M. Sobol 1967).
 uvec2 sobolPair(uint index) {
@@ -51,7 +58,7 @@ uvec2 sobolPair(uint index) {
 // leaves every aligned block of 2^k samples one of 2^k points, so each pair is as even as the first two
 // dimensions are, and pairs are independent of each other.
 uvec2 paddedPair(uint index, uvec2 pixel, uint pair, uint seed) {
-    uvec4 random = pcg4d(uvec4(pixel, kPaddingKey + pair, seed));
+    uvec4 random = scrambleSeeds(uvec4(pixel, kPaddingKey + pair, seed));
     uint shuffled = owenScrambled(uvec2(index), random.xx).x;
     return owenScrambled(sobolPair(shuffled), random.yz);
 }
@@ -63,16 +70,19 @@ uvec2 samplePair(Sample s, uint index, uvec2 pixel, uint pair) {
     if (pair >= kFirstPaddedPair) return paddedPair(index, pixel, pair, s.seed);
     bool lens = pair == kPairLens;
     uvec2 place = lens ? uvec2(s.lensX, s.lensY) : uvec2(s.x, s.y);
-    uvec4 hashed = pcg4d(uvec4(pixel, s.key, s.seed));
-    uvec2 random = lens ? hashed.zw : hashed.xy;
     if (s.scatter == kScatterJitter) {
+        uvec4 hashed = pcg4d(uvec4(pixel, s.key, s.seed));
+        uvec2 random = lens ? hashed.zw : hashed.xy;
         uvec2 within, fraction;
         uvec2 width = lens ? uvec2(s.widthLensX, s.widthLensY) : uvec2(s.widthX, s.widthY);
         umulExtended(random, width, within, fraction);
         place += within;
         if (lens) place += pcg4d(uvec4(pixel, kLensKey, s.seed)).zw;
     }
-    if (s.scatter == kScatterOwen) place = owenScrambled(place, random);
+    if (s.scatter == kScatterOwen) {
+        uvec4 seeds = scrambleSeeds(uvec4(pixel, s.key, s.seed));
+        place = owenScrambled(place, lens ? seeds.zw : seeds.xy);
+    }
     return place;
 }
 

@@ -33,8 +33,9 @@ GLINT_CONST_FLOAT(kDarkestMean, 0.125f);
 GLINT_CONST_UINT(kPairFilm, 0u);
 GLINT_CONST_UINT(kPairLens, 1u);
 GLINT_CONST_UINT(kFirstPaddedPair, 2u);
-// Added to the number of a padded pair, the third word hashed for it. Keys of samples are below.
-GLINT_CONST_UINT(kPaddingKey, 0x80000000u);
+// Added to the number of a padded pair, the third word hashed for it. Keys of samples are below, and differ
+// from it in low bits too, which are what pcg4d's first results hang on: 2^32 over the golden ratio.
+GLINT_CONST_UINT(kPaddingKey, 0x9e3779b9u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

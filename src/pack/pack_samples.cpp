@@ -39,6 +39,15 @@ std::vector<SampleClass> classesOf(const FilterParts& parts, uint32_t count) {
     return classes;
 }
 
+// The finalizer of MurmurHash3 (A. Appleby 2011), a bijection in which each bit of the seed turns each bit of
+// the result over with probability 1/2; 0 stays 0. Words of pcg4d's results keep their low bits whatever the
+// high bits of its arguments are: places that two seeds 2^30 apart scatter would correlate.
+uint32_t mixed(uint32_t seed) {
+    seed = (seed ^ (seed >> 16)) * 0x85ebca6bu;
+    seed = (seed ^ (seed >> 13)) * 0xc2b2ae35u;
+    return seed ^ (seed >> 16);
+}
+
 double sign(const SampleClass& c) {
     return c.tableX == c.tableY ? 1.0 : -1.0;
 }
@@ -59,7 +68,9 @@ shared::Sample sampleOf(const FixedPoint& place, const SampleClass& c, double we
 class SampleMaker {
   public:
     explicit SampleMaker(const ImageSettings& image)
-        : image_(image), sampler_(samplerOf(image)), parts_(filterParts(image.filter, image.filterRadius)) {}
+        : seed_(mixed(image.seed)),
+          sampler_(samplerOf(image)),
+          parts_(filterParts(image.filter, image.filterRadius)) {}
 
     void addTables(std::vector<shared::Sample>& rows) const {
         static_assert(sizeof(shared::Sample) * shared::kFirstSample == 2 * 16 * shared::kFilterRows);
@@ -88,7 +99,7 @@ class SampleMaker {
     void addClass(size_t number, const SampleClass& c, double weight, std::vector<shared::Sample>& rows) {
         const auto add = [&](const FixedPoint& place, uint32_t scatter, uint32_t key,
                              const FixedPoint& width) {
-            shared::Sample s = sampleOf(place, c, weight, image_.seed);
+            shared::Sample s = sampleOf(place, c, weight, seed_);
             s.scatter = scatter;
             s.key = key;
             s.widthX = width[0];
@@ -98,7 +109,7 @@ class SampleMaker {
             rows.push_back(s);
         };
         const auto key = static_cast<uint32_t>(number);
-        const uint32_t order = image_.seed + 4 * round_++ + key;
+        const uint32_t order = seed_ + 4 * round_++ + key;
         if (sampler_ == Sampler::Grid) {
             for (const FixedPoint& p : gridPoints(c.count, key)) add(p, shared::kScatterNone, key, {});
         } else if (sampler_ == Sampler::Jittered) {
@@ -110,7 +121,7 @@ class SampleMaker {
         }
     }
 
-    const ImageSettings& image_;
+    uint32_t seed_;
     Sampler sampler_;
     FilterParts parts_;
     std::array<uint32_t, 4> next_{};  // of each class's sequence

@@ -28,6 +28,13 @@ Words pcg4d(Words w) {
     return w;
 }
 
+// Words whose low bits are as good as their high ones, for owenScrambled.
+Words evenWords(const Words& of) {
+    Words words = pcg4d(of);
+    for (uint32_t& word : words) word ^= word / 65536;
+    return words;
+}
+
 uint32_t bitfieldReverse(uint32_t bits) {
     uint32_t result = 0;
     for (int i = 0; i < 32; ++i) result |= ((bits >> i) & 1u) << (31 - i);
@@ -60,7 +67,7 @@ Pair sobolPair(uint32_t index) {
 // Of sequences of two dimensions, one for each pair, each pixel takes the samples in another order and
 // scrambled anew (B. Burley 2020, section 3).
 Pair paddedPair(uint32_t seed, uint32_t index, uint32_t pair, uint32_t x, uint32_t y) {
-    const Words random = pcg4d({x, y, shared::kPaddingKey + pair, seed});
+    const Words random = evenWords({x, y, shared::kPaddingKey + pair, seed});
     Pair at = sobolPair(owenScrambled(index, random[0]));
     for (size_t i = 0; i < 2; ++i) at[i] = owenScrambled(at[i], random[1 + i]);
     return at;
@@ -88,13 +95,13 @@ Pair samplePair(const shared::Sample& s, uint32_t index, uint32_t pair, uint32_t
                 widths = {s.widthX, s.widthY, s.widthLensX, s.widthLensY};
     Pair at = {places[first], places[first + 1]};
     if (s.scatter == shared::kScatterNone) return at;
+    if (s.scatter == shared::kScatterOwen) {
+        const Words seeds = evenWords({x, y, s.key, s.seed});
+        return {owenScrambled(at[0], seeds[first]), owenScrambled(at[1], seeds[first + 1])};
+    }
     const Words random = pcg4d({x, y, s.key, s.seed});
     const Words shift = pcg4d({x, y, shared::kLensKey, s.seed});
     for (size_t i = 0; i < 2; ++i) {
-        if (s.scatter == shared::kScatterOwen) {
-            at[i] = owenScrambled(at[i], random[first + i]);
-            continue;
-        }
         at[i] += static_cast<uint32_t>(uint64_t{random[first + i]} * widths[first + i] / (uint64_t{1} << 32));
         if (pair == shared::kPairLens) at[i] += shift[first + i];
     }

@@ -1,5 +1,7 @@
 // `glint report` from end to end, on a scene of few pixels.
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/interrupt.h"
 #include "support.h"
@@ -19,9 +21,11 @@ class GpuReport : public FolderTest {
     }
     // One kind of pipeline, as compiling takes most of the time.
     Ran report(std::vector<std::string> more = {}) {
-        std::vector<std::string> args = {"report",      "a.json", "-o",        "out",
-                                         "--size",      "16",     "--repeats", "2",
-                                         "--truth-spp", "64",     "--only",    "lowDiscrepancy"};
+        more.insert(more.begin(), {"--size", "16", "--repeats", "2", "--truth-spp", "64"});
+        return reportOf(std::move(more));
+    }
+    static Ran reportOf(std::vector<std::string> more) {
+        std::vector<std::string> args = {"report", "a.json", "-o", "out", "--only", "lowDiscrepancy"};
         args.insert(args.end(), more.begin(), more.end());
         return runGlint(args);
     }
@@ -65,6 +69,41 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
     writeText("a.json", sceneText(16, 12, "\"background\": 0.25"));
     EXPECT_EQ(report({"--budget", "0"}).code, 0);
     EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u) << "another scene under the same name";
+}
+
+// The converged picture is no better than the pictures judged by it, whose errors are right all the same: its
+// own, estimated from its two halves of a sample each, is independent of theirs and taken out. A picture of
+// one sample then has sqrt(2) times the error of the mean of two: of 8 runs and the edges of a hundred
+// spheres within a tenth. Noise that pictures shared with the converged one gave 0.85.
+TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
+    std::string spheres;
+    for (int i = 0; i < 100; ++i)
+        spheres += (i ? ",\n" : "") +
+                   std::string(R"({"type": "sphere", "radius": 0.2, "material": "red", )") +
+                   R"("center": [)" + std::to_string(i % 10 * 0.45 - 2) + ", " +
+                   std::to_string(i / 10 * 0.43 - 2) + ", 0]}";
+    writeText("a.json", sceneText(96, 96,
+                                  R"("background": 0.5, "ambient": 0.1,
+  "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}}, "objects": [)" +
+                                      spheres + "]"));
+    const Ran ran = reportOf({"--size", "96", "--repeats", "8", "--truth-spp", "2", "--budget", "8"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json scene = readJson()["scenes"][0];
+    const double own = scene["truthError"];
+    EXPECT_GT(own, 0);
+    EXPECT_EQ(scene["truthSamples"], 2);
+    bool found = false;
+    for (const nlohmann::json& c : scene["configurations"]) {
+        double squares = 0;
+        for (const double rmse : c["runRmse"]) squares += rmse * rmse / 8;
+        const double error = c["error"];
+        EXPECT_NEAR(error * error, std::max(squares - own * own, 0.0), 1e-9) << c["key"];
+        EXPECT_EQ(c["hidden"], squares < 2 * own * own) << c["key"];
+        if (c["spp"] != 1 || c["family"] != "lowDiscrepancy") continue;
+        found = true;
+        EXPECT_NEAR(error / own, std::numbers::sqrt2, 0.1 * std::numbers::sqrt2);
+    }
+    EXPECT_TRUE(found);
 }
 
 // The scene's own file is the same: it is the mesh that is another one.

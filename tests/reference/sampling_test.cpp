@@ -68,6 +68,13 @@ uint32_t paperScramble(uint32_t x, uint32_t seed) {
     return reversed(x);
 }
 
+// The same, with the high bits of each word upon its low ones, which the paper's own words are bad in.
+std::array<uint32_t, 4> evenPcg4d(uint32_t x, uint32_t y, uint32_t z, uint32_t w) {
+    auto words = paperPcg4d(x, y, z, w);
+    for (uint32_t& word : words) word ^= word >> 16;
+    return words;
+}
+
 // Shuffled scrambled Sobol points as in Burley's listing: the index is scrambled, then each coordinate.
 TEST(Sampling, PaddedPairsAreThePapers) {
     shared::Sample row;
@@ -76,7 +83,7 @@ TEST(Sampling, PaddedPairsAreThePapers) {
         for (uint32_t pixel = 0; pixel < 20; ++pixel)
             for (uint32_t index = 0; index < 300; ++index) {
                 const uint32_t x = 3 * pixel, y = 100 - pixel;
-                const auto random = paperPcg4d(x, y, 0x80000000u + pair, row.seed);
+                const auto random = evenPcg4d(x, y, shared::kPaddingKey + pair, row.seed);
                 const FixedPoint point = sobolPoint(paperScramble(index, random[0]));
                 const std::array<uint32_t, 2> expected = {paperScramble(point[0], random[1]),
                                                           paperScramble(point[1], random[2])};
@@ -124,7 +131,7 @@ TEST(Sampling, JitterIsThePapersHash) {
     const PackedSamples samples = packSamples(settingsOf(Sampler::Jittered, Filter::Box, 0.5, 1), false);
     for (uint32_t y = 0; y < 40; ++y)
         for (uint32_t x = 0; x < 40; ++x) {
-            const auto random = paperPcg4d(x, y, 0, 7);
+            const auto random = paperPcg4d(x, y, 0, samples.rows[shared::kFirstSample].seed);
             // The cell is 2^32 - 1 wide, so the place is within one unit below the hash.
             const FilmSample s = filmSample(samples, 0, x, y);
             EXPECT_NEAR(s.offset.x, random[0] * 0x1p-32, 0x1p-18 + 0x1p-22);
@@ -192,6 +199,54 @@ TEST(Sampling, SeedsAndPixelsDiffer) {
         same += filmSample(a, 1, x, 0).offset == filmSample(a, 1, x + 1, 0).offset;
     }
     EXPECT_EQ(same, 0);
+}
+
+// Places of one sample, film and lens, in a square of pixels, each dimension with mean 0 and variance 1 if it
+// is uniform.
+constexpr int kSide = 64;
+// Standard deviations of a mean of products of such numbers.
+constexpr double kSigma = 1.0 / kSide;
+
+std::vector<glm::dvec4> placesOf(Sampler sampler, uint32_t seed, uint32_t index) {
+    ImageSettings image = settingsOf(sampler, Filter::Box, 0.5, 4);
+    image.seed = seed;
+    const PackedSamples samples = packSamples(image, true);
+    const shared::Sample& row = samples.rows[shared::kFirstSample + index];
+    std::vector<glm::dvec4> places;
+    for (uint32_t i = 0; i < kSide * kSide; ++i) {
+        const auto film = samplePair(row, index, shared::kPairFilm, i % kSide, i / kSide);
+        const auto lens = samplePair(row, index, shared::kPairLens, i % kSide, i / kSide);
+        const glm::dvec4 place(film[0], film[1], lens[0], lens[1]);
+        places.push_back((place * 0x1p-32 - 0.5) * std::sqrt(12.0));
+    }
+    return places;
+}
+
+// Seeds that differ in one bit, whichever it is, scatter the same sample independently of each other.
+TEST(Sampling, SeedsAreIndependent) {
+    for (uint32_t bit = 0; bit < 32; ++bit) {
+        const auto one = placesOf(Sampler::LowDiscrepancy, 7, 1);
+        const auto other = placesOf(Sampler::LowDiscrepancy, 7 ^ (1u << bit), 1);
+        glm::dvec4 products(0);
+        for (size_t i = 0; i < one.size(); ++i) products += one[i] * other[i] / double(one.size());
+        for (int d = 0; d < 4; ++d) EXPECT_NEAR(products[d], 0, 4 * kSigma) << bit << ' ' << d;
+    }
+}
+
+// What error targets rest on: pixels know nothing of each other, and the scrambled places are uniform.
+TEST(Sampling, PixelsAreIndependent) {
+    for (uint32_t seed = 0; seed < 20; ++seed) {
+        const auto places = placesOf(Sampler::LowDiscrepancy, seed, 3);
+        glm::dvec4 means(0), right(0), below(0);
+        for (size_t i = 0; i < places.size(); ++i) {
+            means += places[i] / double(places.size());
+            if (i % kSide + 1 < kSide) right += places[i] * places[i + 1] / double(places.size());
+            if (i + kSide < places.size()) below += places[i] * places[i + kSide] / double(places.size());
+        }
+        for (int d = 0; d < 4; ++d)
+            for (const double mean : {means[d], right[d], below[d]})
+                EXPECT_NEAR(mean, 0, 4 * kSigma) << seed << ' ' << d;
+    }
 }
 
 // The mean of x^2 over the samples, weighted, is the filter's second moment: box r^2/3, tent r^2/6;
