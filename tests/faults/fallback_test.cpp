@@ -179,7 +179,7 @@ TEST_F(Fallback, FramesAreOfOneOfThem) {
 
 TEST_F(Fallback, AnErrorIsReachedByTheReference) {
     const ScopedEnvironment environment("GLINT_FAULT", "vkQueueSubmit 30");
-    const Ran ran = runGlint({"render", "a.json", "-o", "out.pfm", "--error", "0.02", "--fallback", "cpu",
+    const Ran ran = runGlint({"render", "a.json", "-o", "out.pfm", "--error", "0.01", "--fallback", "cpu",
                               "--stats", "json", "--size", "32x24"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_TRUE(fellBack(ran)) << ran.err;
