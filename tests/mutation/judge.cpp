@@ -3,11 +3,12 @@
 //
 //   judge FOLDER CASE          do the kernels in FOLDER pass the case, and what differs in its pictures?
 //   write FOLDER CASE OUTPUT   writes what the case makes of the kernels in FOLDER, and of the sound ones
+//   hash FOLDER CASE           the bits of the whole picture, of all samples together
 //
 //   mutation_judge CASES SOUND
 //
 // CASES has a line for each case: its name, a scene of scenes/, width, height, samples for each pixel, and
-// options (readOption). The folder holds kernels for texel buffers that
+// options (readOption in trials.cpp). The folder holds kernels for texel buffers that
 // replace those of the folder SOUND: intersect.spv, packet_intersect_any.spv and so on.
 //
 // What can be known without verify is not asked of it: a case whose kernels do not change, or whose picture
@@ -26,26 +27,16 @@
 #include <vector>
 
 #include "../render/support.h"
-#include "core/enum_names.h"
+#include "core/picture_hash.h"
 #include "fingerprint.h"
 #include "gpu/device_state.h"
 #include "gpu/flatten.h"
 #include "gpu/specialize.h"
-#include "import/load.h"
 #include "kernel_folder.h"
-#include "pack/pack_samples.h"
-#include "support/support.h"
-#include "verify/verify.h"
+#include "trials.h"
 
 namespace glint::mutation {
 namespace {
-
-template <class Enum>
-Enum valueOf(const std::string& name) {
-    for (const auto& entry : entriesOf(Enum()))
-        if (entry.name == name) return entry.value;
-    throw std::runtime_error("no such choice: " + name);
-}
 
 using Kernel = std::span<const uint32_t> render::KernelCode::*;
 constexpr Kernel kMembers[] = {&render::KernelCode::generate,
@@ -64,83 +55,12 @@ struct Run {
     uint64_t code = 0;
 };
 
-// A case as sound kernels draw it.
+// A case as sound kernels draw it: sample by sample, for verify, or all at once, for a hash.
 struct Sound {
     std::vector<Run> runs;
-    std::vector<Picture> pictures;  // of each sample
+    std::vector<Picture> pictures;
+    std::string hash;
 };
-
-struct Trial {
-    render::test::Case scene;
-    verify::Options options;
-    render::Options device;
-    std::optional<Sound> sound;  // once it was asked for
-};
-
-// own, traversal=bvh4, triangles=projection, trips=40 ...
-void readOption(const std::string& text, Trial& trial) {
-    const size_t sign = text.find('=');
-    const std::string name = text.substr(0, sign),
-                      value = sign == std::string::npos ? "" : text.substr(sign + 1);
-    Methods& methods = trial.options.methods;
-    if (name == "own")
-        trial.device.ownArithmetic = true;
-    else if (name == "traversal")
-        trial.device.traversal = valueOf<render::Traversal>(value);
-    else if (name == "stack")
-        trial.device.stack = valueOf<render::StackPlace>(value);
-    else if (name == "compaction")
-        trial.device.compaction = valueOf<render::Compaction>(value);
-    else if (name == "trips")
-        trial.device.tripBudget = static_cast<uint32_t>(std::stoul(value));
-    else if (name == "triangles")
-        methods.triangles = valueOf<TriangleMethod>(value);
-    else if (name == "spheres")
-        methods.spheres = valueOf<SphereMethod>(value);
-    else if (name == "slabs")
-        methods.slabs = valueOf<SlabPad>(value);
-    else if (name == "offsets")
-        methods.offsets = valueOf<OriginOffset>(value);
-    else if (name == "cut")
-        trial.options.minContribution = std::stod(value);
-    else
-        throw std::runtime_error("no such option: " + text);
-}
-
-Trial trialOf(std::istringstream& words) {
-    std::string scene;
-    int width = 0, height = 0, samples = 0;
-    if (!(words >> scene >> width >> height >> samples)) throw std::runtime_error("what is to be drawn?");
-    Trial trial;
-    Scene read = loadScene(glint::test::sourcePath("scenes/" + scene), {.allowOutside = true});
-    read.image.width = width;
-    read.image.height = height;
-    read.image.samplesPerPixel = samples;
-    static_cast<Request&>(trial.options) = requestOf(read.image, read.camera.lensRadius > 0);
-    trial.options.verdictAlone = true;
-    trial.device.access = gpu::Access::TexelBuffer;
-    trial.device.traversal = render::Traversal::Lane;
-    for (std::string option; words >> option;) readOption(option, trial);
-    trial.scene = render::test::makeCase(std::move(read), width, height);
-    return trial;
-}
-
-std::map<std::string, Trial> readTrials(const std::string& path) {
-    std::map<std::string, Trial> trials;
-    std::ifstream file(path);
-    if (!file) throw std::runtime_error("cannot read " + path);
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream words(line);
-        std::string name;
-        if (!(words >> name) || name[0] == '#') continue;
-        try {
-            trials[name] = trialOf(words);
-        } catch (const std::exception& error) {
-            throw std::runtime_error(name + ": " + error.what());
-        }
-    }
-    return trials;
-}
 
 // As src/gpu/kernel.cpp makes it, but for decorations that all arithmetic gets.
 std::vector<uint32_t> flatCode(std::span<const uint32_t> spirv, const std::vector<uint32_t>& constants) {
@@ -166,22 +86,24 @@ class Judge {
     // Answers a line.
     std::string answer(const std::string& line) {
         std::istringstream words(line);
-        std::string what, folder, name, output, pictures, why;
+        std::string what, folder, name, output, pictures, why, hash;
         words >> what >> folder >> name >> output;
-        Trial& trial = trials_.at(name);
-        if (!trial.sound) draw(trial);
+        const Trial& trial = trials_.at(name);
+        const Sound& sound = soundOf(trial, name, what == "hash");
         const KernelFolder broken(folder, sound_.code());
         try {
             if (what == "write")
-                write(*trial.sound, broken.code(), output);
-            else if (!runsOther(*trial.sound, broken.code()))
-                pictures = "same code";
+                write(sound, broken.code(), output);
+            else if (!runsOther(sound, broken.code()))
+                pictures = "same code", hash = sound.hash;
+            else if (what == "hash")
+                hash = hashOf(trial, sound, broken.code());
             else
-                why = refusal(trial, broken.code(), pictures);
+                why = refusal(trial, sound, broken.code(), pictures);
         } catch (const std::exception&) {
             why = "error";
         }
-        return R"({"why": ")" + why + R"(", "pictures": ")" + pictures + "\"}";
+        return R"({"why": ")" + why + R"(", "pictures": ")" + pictures + R"(", "hash": ")" + hash + "\"}";
     }
 
   private:
@@ -212,16 +134,22 @@ class Judge {
         return report.ties > report.allowedTies() ? "too many ties" : "percentile";
     }
 
-    void draw(Trial& trial) {
+    const Sound& soundOf(const Trial& trial, const std::string& name, bool whole) {
+        const auto [place, isNew] = (whole ? wholes_ : sounds_).try_emplace(name);
+        Sound& sound = place->second;
+        if (!isNew) return sound;
         auto& programs = device_.state().programs;
         programs.clear();
         render::Renderer renderer(device_, trial.scene.packed, optionsOf(trial, sound_.code()));
-        Sound sound;
-        sound.pictures = picturesOf(renderer, trial);
-        if (!verdict(renderer, trial).empty()) throw std::runtime_error("sound kernels do not pass");
+        if (whole) {
+            sound.hash = pictureHash(renderer.render(trial.scene.camera, trial.options).color);
+        } else {
+            sound.pictures = picturesOf(renderer, trial);
+            if (!verdict(renderer, trial).empty()) throw std::runtime_error("sound kernels do not pass");
+        }
         for (const auto& program : programs)
             sound.runs.push_back({program, codeOf(program->key.spirv, program->key.constants)});
-        trial.sound = std::move(sound);
+        return sound;
     }
 
     // Whether one of the kernels that replace sound ones holds other code for the case.
@@ -257,15 +185,26 @@ class Judge {
         return {};
     }
 
-    std::string refusal(const Trial& trial, const render::KernelCode& broken, std::string& pictures) {
+    // The programs of kernels that are not replaced are found again.
+    render::Renderer rendererOf(const Trial& trial, const Sound& sound,
+                                const render::KernelCode& broken) const {
         auto& programs = device_.state().programs;
         programs.clear();
-        for (const Run& run : trial.sound->runs) programs.push_back(run.program);
-        render::Renderer renderer(device_, trial.scene.packed, optionsOf(trial, broken));
+        for (const Run& run : sound.runs) programs.push_back(run.program);
+        return render::Renderer(device_, trial.scene.packed, optionsOf(trial, broken));
+    }
+
+    std::string hashOf(const Trial& trial, const Sound& sound, const render::KernelCode& broken) const {
+        return pictureHash(rendererOf(trial, sound, broken).render(trial.scene.camera, trial.options).color);
+    }
+
+    std::string refusal(const Trial& trial, const Sound& sound, const render::KernelCode& broken,
+                        std::string& pictures) const {
+        render::Renderer renderer = rendererOf(trial, sound, broken);
         const std::vector<Picture> drawn = picturesOf(renderer, trial);
         pictures = "other bits";
         const bool same =
-            std::equal(drawn.begin(), drawn.end(), trial.sound->pictures.begin(),
+            std::equal(drawn.begin(), drawn.end(), sound.pictures.begin(),
                        [](const Picture& a, const Picture& b) { return bool(render::test::sameBits(a, b)); });
         if (same) pictures = "same bits";
         return same ? "" : verdict(renderer, trial);
@@ -273,6 +212,7 @@ class Judge {
 
     gpu::Device device_;  // outlives the programs
     std::map<std::string, Trial> trials_;
+    std::map<std::string, Sound> sounds_, wholes_;
     KernelFolder sound_;
 };
 

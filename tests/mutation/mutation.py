@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Breaks the shaders by itself, one small defect at a time, and asks verify whether it notices.
 
-    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE]
-    mutation.py suite PROGRAM [--filter TESTS] [--results FILE] [--minutes N]
+    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--again]
+    mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N]
     mutation.py table [--results FILE] [--output docs/lab/mutation.md]
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent. Results are lines of JSON; a run goes on where
 the last one with the same file ended. --require: exit with 1 if a smaller share of what is not equivalent is found.
-suite: has PROGRAM (render_test) run on the kernels of each mutant that verify let pass and that reasons.json does not explain.
+suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first the gallery's hashes, as
+tools/test-drivers asks for them, by JUDGE, then PROGRAM (render_test), run on the mutant's kernels.
 table: writes what came out.
 """
 import argparse
@@ -43,8 +44,8 @@ def case_names():
 class Judge:
     """A process of mutation_judge, started again when a mutant has hanged or ended it."""
 
-    def __init__(self, program, folder, seconds):
-        self.command, self.seconds, self.process = [program, HERE / "cases.txt", folder / "sound"], seconds, None
+    def __init__(self, program, folder, seconds, cases=HERE / "cases.txt"):
+        self.command, self.seconds, self.process = [program, cases, folder / "sound"], seconds, None
         self.environment = os.environ | {"MESA_SHADER_CACHE_DIR": str(folder / "cache")}
         self.before = 0.0  # processor seconds of the processes that have ended
 
@@ -90,11 +91,11 @@ class Judge:
 
 class Run:
     def __init__(self, arguments):
-        self.arguments, self.lock = arguments, threading.Lock()
+        self.arguments, self.lock, self.failure = arguments, threading.Lock(), None
         self.deadline = time.monotonic() + 60 * arguments.minutes
         self.sites = sites.draw(arguments.seed, arguments.count)
         self.results = page.read_results(arguments.results)
-        self.done = {sites.key(r) for r in self.results}
+        self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again}
         # Cases that found mutants of a file; a mutant of another file is likeliest found by those that found many.
         self.kills = collections.Counter((r["file"], r["case"]) for r in self.results if r["state"] == "killed")
         self.all_kills = collections.Counter(r["case"] for r in self.results if r["state"] == "killed")
@@ -125,6 +126,13 @@ class Run:
                 file.write(json.dumps(result) + "\n")
 
     def work(self):
+        try:
+            self.work_in_memory()
+        except Exception as error:
+            self.failure = error
+            raise
+
+    def work_in_memory(self):
         with tempfile.TemporaryDirectory(dir=MEMORY) as name:
             folder = Path(name)
             compiler, judge = Compiler(folder), Judge(self.arguments.program, folder, self.arguments.seconds)
@@ -199,11 +207,34 @@ def run(arguments):
         thread.start()
     for thread in threads:
         thread.join()
+    if job.failure:
+        return 2
     score = page.Score(page.counted(job.results))
     print(f"{score.summary()}; verify found {score.by_verify:.1%} of those that are not equivalent")
     for r in score.left:
         print(f"  {r['file']}:{r['line']}: {r['kind']}: `{r['was']}` -> `{r['is']}` in {r['within']}")
     return 0 if score.tried and score.by_verify >= arguments.require else 1
+
+
+def write_gallery(output):
+    """The gallery's pictures as cases, in the ways that tools/test-drivers draws them; the hash that each must have."""
+    listed = subprocess.run(["bash", SOURCE / "tools/gallery", "--list"], text=True, capture_output=True, check=True).stdout
+    known = dict(line.split() for line in (SOURCE / "tests/gallery_hashes.txt").read_text().splitlines())
+    hashes, lines = {}, []
+    for name, scene, size, *options in map(str.split, listed.splitlines()):
+        width, height = (int(n) // 5 for n in size.split("x"))
+        chosen = dict(zip(options[::2], options[1::2]))
+        samples = chosen.pop("--spp")
+        words = " ".join(f"{option[2:]}={value}" for option, value in chosen.items())
+        ways = ["traversal=packet", "traversal=lane"]
+        ways += ["own"] if name in ("spheres", "boxes", "glass") else []
+        ways += ["traversal=bvh4", "traversal=cwbvh"] if name in ("spheres", "knot", "showcase", "instances", "textures") else []
+        for way in ways:
+            case = f"{name}:{way}"
+            lines.append(f"{case} {scene} {width} {height} {samples} {words} {way}\n")
+            hashes[case] = known[name]
+    output.write_text("".join(lines))
+    return hashes
 
 
 def failed_test(program, tests, kernels, seconds):
@@ -216,25 +247,45 @@ def failed_test(program, tests, kernels, seconds):
     return (failed[0] if failed else "crash") if done.returncode else ""
 
 
+class Suite:
+    def __init__(self, arguments, folder):
+        self.arguments, self.compiler, self.kernels = arguments, Compiler(folder), folder / "kernels"
+        self.hashes = write_gallery(folder / "gallery.txt")
+        self.judge = Judge(arguments.judge, folder, 60, folder / "gallery.txt")
+        self.compiler.compile_all(KERNELS, folder / "sound")
+        (folder / "none").mkdir()
+        for case in self.hashes:
+            if self.judge.ask("hash", folder / "none", case)["hash"] != self.hashes[case]:
+                raise RuntimeError(f"sound kernels do not draw the known {case}")
+
+    def verdict(self, site):
+        """The test that finds the mutant, or nothing."""
+        shutil.rmtree(self.kernels, ignore_errors=True)
+        self.compiler.break_file(site)
+        for access in ("texel", "storage"):
+            self.compiler.compile_all(self.compiler.kernels_of(site.file), self.kernels / access, access == "texel")
+        self.compiler.mend(site)
+        for case, known in self.hashes.items():
+            if self.judge.ask("hash", self.kernels / "texel", case).get("hash") != known:
+                return "tools/gallery-hashes"
+        return failed_test(self.arguments.program, self.arguments.filter, self.kernels, self.arguments.seconds)
+
+
 def suite(arguments):
-    """Those that verify let pass, by the tests of a program."""
-    results = page.read_results(arguments.results)
+    """Those that verify let pass, by the tests."""
     deadline = time.monotonic() + 60 * arguments.minutes
     found = sites.all_sites()
     with tempfile.TemporaryDirectory(dir=MEMORY) as name:
-        compiler, kernels = Compiler(name), Path(name) / "kernels"
-        for result in results:
+        tests = Suite(arguments, Path(name))
+        for result in page.read_results(arguments.results):
             site, _ = found.get(sites.key(result), (None, None))
             if result["state"] != "survived" or "suite" in result or not site or page.reason_of(result) or time.monotonic() > deadline:
                 continue
-            shutil.rmtree(kernels, ignore_errors=True)
-            compiler.break_file(site)
-            for access in ("texel", "storage"):
-                compiler.compile_all(compiler.kernels_of(site.file), kernels / access, access == "texel")
-            compiler.mend(site)
-            result["suite"] = failed_test(arguments.program, arguments.filter, kernels, arguments.seconds)
-            print(f"{result['file']}:{result['line']}: {result['kind']}: {result['suite'] or 'survived'}", flush=True)
-            Path(arguments.results).write_text("".join(json.dumps(r) + "\n" for r in results))
+            verdict = tests.verdict(site)
+            print(f"{result['file']}:{result['line']}: {result['kind']}: {verdict or 'survived'}", flush=True)
+            with open(arguments.results, "a") as file:
+                file.write(json.dumps(result | {"suite": verdict}) + "\n")
+        tests.judge.end()
     return 0
 
 
@@ -255,7 +306,9 @@ def main():
         if name == "table":
             command.add_argument("--output", default=SOURCE / "docs/lab/mutation.md")
             continue
-        command.add_argument("program")
+        command.add_argument("judge" if name == "suite" else "program")
+        if name == "suite":
+            command.add_argument("program")
         command.add_argument("--minutes", type=float, default=1e6)
         command.add_argument("--seconds", type=float, default=30 if name == "run" else 600,
                              help="for a case, of processor time, or the program: then it hangs")
@@ -264,6 +317,7 @@ def main():
             command.add_argument("--count", type=int, default=600)
             command.add_argument("--jobs", type=int, default=2)
             command.add_argument("--require", type=float, default=0)
+            command.add_argument("--again", action="store_true", help="try what survived again, by cases that were added since")
         else:
             command.add_argument("--filter", default="-*Mutant*:*Verdict*")
     arguments = parser.parse_args()

@@ -9,8 +9,13 @@ WHAT = {"same": "nothing that is drawn can differ", "time": "only the time diffe
 
 
 def read_results(file):
+    """Of each mutant what was found out last."""
     path = Path(file)
-    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    last = {}
+    for line in path.read_text().splitlines() if path.exists() else []:
+        result = json.loads(line)
+        last[tuple(result[k] for k in ("file", "within", "nth", "column", "kind", "is"))] = result
+    return list(last.values())
 
 
 def read_reasons():
@@ -66,7 +71,7 @@ is written by the script:
 
 ```
 tests/mutation/mutation.py run build/bin/mutation_judge --seed 1 --count N --results mutation.jsonl
-tests/mutation/mutation.py suite build/bin/render_test --results mutation.jsonl
+tests/mutation/mutation.py suite build/bin/mutation_judge build/bin/render_test --results mutation.jsonl
 tests/mutation/mutation.py table --results mutation.jsonl
 ```
 """
