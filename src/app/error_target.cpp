@@ -180,6 +180,20 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
             {"rounds", result.rounds}};
 }
 
+PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result) {
+    PictureNotes notes;
+    for (const auto& [key, value] : errorJson(target, result).items()) {
+        const std::string name = "glint.error." + key;
+        if (value.is_string())
+            notes.emplace_back(name, value.get<std::string>());
+        else if (value.is_boolean())
+            notes.emplace_back(name, value.get<bool>() ? 1.0 : 0.0);
+        else if (value.is_number())
+            notes.emplace_back(name, value.get<double>());
+    }
+    return notes;
+}
+
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
     const converge::Target defaults;
     const converge::ErrorBudget& budget = result.budget;

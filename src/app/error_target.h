@@ -8,6 +8,7 @@
 
 #include "app/option_groups.h"
 #include "converge/converge.h"
+#include "core/image.h"
 #include "core/progress.h"
 #include "pack/loaded_scene.h"
 #include "trace/request.h"
@@ -34,6 +35,8 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
                     Progress& progress);
 
 nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result);
+// The same for a picture's file: glint.error.asked and so on; true is 1, what is not finite is left out.
+PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result);
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result);
 // Says on `err` that the target was not reached, and why; nothing if it was.
 void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,

@@ -131,7 +131,7 @@ void writePicture(Outcome& outcome, const RenderCommand& command, const std::fil
     blackenNotFinite(outcome.picture);
     const Stopwatch writing;
     outcome.hash = pictureHash(outcome.picture.color);
-    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs));
+    outcome.files = writeLayers(output, makeLayers(outcome.picture, command.aovs), notesOf(outcome, command));
     outcome.writeSeconds = writing.seconds();
 }
 

@@ -157,7 +157,8 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
     missed_ = missed_ || (outcome.converged && !outcome.converged->reached());
     blackenNotFinite(outcome.picture);
     drawn.hash = pictureHash(outcome.picture.color);
-    drawn.files = writeLayers(frame.path, makeLayers(outcome.picture, command_.aovs));
+    drawn.files =
+        writeLayers(frame.path, makeLayers(outcome.picture, command_.aovs), notesOf(outcome, command_));
     drawn.seconds = watch.seconds();
     drawn_.push_back(std::move(drawn));
     return true;

@@ -160,6 +160,10 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     if (advice) err << start << *advice << '\n';
 }
 
+PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command) {
+    return outcome.converged ? errorNotes(command.target, *outcome.converged) : PictureNotes{};
+}
+
 void printResult(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                  std::ostream& out) {
     if (command.json) {

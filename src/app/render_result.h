@@ -44,6 +44,9 @@ struct Outcome {
 Picture drawPicture(Drawing& drawing, const Request& request, const std::optional<converge::Job>& job,
                     Outcome& outcome);
 
+// What the picture's file tells about it: with --error, what was asked for and reached.
+PictureNotes notesOf(const Outcome& outcome, const RenderCommand& command);
+
 // Warnings about what the picture shows, or lacks.
 void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, const LoadedScene& loaded,
                       std::ostream& err);

@@ -48,13 +48,14 @@ struct ExrChannel {
 };
 
 // By OpenEXR. 32-bit float channels in one part; sorts them by name as the format asks. Every bit of a sample
-// is kept.
-Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels);
+// is kept. Notes become attributes of the header, numbers as doubles.
+Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes = {});
 
 // The same, written as rows arrive from the top.
 class ExrRows {
   public:
-    ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels);
+    ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels,
+            const PictureNotes& notes = {});
     ~ExrRows();
     ExrRows(const ExrRows&) = delete;
     ExrRows& operator=(const ExrRows&) = delete;

@@ -1,5 +1,6 @@
 // OpenEXR files by the library of that name.
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
@@ -7,6 +8,7 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
+#include <ImfStringAttribute.h>
 #include <ImfTileDescription.h>
 #include <ImfVersion.h>
 
@@ -269,8 +271,15 @@ void encoding(const exr::SinkStream& stream, const Work& work) {
 
 }  // namespace
 
-ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels)
+ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels,
+                 const PictureNotes& notes)
     : state_(std::make_unique<State>(sink, width, height, channels)) {
+    for (const auto& [name, value] : notes) {
+        if (const double* number = std::get_if<double>(&value))
+            state_->header.insert(name, Imf::DoubleAttribute(*number));
+        else
+            state_->header.insert(name, Imf::StringAttribute(std::get<std::string>(value)));
+    }
     encoding(state_->stream, [&] { state_->file.emplace(state_->stream, state_->header, 0); });
 }
 
@@ -296,11 +305,11 @@ void ExrRows::finish() {
     encoding(state_->stream, [&] { state_->file.reset(); });
 }
 
-Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels) {
+Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const PictureNotes& notes) {
     std::vector<std::string> names;
     for (const ExrChannel& channel : channels) names.push_back(channel.name);
     MemorySink sink;
-    ExrRows rows(sink, width, height, names);
+    ExrRows rows(sink, width, height, names, notes);
     rows.add(height, channels);
     rows.finish();
     return std::move(sink.bytes);

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace glint {
@@ -30,5 +32,8 @@ struct Layer {
     std::string name;
     Image image;
 };
+
+// What is to be told about a picture in its file: names, with numbers or texts.
+using PictureNotes = std::vector<std::pair<std::string, std::variant<double, std::string>>>;
 
 }  // namespace glint

@@ -155,8 +155,8 @@ Bytes alphaSamples(const Image& image) {
 
 namespace {
 
-Bytes encodeLayersExr(const std::vector<Layer>& layers) {
-    return encodeExr(layers[0].image.width, layers[0].image.height, exrChannels(layers));
+Bytes encodeLayersExr(const std::vector<Layer>& layers, const PictureNotes& notes = {}) {
+    return encodeExr(layers[0].image.width, layers[0].image.height, exrChannels(layers), notes);
 }
 
 Bytes encodeColor(Format format, const Image& image, const Image* alpha) {
@@ -202,10 +202,11 @@ fs::path besidePath(const fs::path& path, const std::string& layer) {
     return beside.replace_filename(path.stem().string() + "." + layer + path.extension().string());
 }
 
-std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const std::vector<Layer>& layers) {
+std::vector<OutputFile> encodeLayers(Format format, const fs::path& path, const std::vector<Layer>& layers,
+                                     const PictureNotes& notes) {
     checkLayers(layers);
     if (format == Format::Exr) {
-        return {{path, encodeLayersExr(layers)}};
+        return {{path, encodeLayersExr(layers, notes)}};
     }
     const bool hasColor = findLayer(layers, "color") != nullptr;
     const Layer* alpha = format == Format::Png && hasColor ? findLayer(layers, "alpha") : nullptr;
@@ -269,9 +270,11 @@ void writeImage(const fs::path& path, const Image& image) {
     writeFiles(files);
 }
 
-std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>& layers) {
+std::vector<fs::path> writeLayers(const fs::path& path, const std::vector<Layer>& layers,
+                                  const PictureNotes& notes) {
     const Format format = writableFormat(path);
-    const std::vector<OutputFile> files = withPath(path, [&] { return encodeLayers(format, path, layers); });
+    const std::vector<OutputFile> files =
+        withPath(path, [&] { return encodeLayers(format, path, layers, notes); });
     writeFiles(files);
     std::vector<fs::path> paths;
     for (const OutputFile& file : files) {

@@ -27,10 +27,12 @@ void writeImage(const std::filesystem::path& path, const Image& image);
 // layer NAME as channels NAME.X (1 channel: Y; 2: U,V; 3: X,Y,Z). Other formats: the layer "color" goes to
 // `path`, a layer NAME to stem.NAME.ext beside it (2-channel layers are padded with a zero; PNG stores
 // samples of layers other than color and alpha scaled to their finite min..max, so use EXR or PFM for data).
-// "alpha" becomes the PNG's own alpha channel. Returns the files written, in order. Same errors as
-// writeImage; either all files appear or none.
+// "alpha" becomes the PNG's own alpha channel. EXR has the notes as attributes, the other formats have no
+// place for them. Returns the files written, in order. Same errors as writeImage; either all files appear or
+// none.
 std::vector<std::filesystem::path> writeLayers(const std::filesystem::path& path,
-                                               const std::vector<Layer>& layers);
+                                               const std::vector<Layer>& layers,
+                                               const PictureNotes& notes = {});
 
 // The files that writeLayers would write for layers of these names. Throws Error(Usage) for an unknown
 // extension.

@@ -1,4 +1,9 @@
 // `glint render --error` on the host.
+#include <ImfDoubleAttribute.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfStringAttribute.h>
+
 #include <nlohmann/json.hpp>
 
 #include "core/image_io.h"
@@ -32,6 +37,29 @@ TEST_F(ErrorTarget, IsReachedAndTold) {
     EXPECT_EQ(stats.at("samplesTaken").at("min"), error.at("samplesPerPixel"));
     const Ran again = render({"--error", "0.02", "--within-depth", "-q", "-o", "again.png"});
     EXPECT_EQ(readBytes("a.png"), readBytes("again.png"));
+}
+
+// As attributes that --stats has too. An EXR without --error has none: its bytes are those of any other way
+// to draw it.
+TEST_F(ErrorTarget, IsInTheHeaderOfAnExr) {
+    const Ran ran = render(
+        {"--error", "0.02", "--within-depth", "--measure", "rmse", "--stats", "json", "-q", "-o", "a.exr"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json stats = nlohmann::json::parse(ran.out);
+    const auto header = [](const std::string& file) {
+        Imf::InputFile exr(file.c_str());
+        return exr.header();
+    };
+    const Imf::Header told = header("a.exr");
+    for (const char* key : {"asked", "bound", "sampling", "rounding", "confidence", "samplesPerPixel"})
+        EXPECT_EQ(
+            told.typedAttribute<Imf::DoubleAttribute>((std::string("glint.error.") + key).c_str()).value(),
+            stats.at("error").at(key).get<double>())
+            << key;
+    EXPECT_EQ(told.typedAttribute<Imf::DoubleAttribute>("glint.error.reached").value(), 1);
+    EXPECT_EQ(told.typedAttribute<Imf::StringAttribute>("glint.error.stopped").value(), "reached");
+    ASSERT_EQ(render({"-q", "-o", "b.exr"}).code, 0);
+    EXPECT_EQ(header("b.exr").findTypedAttribute<Imf::DoubleAttribute>("glint.error.asked"), nullptr);
 }
 
 TEST_F(ErrorTarget, SummaryNamesTheParts) {
