@@ -22,6 +22,11 @@ KERNELS = {
     "light_packet": ("light.comp", ("GLINT_PACKET=1",)),
     "adapt": ("adapt.comp", ()),
 }
+PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
+# Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
+# themselves, with a stack, judge those.
+WALKS = ("traversal.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
+         "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp")
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
 OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
@@ -54,7 +59,7 @@ class Compiler:
         self.kept = {}  # what the optimiser leaves of a sound kernel
 
     def kernels_of(self, file):
-        return [k for k in KERNELS if file in self.files[k]]
+        return [k for k in KERNELS if file in self.files[k] and (file in WALKS or k not in PACKET_KERNELS)]
 
     def call(self, *command):
         """Runs a program; whether it liked what it was given."""
