@@ -1,0 +1,63 @@
+// What stopping by what the samples show does to the picture's mean, over a thousand seeds.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "known_film.h"
+
+namespace glint::converge::slow_test {
+namespace {
+
+// Means over a thousand pictures of pixels that are 1 in 30 % of the samples: their difference from 0.3, and
+// the standard error of that.
+struct Drift {
+    double mean = 0, deviation = 0;
+};
+
+Drift driftOf(Job job) {
+    constexpr uint32_t kSeeds = 1000;
+    const Film film = edgeFilm();
+    double sum = 0, squares = 0;
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+        job.image.seed = seed;
+        const Result result = converge(drawOf(film), job);
+        EXPECT_TRUE(result.reached());
+        double mean = 0;  // of this picture's pixels, which share its stopping
+        int count = 0;
+        for (int y = 0; y < job.request.height; ++y)
+            for (int x = 0; x < job.request.width; x += 8, ++count)
+                mean += result.picture.color.pixels[result.picture.indexOf(x, y) * 4] - 0.3;
+        sum += mean / count;
+        squares += mean / count * mean / count;
+    }
+    const double mean = sum / kSeeds;
+    return {mean, std::sqrt((squares / kSeeds - mean * mean) / kSeeds)};
+}
+
+// Samples that show less variance stop sooner, and of a pixel that is bright in few of them these are the
+// darker ones. It comes to a fiftieth of the error asked for at most: nobody stops on the sight of the error
+// itself.
+void expectLittle(Job job, int side) {
+    job.request.width = job.request.height = job.image.width = job.image.height = side;
+    const Drift drift = driftOf(job);
+    const double asked = job.target.error;
+    std::printf("drift over the error asked for: %.4f +- %.4f\n", drift.mean / asked,
+                drift.deviation / asked);
+    EXPECT_LE(std::abs(drift.mean), 0.02 * asked + 4 * drift.deviation);
+    EXPECT_LE(drift.deviation, 0.01 * asked) << "tells nothing";
+}
+
+TEST(ConvergeSlow, StoppingHardlyBiasesAPicture) {
+    expectLittle(jobOf(0.05), kSide);
+}
+
+TEST(ConvergeSlow, StoppingHardlyBiasesAPixel) {
+    Job job = jobOf(0.2);
+    job.target.measure = Measure::Pixel;
+    job.radianceBound = 1;
+    for (const int side : {1, 8}) expectLittle(job, side);
+}
+
+}  // namespace
+}  // namespace glint::converge::slow_test
