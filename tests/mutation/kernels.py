@@ -72,11 +72,11 @@ class Compiler:
     def command(self, kernel, texel):
         source, defines = KERNELS[kernel]
         defines = [f"-D{d}" for d in defines + (("GLINT_TEXEL_LOADS=1",) if texel else ())]
-        return ["glslangValidator", "--quiet", "--target-env", "vulkan1.1", f"-I{self.shaders}", *defines, self.shaders / source]
+        return ["glslangValidator", f"-I{self.shaders}", *defines, self.shaders / source]
 
     def compile(self, kernel, output, texel=True):
         """Without the passes of cmake/GlintShaders.cmake: the program does what they do, kernel by kernel (src/gpu/specialize.h)."""
-        return self.call(*self.command(kernel, texel), "-V", "-o", output)
+        return self.call(*self.command(kernel, texel), "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
 
     def compile_all(self, kernels, folder, texel=True):
         folder.mkdir(parents=True)
