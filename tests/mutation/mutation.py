@@ -289,7 +289,7 @@ def suite(arguments):
             verdict = tests.verdict(site)
             print(f"{result['file']}:{result['line']}: {result['kind']}: {verdict or 'survived'}", flush=True)
             with open(arguments.results, "a") as file:
-                file.write(json.dumps(result | {"suite": verdict}) + "\n")
+                file.write(json.dumps(result | {"suite": verdict, "tests": arguments.filter}) + "\n")
         tests.judge.end()
     return 0
 
@@ -297,7 +297,8 @@ def suite(arguments):
 def table(arguments):
     known = sites.all_sites()
     results = [r for r in page.read_results(arguments.results) if sites.key(r) in known]
-    Path(arguments.output).write_text(page.written(results))
+    places = collections.Counter(site.kind for site, _ in known.values())
+    Path(arguments.output).write_text(page.written(results, places))
     return 0
 
 
