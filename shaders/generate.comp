@@ -1,46 +1,20 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Starts a sample: the camera ray of each pixel of the slice (Shirley & Marschner, Fundamentals of Computer
-// Graphics, ch. 4). The host has worked every kind of camera into steps, see Camera in shared/layout.h.
+// Starts a sample: the camera ray of each pixel of the slice.
+#include "camera.glsl"
 #include "path.glsl"
 #include "tree.glsl"
-#include "sample.glsl"
 
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
     bool inside = pixelOf(path, pixel);
-    Camera camera = loadCamera(0u);
-    vec2 offset = dispatch.sampleOffset.xy;
-    vec3 weight = vec3(1.0);
-    vec2 lens = vec2(0.0);
-    if (MODE_SCATTERED) {
-        Sample s = loadSample(kFirstSample + dispatch.sampleIndex);
-        uvec2 film = samplePair(s, dispatch.sampleIndex, pixel, kPairFilm);
-        offset = vec2(filmOffset(film.x, s.tableX), filmOffset(film.y, s.tableY));
-        weight = s.weight;
-        if (FEATURE_THIN_LENS) lens = concentricDisc(samplePair(s, dispatch.sampleIndex, pixel, kPairLens));
-    }
-    // Measured from the picture's centre: the offsets are small where a telephoto lens needs them exact.
-    precise float x = (float(pixel.x) - camera.halfWidth) + offset.x;
-    precise float y = (float(pixel.y) - camera.halfHeight) + offset.y;
-    precise vec3 direction = camera.center + (x * camera.stepX + y * camera.stepY);
-    vec3 origin = camera.eye;
-    if (FEATURE_PARALLEL_CAMERA) {
-        precise vec3 moved = camera.eye + (x * camera.originStepX + y * camera.originStepY);
-        origin = moved;
-    }
-    if (FEATURE_THIN_LENS) {
-        precise vec3 aside = lens.x * camera.lensX + lens.y * camera.lensY;
-        precise vec3 moved = origin + aside;
-        precise vec3 turned = direction - camera.inverseFocus * aside;
-        origin = moved;
-        direction = turned;
-    }
-    precise vec3 unit = quotient(direction, length(direction));
+    vec3 weight;
+    Ray ray = cameraRay(pixel, weight);
     bool takes = inside;
     if (MODE_ADAPTIVE && dispatch.sampleIndex != 0u) takes = loadRow(kRowSpread, path).w == 1u;
-    storeRay(path, Ray(origin, unit, takes ? camera.nearT : kInfinity, camera.farT, kNone, kNone));
+    if (!takes) ray.tMin = kInfinity;
+    storeRay(path, ray);
     storeRow(kRowThroughput, path, packRow(weight, kHashStart));
     storeRow(kRowWalk, path, uvec4(kNone, 0u, 0u, 0u));
     startTree(path, loadEnvironment(0u));

@@ -9,6 +9,14 @@ bool isSolid(inout Traversal traversal, uint kind, bool isHit, float t, float u,
                    FEATURE_INSTANCES ? traversal.instance : kNone);
 }
 
+bool isShadowRay(Traversal traversal) {
+#ifdef GLINT_BOTH_HITS
+    return traversal.any;
+#else
+    return true;
+#endif
+}
+
 #ifdef GLINT_CROSSINGS
 // Counts it, and writes it down where a list is wanted: behind the rows of the paths, two rows a hit.
 void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive) {
@@ -33,7 +41,7 @@ void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, f
            uint id) {
     bool counts = isSolid(traversal, kind, isHit, t, u, v, primitive);
 #ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS && counts &&
+    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && counts &&
         passes(traversal.passage, traversal.ray, kind,
                Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
         return;

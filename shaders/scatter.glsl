@@ -48,6 +48,17 @@ vec3 ambientAt(Interaction at, Environment environment) {
     return counts(at) ? at.material.ambient * environment.ambient : vec3(0.0);
 }
 
+// What comes without a ray to a light: ambient light, or that of the surroundings.
+vec3 ownLight(Interaction at, Environment environment) {
+    return at.isHit ? ambientAt(at, environment) : surroundings(environment, at.ray.direction);
+}
+
+// Samples that hit anything. The throughput of a camera ray is its sample's weight.
+uint hitsAfter(uint hits, bool covers, float throughput) {
+    if (MODE_SCATTERED) return covers ? floatBitsToUint(uintBitsToFloat(hits) + throughput) : hits;
+    return hits + (covers ? 1u : 0u);
+}
+
 // The part of the light from `toLight`, a unit vector: Lambert's law, and the highlight of Blinn (J. Blinn,
 // "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977).
 vec3 evaluate(Interaction at, vec3 toLight) {

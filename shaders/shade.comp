@@ -25,12 +25,6 @@ void storeAovs(uint path, Interaction at) {
     storeRow(kRowAovGeometry, path, packRow(at.isHit ? side * at.surface.geometricNormal : vec3(0.0), 0u));
 }
 
-// Samples that hit anything. The throughput of a camera ray is its sample's weight.
-uint hitsAfter(uint hits, bool covers, float throughput) {
-    if (MODE_SCATTERED) return covers ? floatBitsToUint(uintBitsToFloat(hits) + throughput) : hits;
-    return hits + (covers ? 1u : 0u);
-}
-
 void main() {
     bool present;
     uint path = listedPath(present);
@@ -46,20 +40,27 @@ void main() {
     if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
     uint hash = hashStep(throughputRow.w, at.isHit ? at.hit.id + 1u : 0u);
     uvec4 sum = loadRow(kRowRadiance, path);
-    vec3 emitted = at.isHit ? ambientAt(at, environment) : surroundings(environment, at.ray.direction);
     uint hits = hitsAfter(sum.w, at.isHit && dispatch.bounce == 0u, uintBitsToFloat(throughputRow.x));
     if (keepsAovs) storeRow(kRowAovCounts, path, uvec4(dispatch.bounce, walkRow.z, walkRow.w, hash));
     if (alive) {
-        storeRow(kRowRadiance, path, packRow(uintBitsToFloat(sum.xyz) + throughput * emitted, hits));
+        storeRow(kRowRadiance, path,
+                 packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits));
     }
 
     Branch next;
     bool goesOn = false;
+    Ledger ledger = loadLedger(path);
     if (FEATURE_TRANSMISSION) {
-        goesOn = nextBranch(path, alive, at, throughput, environment, next);
+        uvec2 state = loadRow(treeRow(kTreeRowBranch), path).xy;
+        goesOn = nextBranch(path, ledger, alive, at, state, throughput, environment, next);
+        if (goesOn) {
+            storeRow(treeRow(kTreeRowBranch), path, uvec4(state, MODE_TALLY ? next.kind : 0u, 0u));
+            storeRow(treeRow(kTreeRowMedia), path, next.media);
+        }
     } else if (FEATURE_MIRRORS) {
-        goesOn = nextReflection(path, alive, at, throughput, environment, next);
+        goesOn = nextReflection(ledger, alive, at, dispatch.bounce, throughput, environment, next);
     }
+    storeLedger(path, ledger);
     if (kBounces) {
         if (alive)
             storeRow(kRowDirection, path, packRow(next.direction, floatBitsToUint(goesOn ? 0.0 : kInfinity)));

@@ -1,4 +1,5 @@
-// Closest hit, or any hit if GLINT_ANY_HIT is defined, through the BVH and over the planes.
+// Closest hit, or any hit if GLINT_ANY_HIT is defined (as Traversal::any says with GLINT_BOTH_HITS), through
+// the BVH and over the planes.
 //
 // lavapipe ends every loop once a subgroup has made 65,535 trips through all its loops together, without a
 // word. So each lane counts its trips and gives up at dispatch.tripBudget (the host derives it,
@@ -37,6 +38,9 @@ struct Traversal {
     uint worldSlot;
     uint trips;
     uint cost;
+#ifdef GLINT_BOTH_HITS
+    bool any;  // the same wherever a walk is written, so that each has the code of its kind alone
+#endif
 #ifdef GLINT_SHADOW_RAYS
     Passage passage;
 #endif
@@ -62,7 +66,9 @@ bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 
 // A hit settles an any-hit ray.
 bool settled(Traversal traversal) {
-#ifdef GLINT_ANY_HIT
+#if defined(GLINT_BOTH_HITS)
+    return traversal.any && traversal.hit.primitive != kNone;
+#elif defined(GLINT_ANY_HIT)
     return traversal.hit.primitive != kNone;
 #else
     return false;

@@ -12,15 +12,41 @@ uvec4 loadMedia(uint path) {
     return FEATURE_TRANSMISSION ? loadRow(treeRow(kTreeRowMedia), path) : uvec4(0u);
 }
 
-void startTree(uint path, Environment environment) {
-    if (MODE_LEDGER && dispatch.sampleIndex == 0u) {
-        storeRow(treeRow(kTreeRowLost), path, uvec4(0u));
-        storeRow(treeRow(kTreeRowLostCounts), path, uvec4(0u));
+uvec4 eyeMedia(Environment environment) {
+    if (!FEATURE_TRANSMISSION) return uvec4(0u);
+    return uvec4(environment.eyeMedium0, environment.eyeMedium1, environment.eyeMedium2,
+                 environment.eyeMedium3);
+}
+
+// The rows kTreeRowLost and kTreeRowLostCounts of a path.
+struct Ledger {
+    vec4 sums;
+    uvec4 counts;
+    bool changed;  // since it was loaded
+};
+
+Ledger emptyLedger() { return Ledger(vec4(0.0), uvec4(0u), true); }
+
+Ledger loadLedger(uint path) {
+    Ledger ledger = Ledger(vec4(0.0), uvec4(0u), false);
+    if (MODE_LEDGER) {
+        ledger.sums = uintBitsToFloat(loadRow(treeRow(kTreeRowLost), path));
+        ledger.counts = loadRow(treeRow(kTreeRowLostCounts), path);
     }
+    return ledger;
+}
+
+void storeLedger(uint path, Ledger ledger) {
+    if (MODE_LEDGER && ledger.changed) {
+        storeRow(treeRow(kTreeRowLost), path, floatBitsToUint(ledger.sums));
+        storeRow(treeRow(kTreeRowLostCounts), path, ledger.counts);
+    }
+}
+
+void startTree(uint path, Environment environment) {
+    if (dispatch.sampleIndex == 0u) storeLedger(path, emptyLedger());
     if (FEATURE_TRANSMISSION) {
-        storeRow(treeRow(kTreeRowMedia), path,
-                 uvec4(environment.eyeMedium0, environment.eyeMedium1, environment.eyeMedium2,
-                       environment.eyeMedium3));
+        storeRow(treeRow(kTreeRowMedia), path, eyeMedia(environment));
         storeRow(treeRow(kTreeRowBranch), path, uvec4(0u));
     }
 }
@@ -30,26 +56,25 @@ const uint kLostDepth = 1u;
 const uint kLostRoom = 2u;
 const uint kLostMedia = 3u;
 
-void book(uint path, bool lost, uint reason, float bound) {
-    uvec4 sums = loadRow(treeRow(kTreeRowLost), path);
-    uvec4 counts = loadRow(treeRow(kTreeRowLostCounts), path);
-    vec4 added =
-        uintBitsToFloat(sums) + mix(vec4(0.0), vec4(bound), equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u)));
-    counts += mix(uvec4(0u), uvec4(1u), equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u)));
+void book(inout Ledger ledger, bool lost, uint reason, float bound) {
+    bvec4 here = equal(uvec4(reason), uvec4(0u, 1u, 2u, 3u));
+    vec4 sums = ledger.sums + mix(vec4(0.0), vec4(bound), here);
+    uvec4 counts = ledger.counts + mix(uvec4(0u), uvec4(1u), here);
     if (lost) {
-        storeRow(treeRow(kTreeRowLost), path, floatBitsToUint(added));
-        storeRow(treeRow(kTreeRowLostCounts), path, counts);
+        ledger.sums = sums;
+        ledger.counts = counts;
+        ledger.changed = true;
     }
 }
 
 // Whether a branch that the surface asks for is followed; if not, the ledger says why. depth: rays before the
 // one that met the surface.
-bool isFollowed(uint path, bool wanted, uint depth, vec3 throughput, Environment environment) {
+bool isFollowed(inout Ledger ledger, bool wanted, uint depth, vec3 throughput, Environment environment) {
     bool inDepth = depth < environment.maxDepth;
     if (!MODE_LEDGER) return wanted && inDepth;
     float bound = greatestOf(abs(throughput)) * environment.radianceBound;
     bool enough = !(bound < environment.minContribution);
-    book(path, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
+    book(ledger, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
     return wanted && inDepth && enough;
 }
 
@@ -91,30 +116,30 @@ Branch branchFrom(Interaction at, vec3 outwards, vec3 direction, vec3 throughput
     return Branch(origin, direction, at.hit.primitive, at.hit.instance, throughput, media, depth, kind);
 }
 
-// The path's next ray in scenes without transmission. Returns false if there is none.
-bool nextReflection(uint path, bool alive, Interaction at, vec3 throughput, Environment environment,
-                    out Branch next) {
+// The path's next ray in scenes without transmission. depth: rays before the one that met the surface.
+// Returns false if there is none.
+bool nextReflection(inout Ledger ledger, bool alive, Interaction at, uint depth, vec3 throughput,
+                    Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);
     next = branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight, uvec4(0u),
-                      dispatch.bounce + 1u, kRayMirrored);
-    return isFollowed(path, alive && s.reflects, dispatch.bounce, next.throughput, environment);
+                      depth + 1u, kRayMirrored);
+    return isFollowed(ledger, alive && s.reflects, depth, next.throughput, environment);
 }
 
-// The path's next ray: one that leaves the interaction, or one that has waited. Returns false if there is
-// none.
-bool nextBranch(uint path, bool alive, Interaction at, vec3 throughput, Environment environment,
-                out Branch next) {
-    uvec4 state = loadRow(treeRow(kTreeRowBranch), path);
+// The path's next ray: one that leaves the interaction, or one that has waited. state: rays before the one at
+// hand on the way from the eye; branches waiting. Returns false if there is none.
+bool nextBranch(uint path, inout Ledger ledger, bool alive, Interaction at, inout uvec2 state,
+                vec3 throughput, Environment environment, out Branch next) {
     Scattering s = scatteringAt(at);
-    if (MODE_LEDGER) book(path, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
+    if (MODE_LEDGER) book(ledger, alive && at.isHit && at.crossing.crowded, kLostMedia, 0.0);
     Branch mirrorBranch =
         branchFrom(at, at.surface.geometricNormal, s.reflected, throughput * s.reflectedWeight,
                    at.crossing.before, state.x + 1u, kRayMirrored);
     Branch innerBranch =
         branchFrom(at, -at.surface.geometricNormal, s.refracted, throughput * s.refractedWeight,
                    at.crossing.after, state.x + 1u, kRayRefracted);
-    bool reflects = isFollowed(path, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
-    bool refracts = isFollowed(path, alive && s.refracts, state.x, innerBranch.throughput, environment);
+    bool reflects = isFollowed(ledger, alive && s.reflects, state.x, mirrorBranch.throughput, environment);
+    bool refracts = isFollowed(ledger, alive && s.refracts, state.x, innerBranch.throughput, environment);
 
     bool both = reflects && refracts;
     bool mirrorFirst = both ? at.entering : reflects;
@@ -127,7 +152,7 @@ bool nextBranch(uint path, bool alive, Interaction at, vec3 throughput, Environm
     // Of one branch more than may wait and the one at hand, the weaker is dropped.
     bool crowded = both && state.y >= kMaxWaiting;
     float weakest = min(greatestOf(abs(next.throughput)), greatestOf(abs(second.throughput)));
-    if (MODE_LEDGER) book(path, crowded, kLostRoom, weakest * environment.radianceBound);
+    if (MODE_LEDGER) book(ledger, crowded, kLostRoom, weakest * environment.radianceBound);
     if (crowded && greatestOf(abs(second.throughput)) > greatestOf(abs(next.throughput))) next = second;
     uint waiting = state.y;
     if (both && !crowded) {
@@ -141,10 +166,7 @@ bool nextBranch(uint path, bool alive, Interaction at, vec3 throughput, Environm
         --waiting;
     }
     bool goesOn = reflects || refracts || fetch;
-    if (goesOn) {
-        storeRow(treeRow(kTreeRowBranch), path, uvec4(next.depth, waiting, MODE_TALLY ? next.kind : 0u, 0u));
-        storeRow(treeRow(kTreeRowMedia), path, next.media);
-    }
+    state = uvec2(next.depth, waiting);
     if (MODE_TALLY && goesOn && next.kind == kRayRefracted) atomicAdd(counters[kCounterRefracted], 1u);
     return goesOn;
 }

@@ -74,8 +74,8 @@
 // adapt.comp, where lastOfRound is 1 after the last sample of a round, else 0. listed: 0, or how many paths
 // intersect.comp, light.comp and shade.comp run over, which are those in list `listRead` (0 or 1);
 // shade.comp writes those that go on to the other. lightIndex, lightEnd: the lights of light.comp, from the
-// first one to the one before the second. rayClass: with MODE_TALLY, the rays (kRay...) that intersect.comp
-// traces.
+// first one to the one before the second. bounce: rays before those at hand; of whole.comp those that it
+// follows after the camera's. rayClass: with MODE_TALLY, the rays (kRay...) that intersect.comp traces.
 #define GLINT_DISPATCH_ROWS(V3F, V3U, U4, A)           \
     U4(A, firstTile, tileCount, interleave, run)       \
     U4(A, regionX, regionY, regionWidth, regionHeight) \

@@ -95,7 +95,11 @@ DrawingFacts Drawing::facts() const {
     }
     facts.device = device_->info().name;
     facts.driver = device_->info().driver;
-    facts.traversal = render::nameOf(renderer_->traversal(methods_));
+    // Rays of whole paths walk by themselves.
+    const render::KernelTimes& kernels = renderer_->times().kernels;
+    facts.traversal = kernels.whole > 0 && kernels.primary == 0
+                          ? render::nameOf(render::TraversalChoice{})
+                          : render::nameOf(renderer_->traversal(methods_));
     facts.arithmetic = device_->arithmetic();
     facts.times = renderer_->times();
     return facts;

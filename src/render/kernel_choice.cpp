@@ -33,6 +33,12 @@ std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request
     return kernels;
 }
 
+std::vector<KernelId> wholeKernelsOf(const Request& request) {
+    std::vector<KernelId> kernels = {KernelId::Whole};
+    if (request.samples.threshold) kernels.push_back(KernelId::Adapt);
+    return kernels;
+}
+
 bool lightsGoInPackets(uint64_t lights) {
     constexpr uint64_t kMost = 1000;
     return lights <= kMost;

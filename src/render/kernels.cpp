@@ -37,6 +37,9 @@
 #include "shade_texel.spv.h"
 #include "shade_together.spv.h"
 #include "shared/dispatch.h"
+#include "whole.spv.h"
+#include "whole_texel.spv.h"
+#include "whole_together.spv.h"
 
 namespace glint::render {
 
@@ -51,7 +54,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                        light_packet_spv,
                                        adapt_spv,
                                        count_spv,
-                                       count_list_spv};
+                                       count_list_spv,
+                                       whole_spv};
     static const KernelCode texel = {generate_texel_spv,
                                      intersect_texel_spv,
                                      intersect_any_texel_spv,
@@ -62,7 +66,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      light_packet_texel_spv,
                                      adapt_texel_spv,
                                      count_texel_spv,
-                                     count_list_texel_spv};
+                                     count_list_texel_spv,
+                                     whole_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 
@@ -77,7 +82,8 @@ const KernelCode& togetherKernels() {
                                         {},
                                         adapt_together_spv,
                                         count_together_spv,
-                                        count_list_together_spv};
+                                        count_list_together_spv,
+                                        whole_together_spv};
     return together;
 }
 

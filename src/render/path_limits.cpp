@@ -4,6 +4,7 @@
 
 #include "render/path_state.h"
 #include "render/renderer.h"
+#include "render/whole_paths.h"
 
 namespace glint::render {
 
@@ -25,6 +26,35 @@ uint32_t loopsOf(const SceneFeatures& features) {
     return 2 GLINT_PRIMITIVES(GLINT_LOOPS, 0);
 #undef GLINT_LOOPS
 }
+
+// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
+// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 (1 +
+// kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
+// last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
+// once in every trip of the one around it even with no lane live. In scenes without instances the loops of
+// the nodes and of each kind in leaves stand in the outer loop, whose trips are those of its longest lane: L
+// (B + 2) more, where L counts them (of polygons also their edges', of quadrics their further hits'). With
+// instances they stand in a middle loop, whose trips, each with a live lane, may be S (B + 2) in all; these
+// enter all of them. The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once
+// more for each of its trips. What no lane counts comes on top: the planes' loop, for all rays together
+// `uncounted`. So S (B + slack) + L (B + 2 + rays) + rays + uncounted <= 65535, with S (B + 2) for B + 2
+// where there are instances, and one more beside L leaves room for the compiler's own.
+uint32_t budgetOf(const gpu::DeviceInfo& device, const SceneFeatures& features, uint32_t polygonTripsPerLeaf,
+                  uint64_t rays, uint64_t uncounted) {
+    const uint64_t lanes = std::max(device.limits.subgroupSize, 8u);
+    const uint64_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
+    const uint64_t entering = features.instances ? lanes : 1, loops = loopsOf(features);
+    const uint64_t fixed = uncounted + lanes * slack + (2 * entering + rays) * loops + rays;
+    return fixed < kLlvmpipeTrips
+               ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / (lanes + entering * loops))
+               : 1;
+}
+
+constexpr uint32_t kTripsElsewhere = 1u << 16;
+// In whole.comp: of the loop over a material's textures and of that over bounces, for a ray at most; and of
+// what makes a sample of a pixel (sample.glsl), for a path.
+constexpr uint32_t kTripsOfShading = 5;
+constexpr uint32_t kTripsOfSample = 64;
 
 // kPacketTurns packets, one after the other, have the trips of a subgroup together.
 constexpr uint32_t kMostTrips = 3000;
@@ -60,29 +90,19 @@ Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access) {
     return apart ? Arrays::Apart : Arrays::Together;
 }
 
-// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
-// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 (1 +
-// kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
-// last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
-// once in every trip of the one around it even with no lane live. In scenes without instances the loops of
-// the nodes and of each kind in leaves stand in the outer loop, whose trips are those of its longest lane: L
-// (B + 2) more, where L counts them (of polygons also their edges', of quadrics their further hits'). With
-// instances they stand in a middle loop, whose trips, each with a live lane, may be S (B + 2) in all; these
-// enter all of them. The loop of the lights enters each once more for each of its trips, kMostLightsAtOnce at
-// most. The planes' loop comes on top, for all lights together kMaxPlanes (lightsAtOnce). So S (B + slack) +
-// L (B + 2 + lights) + lights + kMaxPlanes <= 65535, with S (B + 2) for B + 2 where there are instances, and
-// one more beside L leaves room for the compiler's own.
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                           uint32_t polygonTripsPerLeaf) {
-    if (!device.llvmpipe) return 1u << 16;
-    const uint32_t lanes = std::max(device.limits.subgroupSize, 8u);
-    const uint32_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
-    const uint32_t entering = features.instances ? lanes : 1, loops = loopsOf(features);
-    const uint32_t fixed =
-        shared::kMaxPlanes + lanes * slack + (2 * entering + kMostLightsAtOnce) * loops + kMostLightsAtOnce;
-    const uint32_t budget =
-        fixed < kLlvmpipeTrips ? (kLlvmpipeTrips - fixed) / (lanes + entering * loops) : 1;
-    return std::min(budget, kMostTrips);
+    if (!device.llvmpipe) return kTripsElsewhere;
+    return std::min(budgetOf(device, features, polygonTripsPerLeaf, kMostLightsAtOnce, shared::kMaxPlanes),
+                    kMostTrips);
+}
+
+uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                         uint32_t polygonTripsPerLeaf, const shared::Environment& environment) {
+    if (!device.llvmpipe) return kTripsElsewhere;
+    const uint64_t rays = mostRaysOfPath(features, environment);
+    const uint64_t beside = rays * std::max(environment.planeCount, 1u) + rays * kTripsOfShading;
+    return budgetOf(device, features, polygonTripsPerLeaf, rays, beside + kTripsOfSample);
 }
 
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {

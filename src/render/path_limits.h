@@ -17,6 +17,10 @@ bool goesOnAfterHits(const SceneFeatures& features);
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
 
+// Loop trips that all rays of a path may make in whole.comp.
+uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                         uint32_t polygonTripsPerLeaf, const shared::Environment& environment);
+
 // Lights that a dispatch of light.comp may go through: few enough that most paths finish in the trips of one
 // ray, and that its planes are not met more often than once each is allowed.
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount);

@@ -30,6 +30,8 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.count;
         case KernelId::List:
             return code.list;
+        case KernelId::Whole:
+            return code.whole;
     }
     return {};
 }
@@ -45,7 +47,8 @@ const char* nameOf(KernelId id) {
                                         "light (packets)",
                                         "adapt",
                                         "count",
-                                        "list"};
+                                        "list",
+                                        "whole path"};
     return names[static_cast<int>(id)];
 }
 

@@ -24,7 +24,8 @@ enum class KernelId {
     PacketLight,
     Adapt,
     Count,
-    List
+    List,
+    Whole
 };
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.

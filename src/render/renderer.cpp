@@ -3,22 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <future>
-#include <map>
-#include <set>
 #include <stdexcept>
 
-#include "core/parallel.h"
 #include "core/processor_watch.h"
 #include "core/stopwatch.h"
-#include "pack/request_environment.h"
 #include "render/film.h"
 #include "render/host_rays.h"
-#include "render/kernel_choice.h"
-#include "render/path_limits.h"
-#include "render/path_state.h"
-#include "render/pipelines.h"
-#include "render/scene_buffers.h"
+#include "render/renderer_state.h"
+#include "render/whole_paths.h"
 
 namespace glint::render {
 
@@ -26,97 +18,10 @@ namespace {
 
 // One slice's paths at most; they fill any GPU.
 constexpr uint32_t kMaxSlicePaths = 1u << 20;
-constexpr uint32_t kFirstSliceTiles = 256;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
 
 }  // namespace
-
-struct Renderer::State {
-    const gpu::Device& device;
-    const PackedScene& scene;
-    Options options;
-    SceneFeatures features;  // of the pipelines
-    gpu::Access access;
-    Arrays arrays;
-    TraversalChoice traversal;  // with the default methods, which have the most to choose from
-    uint32_t tripBudget;
-    SceneBuffers buffers;
-    gpu::Buffer counters;
-    Pipelines pipelines;
-    std::map<std::pair<KernelId, TraceModes>, std::future<gpu::Kernel>> translating;  // as Options::expected
-    PathState paths;
-    gpu::Submission submission;
-    StageTimes times;
-    RayCounts rayCounts;
-    std::set<std::pair<KernelId, TraceModes>> compiled;
-    shared::Environment environment;         // as it is on the device
-    std::vector<shared::Light> lights;       // the same
-    uint32_t sliceTiles = kFirstSliceTiles;  // of the next slice, of the next picture too
-    // Of the submissions of the slice at hand.
-    double longestInSlice = 0;
-
-    State(const gpu::Device& dev, const PackedScene& packed, const Options& opts)
-        : device(dev),
-          scene(packed),
-          options(opts),
-          features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
-          access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          arrays(chooseArrays(dev.info(), access)),
-          traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
-                                    dev.info(), packed)),
-          tripBudget(opts.tripBudget ? opts.tripBudget
-                                     : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, kernelsFor(opts, access, arrays), access, arrays, features, opts.stack,
-                    opts.ownArithmetic),
-          submission(dev),
-          environment(packed.environment),
-          lights(packed.lights) {
-        options.expected = nullptr;
-        if (opts.expected) {
-            const TraversalChoice choice = traversalOf(opts.expected->methods);
-            startTranslating(modesOf(*opts.expected, choice.nodes),
-                             kernelsOf(scene, *opts.expected, choice.packets));
-        }
-        const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access, traversal, arrays);
-        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
-                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
-        times.upload += watch.seconds();
-    }
-
-    uint32_t* counter() const { return static_cast<uint32_t*>(counters.mapped()); }
-    // `rebind`: another buffer has been replaced.
-    void reservePaths(uint32_t capacity, uint32_t rows, bool rebind = false);
-    shared::Dispatch dispatchFor(const Slice& slice) const;
-    void record(KernelId id, const TraceModes& modes, const shared::Dispatch& dispatch, uint32_t groups);
-    // The time goes to that kernel's account.
-    void submit(double KernelTimes::*account);
-    // Records one kernel that traces rays, submits, and goes on with unfinished rays until there are none.
-    // With `packets`, it is the one for packets that starts.
-    void traceRays(KernelId id, TraceModes modes, const shared::Dispatch& dispatch, uint32_t groups,
-                   bool packets, double KernelTimes::*account);
-    // All lights of a bounce; false if that was cancelled.
-    bool castShadows(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets,
-                     const std::function<bool()>& cancelled);
-    void traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups, bool packets);
-    TraversalChoice traversalOf(const Methods& methods) const;
-    void startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids);
-    gpu::Kernel translated(KernelId id, const TraceModes& modes);
-    void compile(const TraceModes& modes, const std::vector<KernelId>& ids);
-    void setSurroundings(const shared::Environment& wanted, const std::vector<shared::Light>& wantedLights);
-    shared::Environment environmentOf(const shared::Camera& camera, const Request& request) const;
-    bool renderSlice(const Slice& slice, const Request& request, const TraceModes& modes, double progressFrom,
-                     double progressTo);
-    // After a sample of an adaptive picture; false if no pixel goes on.
-    bool adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
-               const TraceModes& modes);
-    bool renderSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
-                      const TraceModes& modes);
-    void readSlice(const Slice& slice, const TraceModes& modes, Picture& picture);
-    void sizeNextSlice(const Slice& slice, bool whole, double seconds);
-    void traceBatch(std::span<const RayInput> rays, const LocalBatch& wanted, std::span<RayHit> hits);
-};
 
 void Renderer::State::reservePaths(uint32_t capacity, uint32_t rows, bool rebind) {
     if (paths.capacity() < capacity || paths.rows() < rows) {
@@ -208,56 +113,6 @@ void Renderer::State::traceRays(KernelId id, TraceModes modes, const shared::Dis
     }
 }
 
-TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
-    if (methods == Methods{}) return traversal;
-    const Traversal wanted = traversalFor(options.traversal, options.doublePrecision, device.info());
-    return chooseTraversal(wanted, device.info(), scene, methods);
-}
-
-void Renderer::State::startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids) {
-    for (const KernelId id : ids) {
-        translating[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
-                                              [this, id, modes] { return pipelines.make(id, modes); });
-    }
-}
-
-gpu::Kernel Renderer::State::translated(KernelId id, const TraceModes& modes) {
-    const auto started = translating.find({id, modes});
-    gpu::Kernel kernel = started == translating.end() ? pipelines.make(id, modes) : started->second.get();
-    pipelines.bindTo(kernel);
-    return kernel;
-}
-
-// The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all. Each
-// has a thread: drivers translate SPIR-V on the caller's, and lavapipe then makes machine code of one kernel
-// after the other on a thread of its own (docs/lab/cold-start.md).
-void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
-    std::vector<KernelId> fresh;
-    for (KernelId id : ids) {
-        if (compiled.insert({id, modes}).second) fresh.push_back(id);
-    }
-    if (fresh.empty()) return;
-    const Stopwatch watch;
-    Slice nothing;
-    nothing.region = {0, 0, 1, 1};
-    const shared::Dispatch dispatch = dispatchFor(nothing);
-    // They run in any order, so no path may be alive.
-    const RowEntry ended = {{0, 0, 0, shared::kInfinity}};
-    paths.writeRow(device, shared::kRowDirection, std::vector<RowEntry>(shared::kWorkgroupSize, ended));
-    std::vector<gpu::Kernel> kernels(fresh.size());
-    parallelFor(
-        fresh.size(),
-        [&](size_t i) {
-            kernels[i] = translated(fresh[i], modes);
-            gpu::Submission first(device);
-            first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
-            first.submit();
-        },
-        static_cast<unsigned>(fresh.size()));
-    for (size_t i = 0; i < fresh.size(); ++i) pipelines.add(fresh[i], modes, std::move(kernels[i]));
-    times.compile += watch.seconds();
-}
-
 void Renderer::State::traceBounce(const TraceModes& modes, shared::Dispatch dispatch, uint32_t groups,
                                   bool packets) {
     if (dispatch.bounce == 0) {
@@ -317,6 +172,18 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
     }
 }
 
+bool Renderer::State::renderWholeSample(const Slice& slice, shared::Dispatch dispatch, const Request& request,
+                                        const TraceModes& modes, bool& complete) {
+    dispatch.tripBudget = wholeBudget(environment);
+    dispatch.bounce = mostRaysAfterFirst(features, environment);
+    times.invocations += slice.paths();
+    record(KernelId::Whole, modes, dispatch, slice.groups());
+    submit(&KernelTimes::whole);
+    times.pathRays += counter()[shared::kCounterAlive];
+    complete = counter()[shared::kCounterUnfinished] == 0;
+    return !(request.cancelled && request.cancelled());
+}
+
 bool Renderer::State::adapt(const Slice& slice, shared::Dispatch dispatch, const PackedSamples& samples,
                             const TraceModes& modes) {
     const bool last = dispatch.sampleIndex + 1 == samples.count();
@@ -334,13 +201,30 @@ bool Renderer::State::renderSlice(const Slice& slice, const Request& request, co
     ++times.slices;
     shared::Dispatch dispatch = dispatchFor(slice);
     const uint32_t count = samples.count();
-    for (uint32_t i = 0; i < count; ++i) {
+    const TraversalChoice choice = traversalOf(request.methods);
+    bool whole = drawsWholePaths(modes, choice, environment);
+    const uint64_t raysBefore = times.pathRays, invocationsBefore = times.invocations;
+    uint32_t reported = 0;
+    for (uint32_t i = 0; i < count;) {
         dispatch.sampleIndex = i;
         if (!modes.scattered) dispatch.sampleOffset = glm::vec3(samples.offsets[i], 0.0);
-        if (!renderSample(slice, dispatch, request, modes)) return false;
+        bool complete = true;
+        if (!(whole ? renderWholeSample(slice, dispatch, request, modes, complete)
+                    : renderSample(slice, dispatch, request, modes)))
+            return false;
+        if (!complete) {
+            // From the first sample on: the sum so far has what the path did not finish.
+            whole = false;
+            wholePathsGivenUp = true;
+            times.pathRays = raysBefore;
+            times.invocations = invocationsBefore;
+            compile(modes, kernelsOf(scene, request, choice.packets));
+            i = 0;
+            continue;
+        }
         if (modes.adaptive && !adapt(slice, dispatch, samples, modes)) break;
-        if (request.progress)
-            request.progress(progressFrom + (progressTo - progressFrom) * (i + 1.0) / count);
+        reported = std::max(reported, ++i);
+        if (request.progress) request.progress(progressFrom + (progressTo - progressFrom) * reported / count);
     }
     return true;
 }
@@ -447,8 +331,10 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setSurroundings(environment, lightsOf(s.scene, request));
-    s.compile(modes, kernelsOf(s.scene, request, choice.packets));
+    s.compile(modes, s.kernelsFor(request, modes, choice, environment));
 
+    if (s.times.slices == 0 && s.drawsWholePaths(modes, choice, environment))
+        s.sliceTiles = firstWholeTiles(mostRaysOfPath(s.features, environment));
     const uint64_t before = s.times.pathRays;
     const RayCounts counted = s.rayCounts;
     if (!modes.adaptive) s.times.pathRays += pixels * samples.count();

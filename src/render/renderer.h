@@ -16,6 +16,7 @@
 #include "render/kernels.h"
 #include "render/live_paths.h"
 #include "render/traversal_choice.h"
+#include "render/whole_paths.h"
 #include "trace/picture.h"
 #include "trace/ray_batch.h"
 #include "trace/request.h"
@@ -34,6 +35,9 @@ struct Options {
     Traversal traversal = Traversal::Auto;
     StackPlace stack = StackPlace::Private;
     Compaction compaction = Compaction::Auto;
+    // Auto: only where nothing is asked for that takes a kernel for each step, as `profile`, a traversal, a
+    // compaction, or `kernels`.
+    WholePaths wholePaths = WholePaths::Auto;
     // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
     // Error(Device) if the device has no double precision. For `glint report`.
     bool doublePrecision = false;
@@ -62,9 +66,9 @@ uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fe
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless
 // Options::profile; `shadow` is the kernel that also shades what its light reaches; `secondary`: reflected
 // and refracted rays together; `mirrored` and `refracted`: apart, each in dispatches of its own, of pictures
-// with Request::tally whose pipeline knows transmission.
+// with Request::tally whose pipeline knows transmission. `whole`: all of those that one kernel draws.
 struct KernelTimes {
-    double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0;
+    double generate = 0, primary = 0, shadow = 0, secondary = 0, shade = 0, adapt = 0, whole = 0;
     double mirrored = 0, refracted = 0;
 };
 
@@ -81,7 +85,7 @@ struct StageTimes {
     uint64_t submissions = 0, slices = 0, resumes = 0;
     uint64_t pathRays = 0;  // camera, mirrored and refracted rays
     // Paths of the dispatches that these were traced in, resume dispatches aside: those that have ended and
-    // the rest of the last workgroup too.
+    // the rest of the last workgroup too. Those of whole.comp once a sample.
     uint64_t invocations = 0;
     KernelTimes kernels;
 };

@@ -17,7 +17,7 @@ namespace glint::gpu {
 constexpr uint32_t kIds = 82;
 inline std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
     return {code.generate,        code.intersect,          code.intersectAny, code.light, code.shade,
-            code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt};
+            code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt, code.whole};
 }
 
 inline std::vector<uint32_t> constantsWhere(auto isOn) {

@@ -75,16 +75,6 @@ TEST(PathRowsTest, ScenesWithoutBouncesHaveNoLists) {
 
 // ---- the same bits ----
 
-testing::AssertionResult sameLosses(const Picture& a, const Picture& b) {
-    const auto same = [](const LostBranches& x, const LostBranches& y) {
-        return x.count == y.count && x.sum == y.sum && x.greatest == y.greatest;
-    };
-    if (same(a.losses.cut, b.losses.cut) && same(a.losses.depth, b.losses.depth) &&
-        same(a.losses.room, b.losses.room) && a.losses.crowdedMedia == b.losses.crowdedMedia)
-        return testing::AssertionSuccess();
-    return testing::AssertionFailure() << "other branches are lost";
-}
-
 Request settingsOf(const Case& c) {
     Request settings;
     settings.width = c.width;

@@ -34,7 +34,8 @@ std::vector<std::pair<std::string, Words>> allKernels() {
                                                              {"packetLight", code.packetLight},
                                                              {"adapt", code.adapt},
                                                              {"count", code.count},
-                                                             {"list", code.list}};
+                                                             {"list", code.list},
+                                                             {"whole", code.whole}};
             static_assert(sizeof(KernelCode) == std::size(kernels) * sizeof(Words), "a kernel is missing");
             for (const auto& [name, words] : kernels) all.emplace_back(name + suffix, words);
         }

@@ -21,8 +21,8 @@ mutant(instance_ray instance.glsl "origin - instance.place" "origin - 1.001 * in
 mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, length(offset));"
        "vec3 outward = normalize(quotient(offset, length(offset)) + vec3(0.01, 0.0, 0.0));" light shade)
 mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
-mutant(short_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
-mutant(long_shadows light.comp "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
+mutant(short_shadows lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
+mutant(long_shadows lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
 mutant(disc_rim primitives/disc.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
 mutant(polygon_side primitives/polygon.glsl "up ? edge > 0.0 : edge < 0.0" "edge > 0.0" intersect light)
 mutant(quadric_disc primitives/quadric.glsl "disc = B * B - A * C" "disc = B * B - 1.02 * A * C" intersect light)
@@ -30,16 +30,16 @@ mutant(diffuse_gain scatter.glsl "at.material.diffuse * max(" "1.01 * at.materia
 # Of defects that are small, or rare, or in the dark.
 mutant(diffuse_little scatter.glsl "at.material.diffuse * max(" "1.001 * at.material.diffuse * max(" light)
 mutant(shininess_little scatter.glsl "clamp(cosine, 0.0, 1.0), shininess)" "clamp(cosine, 0.0, 1.0), 1.005 * shininess)" light)
-mutant(no_light light.comp "evaluate(lit.at, sight.direction) * sight.intensity;" "evaluate(lit.at, sight.direction) * sight.intensity * 0.0;" light)
+mutant(no_light lighting.glsl "evaluate(lit.at, sight.direction) * sight.intensity;" "evaluate(lit.at, sight.direction) * sight.intensity * 0.0;" light)
 mutant(rare_near_hit intersect.comp "uvec4(floatBitsToUint(hit.t),"
        "uvec4(floatBitsToUint((path & 255u) == 0u && hit.primitive != kNone ? 1e-5 * hit.t : hit.t)," intersect)
-mutant(flipped_film generate.comp "x * camera.originStepX + y * camera.originStepY"
+mutant(flipped_film camera.glsl "x * camera.originStepX + y * camera.originStepY"
        "x * camera.originStepX - y * camera.originStepY" generate)
-mutant(straight_penumbra light.comp "return s * s * (3.0 - 2.0 * s);" "return s;" light)
-mutant(wide_cone light.comp "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
+mutant(straight_penumbra lighting.glsl "return s * s * (3.0 - 2.0 * s);" "return s;" light)
+mutant(wide_cone lighting.glsl "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
 mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
-mutant(not_finite light.comp "evaluate(lit.at, sight.direction) * sight.intensity;"
+mutant(not_finite lighting.glsl "evaluate(lit.at, sight.direction) * sight.intensity;"
        "evaluate(lit.at, sight.direction) * sight.intensity * kInfinity * 2.0;" light)
 mutant(texel_corner texture.glsl "s * count - 0.5" "s * count - 0.25" light shade)
 mutant(upside_down texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)

@@ -121,6 +121,16 @@ Picture draw(const gpu::Device& device, const Case& c, const Options& options) {
     return draw(renderer, c);
 }
 
+testing::AssertionResult sameLosses(const Picture& a, const Picture& b) {
+    const auto same = [](const LostBranches& x, const LostBranches& y) {
+        return x.count == y.count && x.sum == y.sum && x.greatest == y.greatest;
+    };
+    if (same(a.losses.cut, b.losses.cut) && same(a.losses.depth, b.losses.depth) &&
+        same(a.losses.room, b.losses.room) && a.losses.crowdedMedia == b.losses.crowdedMedia)
+        return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "other branches are lost";
+}
+
 testing::AssertionResult sameBits(const Picture& a, const Picture& b) {
     if (a.complete != b.complete || a.done != b.done || a.notFinite != b.notFinite ||
         a.firstNotFinite != b.firstNotFinite)

@@ -76,6 +76,8 @@ Request wholeWithData(const Case& c);
 
 // True if colour, data and `done` agree in every bit.
 testing::AssertionResult sameBits(const Picture& a, const Picture& b);
+// The same accounts of branches not followed.
+testing::AssertionResult sameLosses(const Picture& a, const Picture& b);
 testing::AssertionResult sameBits(const RayHit& a, const RayHit& b);
 testing::AssertionResult sameBits(const std::vector<RayHit>& a, const std::vector<RayHit>& b,
                                   const std::vector<RayInput>& rays);

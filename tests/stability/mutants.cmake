@@ -72,7 +72,7 @@ mutant(unpadded_boxes intersect.glsl "kFarPad = 1.00000226497650" "kFarPad = 1.0
 # An epsilon for the whole scene.
 mutant(fixed_offset ray.glsl "precise float d = dot(abs(n), error);" "precise float d = 1e-4;" light shade)
 # The hit point o + t d, taken for exact, and nothing known of the primitive that it lies on.
-mutant(raw_hit_point light.comp "Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
+mutant(raw_hit_point lighting.glsl "Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
                         lit.at.hit.primitive, lit.at.hit.instance);"
        "Ray(lit.at.ray.origin + lit.at.hit.t * lit.at.ray.direction, light.toLight, 0.0,
             sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0, kNone, kNone);" light)

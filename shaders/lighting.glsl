@@ -1,0 +1,125 @@
+// What lights add to a hit: a shadow ray to each, then Lambert and Blinn-Phong (Blinn 1977; Whitted 1980).
+// Needs Traversal, of traversal.glsl or packet.glsl with GLINT_SHADOW_RAYS.
+#ifndef GLINT_LIGHTING_GLSL
+#define GLINT_LIGHTING_GLSL
+
+#include "path.glsl"
+#include "scatter.glsl"
+#include "shared/shading.h"
+#include "tree.glsl"
+
+struct LightSample {
+    vec3 toLight;    // shadow ray direction: from the surface to the light, unnormalised for a point light
+    vec3 direction;  // unit
+    vec3 intensity;  // with falloff
+    float tMax;      // of the shadow ray
+    bool valid;
+};
+
+// The part of a spot light's intensity that goes along `toLight`, a unit vector back to it: a smoothstep of
+// the angle's cosine. |axis + toLight|^2 / 2 is 1 - cos, exact to the last digits for a narrow cone too. No
+// larger than 2, whatever the rounding, so that a cone of 180 degrees has no hole at its back.
+float spotFactor(Light light, vec3 toLight) {
+    vec3 sum = light.axis + toLight;
+    float away = min(0.5 * dot(sum, sum), 2.0);
+    float s = away <= light.inner
+                  ? 1.0
+                  : quotient(max(light.outer - away, 0.0), max(light.outer - light.inner, 1e-30));
+    return s * s * (3.0 - 2.0 * s);
+}
+
+LightSample sampleLight(Light light, vec3 position) {
+    LightSample s = LightSample(light.position, light.position, light.intensity, kInfinity, true);
+    if ((FEATURE_POINT_LIGHTS || FEATURE_SPOT_LIGHTS) && light.kind != kLightDirectional) {
+        precise vec3 toLight = light.position - position;
+        float distance = length(toLight);
+        s.toLight = toLight;
+        s.direction = quotient(toLight, distance);
+        s.tMax = kShadowEnd;
+        s.valid = distance > kNearestLight;
+        bool fades = light.kind == kLightPointInverseSquare || light.kind == kLightSpotInverseSquare;
+        if (fades) s.intensity = quotient(quotient(light.intensity, distance), distance);
+    }
+    if (FEATURE_SPOT_LIGHTS && (light.kind == kLightSpot || light.kind == kLightSpotInverseSquare)) {
+        float factor = spotFactor(light, s.direction);
+        s.intensity *= factor;
+        s.valid = s.valid && factor > 0.0;
+    }
+    return s;
+}
+
+const bool kFiltered = FEATURE_COLORED_SHADOWS && !MODE_SHADOWLESS;
+
+// What a path keeps from light to light.
+struct Lit {
+    uint path;
+    bool live;
+    bool changed;  // light has been added
+    Interaction at;
+    vec3 origin;  // of shadow rays
+    vec3 radiance;
+    uint hits;  // of kRowRadiance
+    vec3 throughput;
+    vec3 transmittance;  // of the way to the eye's side
+    uint shadowBits;
+};
+
+// sum: the path's row kRowRadiance.
+Lit litAt(uint path, bool live, Interaction at, uvec4 sum, vec3 throughput) {
+    Lit lit;
+    lit.path = path;
+    lit.at = at;
+    lit.live = live && at.isHit && counts(at);
+    lit.changed = false;
+    Surface surface = lit.at.surface;
+    lit.origin = offsetOrigin(surface.position, surface.error, surface.geometricNormal);
+    lit.radiance = uintBitsToFloat(sum.xyz);
+    lit.hits = sum.w;
+    lit.throughput = throughput;
+    if (FEATURE_TRANSMISSION) lit.transmittance = transmittanceOfWay(lit.at);
+    lit.shadowBits = 0u;
+    return lit;
+}
+
+// A light as the path sees it.
+struct Sight {
+    bool facing;  // it shines on the side that is seen
+    vec3 direction;
+    vec3 intensity;
+};
+
+// Makes the path's shadow ray to a light. begins: it has not been traced in part.
+Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
+    LightSample light = sampleLight(loadLight(index), lit.at.surface.position);
+    Sight sight = Sight(false, light.direction, light.intensity);
+    sight.facing = lit.live && light.valid && dot(lit.at.surface.geometricNormal, light.direction) > 0.0 &&
+                   dot(lit.at.surface.shadingNormal, light.direction) > 0.0;
+    traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
+                        lit.at.hit.primitive, lit.at.hit.instance);
+    traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
+    if (kFiltered) {
+        bool near = light.tMax < kInfinity;
+        traversal.passage =
+            startPassage(lit.at.crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        if (MODE_RESUME && !begins)
+            traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
+    }
+    if (MODE_TALLY && !MODE_SHADOWLESS && sight.facing && begins) atomicAdd(counters[kCounterShadow], 1u);
+    return sight;
+}
+
+// Takes what the light adds, once its shadow ray is finished.
+void take(inout Lit lit, uint index, Sight sight, Traversal traversal, bool finished) {
+    bool occluded = traversal.hit.primitive != kNone;
+    vec3 radiance = evaluate(lit.at, sight.direction) * sight.intensity;
+    if (FEATURE_TRANSMISSION) radiance *= lit.transmittance;
+    if (kFiltered) radiance *= lightThrough(traversal.passage);
+    vec3 sum = lit.radiance + lit.throughput * radiance;
+    bool added = sight.facing && finished && !occluded;
+    if (added) lit.radiance = sum;
+    lit.changed = lit.changed || added;
+    if (sight.facing && occluded && dispatch.bounce == 0u && index < kShadowBits)
+        lit.shadowBits |= 1u << index;
+}
+
+#endif

@@ -1,0 +1,96 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// A sample from its camera ray to the end of its path, in one kernel: what generate.comp, intersect.comp,
+// light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
+// that runs out of trips or rays is counted, and the host draws the slice again by those four.
+#define GLINT_BOTH_HITS
+#define GLINT_SHADOW_RAYS
+#include "camera.glsl"
+#include "passage.glsl"
+#include "path.glsl"
+#include "traversal.glsl"
+#include "lighting.glsl"
+
+const bool kHasLights = FEATURE_POINT_LIGHTS || FEATURE_DIRECTIONAL_LIGHTS || FEATURE_SPOT_LIGHTS;
+
+// All lights of a hit. False if the trips did not suffice.
+bool castShadows(inout Lit lit, inout Traversal traversal, Environment environment) {
+    uint index = 0u;
+    uint end = environment.lightCount;
+    uint budget = dispatch.tripBudget;
+    bool finished = true;
+    bool going = lit.live && index < end;
+    traversal.any = true;
+    do {
+        if (going) {
+            Sight sight = aim(lit, index, true, traversal);
+            uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
+            finished = left == kNone || settled(traversal) || !sight.facing;
+            take(lit, index, sight, traversal, finished);
+            ++index;
+            going = finished && index < end && traversal.trips < budget;
+        }
+    } while (going);
+    return finished && (!lit.live || index >= end);
+}
+
+void main() {
+    uint path = pathIndex();
+    uvec2 pixel;
+    bool takes = pixelOf(path, pixel);
+    if (MODE_ADAPTIVE && dispatch.sampleIndex != 0u) takes = takes && loadRow(kRowSpread, path).w == 1u;
+    Environment environment = loadEnvironment(0u);
+    vec3 throughput;
+    Ray ray = cameraRay(pixel, throughput);
+    uvec4 sum = uvec4(0u);
+    if (!MODE_ADAPTIVE && dispatch.sampleIndex != 0u) sum = loadRow(kRowRadiance, path);
+    Ledger ledger = dispatch.sampleIndex == 0u ? emptyLedger() : loadLedger(path);
+    Traversal traversal;
+    traversal.trips = 0u;
+    traversal.cost = 0u;
+    uint followed = 0u;       // rays after the camera's
+    uvec2 state = uvec2(0u);  // as in kTreeRowBranch
+    uvec4 media = eyeMedia(environment);
+    bool alive = takes;
+    bool complete = true;
+    do {
+        if (alive) {
+            traversal.ray = ray;
+            traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
+            traversal.any = false;
+            complete = trace(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            Interaction at = interactionAt(ray, traversal.hit, media);
+            if (kHasLights) {
+                Lit lit = litAt(path, complete, at, sum, throughput);
+                complete = castShadows(lit, traversal, environment) && complete;
+                sum = packRow(lit.radiance, lit.hits);
+            }
+            uint hits = hitsAfter(sum.w, at.isHit && followed == 0u, throughput.x);
+            if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
+            sum = packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits);
+            bool goesOn = false;
+            if (kBounces) {
+                Branch next;
+                if (FEATURE_TRANSMISSION) {
+                    goesOn = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
+                    media = next.media;
+                } else {
+                    goesOn = nextReflection(ledger, complete, at, followed, throughput, environment, next);
+                }
+                // The host has counted the trips of so many rays (src/render/path_limits.cpp).
+                complete = complete && !(goesOn && followed == dispatch.bounce);
+                goesOn = goesOn && complete;
+                ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
+                throughput = next.throughput;
+                followed += goesOn ? 1u : 0u;
+            }
+            alive = goesOn;
+        }
+    } while (alive);
+    if (takes) {
+        storeRow(kRowRadiance, path, sum);
+        storeLedger(path, ledger);
+    }
+    if (kBounces && followed > 0u) atomicAdd(counters[kCounterAlive], followed);
+    if (!complete) atomicAdd(counters[kCounterUnfinished], 1u);
+}

@@ -1,0 +1,85 @@
+// Which kernels a renderer draws by, and their translation.
+#include "core/parallel.h"
+#include "render/renderer_state.h"
+#include "render/whole_paths.h"
+
+namespace glint::render {
+
+TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
+    if (methods == Methods{}) return traversal;
+    const Traversal wanted = traversalFor(options.traversal, options.doublePrecision, device.info());
+    return chooseTraversal(wanted, device.info(), scene, methods);
+}
+
+uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
+    return options.tripBudget ? options.tripBudget
+                              : wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of);
+}
+
+// Not where something is asked for that it does not have: times of each step, paths in lists, another walk,
+// or kernels that are not its own.
+bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
+                                      const shared::Environment& of) const {
+    if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes) ||
+        options.doublePrecision)
+        return false;
+    if (options.wholePaths == WholePaths::On) return true;
+    const bool free = (options.traversal == Traversal::Auto || options.traversal == Traversal::Lane) &&
+                      options.compaction == Compaction::Auto && !options.profile && !options.kernels;
+    const bool furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0;
+    const uint32_t budget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of);
+    return free && wholePathsPay(device.info(), features, choice, furtherRays, budget);
+}
+
+std::vector<KernelId> Renderer::State::kernelsFor(const Request& request, const TraceModes& modes,
+                                                  const TraversalChoice& choice,
+                                                  const shared::Environment& of) const {
+    return drawsWholePaths(modes, choice, of) ? wholeKernelsOf(request)
+                                              : kernelsOf(scene, request, choice.packets);
+}
+
+void Renderer::State::startTranslating(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    for (const KernelId id : ids) {
+        translating[{id, modes}] = std::async(std::launch::async | std::launch::deferred,
+                                              [this, id, modes] { return pipelines.make(id, modes); });
+    }
+}
+
+gpu::Kernel Renderer::State::translated(KernelId id, const TraceModes& modes) {
+    const auto started = translating.find({id, modes});
+    gpu::Kernel kernel = started == translating.end() ? pipelines.make(id, modes) : started->second.get();
+    pipelines.bindTo(kernel);
+    return kernel;
+}
+
+// The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all. Each
+// has a thread: drivers translate SPIR-V on the caller's, and lavapipe then makes machine code of one kernel
+// after the other on a thread of its own (docs/lab/cold-start.md).
+void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
+    std::vector<KernelId> fresh;
+    for (KernelId id : ids) {
+        if (compiled.insert({id, modes}).second) fresh.push_back(id);
+    }
+    if (fresh.empty()) return;
+    const Stopwatch watch;
+    Slice nothing;
+    nothing.region = {0, 0, 1, 1};
+    const shared::Dispatch dispatch = dispatchFor(nothing);
+    // They run in any order, so no path may be alive.
+    const RowEntry ended = {{0, 0, 0, shared::kInfinity}};
+    paths.writeRow(device, shared::kRowDirection, std::vector<RowEntry>(shared::kWorkgroupSize, ended));
+    std::vector<gpu::Kernel> kernels(fresh.size());
+    parallelFor(
+        fresh.size(),
+        [&](size_t i) {
+            kernels[i] = translated(fresh[i], modes);
+            gpu::Submission first(device);
+            first.dispatch(kernels[i], 1, std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1)));
+            first.submit();
+        },
+        static_cast<unsigned>(fresh.size()));
+    for (size_t i = 0; i < fresh.size(); ++i) pipelines.add(fresh[i], modes, std::move(kernels[i]));
+    times.compile += watch.seconds();
+}
+
+}  // namespace glint::render

@@ -1,0 +1,45 @@
+#include "render/whole_paths.h"
+
+#include <algorithm>
+
+#include "render/path_limits.h"
+
+namespace glint::render {
+
+namespace {
+
+// A ray seldom takes more than a hundred, and paths are short.
+constexpr uint32_t kFewestTrips = 1500;
+// scenes/glass.json follows up to 82.
+constexpr uint32_t kMostOfTree = 200;
+
+}  // namespace
+
+uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment) {
+    if (!goesOnAfterHits(features)) return 0;
+    if (!features.transmission) return environment.maxDepth;
+    return environment.maxDepth < 7 ? (2u << environment.maxDepth) - 2 : kMostOfTree;
+}
+
+uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment) {
+    const uint64_t hits = uint64_t{mostRaysAfterFirst(features, environment)} + 1;
+    return hits * (uint64_t{std::max(environment.lightCount, 1u)} + 1);
+}
+
+uint32_t firstWholeTiles(uint64_t mostRays) {
+    constexpr uint64_t kRays = 1 << 14, kLeast = 64, kMost = 256;
+    return static_cast<uint32_t>(std::clamp(kRays / mostRays, kLeast, kMost));
+}
+
+bool wholePathsKnow(const TraceModes& modes) {
+    const bool pictureAlone = !modes.aovs && !modes.cost && !modes.tally;
+    return pictureAlone && modes.nodes == NodeFormat::Two;
+}
+
+bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                   const TraversalChoice& choice, bool furtherRays, uint32_t tripBudget) {
+    return device.llvmpipe && !features.alphaMask && (!choice.packets || furtherRays) &&
+           tripBudget >= kFewestTrips;
+}
+
+}  // namespace glint::render

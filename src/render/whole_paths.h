@@ -1,0 +1,45 @@
+// Pictures that one kernel draws, whole.comp: each path from its camera ray to its end.
+#pragma once
+
+#include <cstdint>
+
+#include "core/enum_names.h"
+#include "gpu/device.h"
+#include "pack/packed_scene.h"
+#include "render/pipelines.h"
+#include "render/traversal_choice.h"
+
+namespace glint::render {
+
+enum class WholePaths {
+    Auto,  // where it pays, see wholePathsPay
+    On,    // wherever the kernel knows how
+    Off    // a kernel for each step of all paths
+};
+constexpr auto entriesOf(WholePaths) {
+    return std::to_array<EnumEntry<WholePaths>>(
+        {{WholePaths::Auto, "auto"}, {WholePaths::On, "on"}, {WholePaths::Off, "off"}});
+}
+
+// Rays that the kernel follows of a path after the camera's: all that there can be, or where they are a tree
+// as many as hardly any path has.
+uint32_t mostRaysAfterFirst(const SceneFeatures& features, const shared::Environment& environment);
+
+// All rays of a path, shadow rays too.
+uint64_t mostRaysOfPath(const SceneFeatures& features, const shared::Environment& environment);
+
+// Of the first slice, whose one submission has all rays of its paths.
+uint32_t firstWholeTiles(uint64_t mostRays);
+
+// False where more is wanted than the picture.
+bool wholePathsKnow(const TraceModes& modes);
+
+// On llvmpipe, where the rows that the other kernels hand each other cost as much as tracing a few
+// primitives. Not where packets trace all the rays there are: without further rays they win by more
+// (docs/lab/whole-pictures.md). Not with alpha masks, whose texture code is in both walks: the driver takes
+// longer to translate that in one kernel than a picture saves. Not where so many rays may come that few trips
+// are left for each. Not measured on other devices.
+bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                   const TraversalChoice& choice, bool furtherRays, uint32_t tripBudget);
+
+}  // namespace glint::render

@@ -1,0 +1,268 @@
+// Pictures that one kernel draws: where, and that they have the bits of those drawn step by step, also where
+// a path does not finish.
+#include "render/whole_paths.h"
+
+#include "pack/pack_samples.h"
+#include "pack/request_environment.h"
+#include "render/path_limits.h"
+#include "support.h"
+
+namespace glint::render::test::whole_paths_test {
+namespace {
+
+// ---- the rule ----
+
+TEST(WholePathsRuleTest, RaysOfAPathAreOneAndOneToEachLightForEachHit) {
+    SceneFeatures plain, mirrors;
+    mirrors.mirrors = true;
+    shared::Environment environment{};
+    environment.maxDepth = 5;
+    environment.lightCount = 3;
+    EXPECT_EQ(mostRaysOfPath(plain, environment), 4u);
+    EXPECT_EQ(mostRaysOfPath(mirrors, environment), 6u * 4u);
+    // The loop of the lights is entered once where there are none.
+    environment.lightCount = 0;
+    EXPECT_EQ(mostRaysOfPath(plain, environment), 2u);
+}
+
+// Each ray may split, but few trees are as wide as that.
+TEST(WholePathsRuleTest, TreesAreFollowedUpToALimit) {
+    SceneFeatures glass;
+    glass.transmission = true;
+    shared::Environment environment{};
+    EXPECT_EQ(mostRaysAfterFirst(glass, environment), 0u);
+    environment.maxDepth = 2;
+    EXPECT_EQ(mostRaysAfterFirst(glass, environment), 6u);
+    for (const uint32_t depth : {7u, 40u, 1000u}) {
+        environment.maxDepth = depth;
+        EXPECT_EQ(mostRaysAfterFirst(glass, environment), 200u);
+    }
+}
+
+TEST(WholePathsRuleTest, DataTakeAKernelForEachStep) {
+    EXPECT_TRUE(wholePathsKnow({}));
+    EXPECT_TRUE(wholePathsKnow({.ledger = true, .scattered = true, .adaptive = true}));
+    EXPECT_FALSE(wholePathsKnow({.aovs = true}));
+    EXPECT_FALSE(wholePathsKnow({.cost = true}));
+    EXPECT_FALSE(wholePathsKnow({.tally = true}));
+    EXPECT_FALSE(wholePathsKnow({.nodes = NodeFormat::Four}));
+}
+
+TEST(WholePathsRuleTest, PacketsKeepPicturesWithoutFurtherRays) {
+    gpu::DeviceInfo device;
+    device.llvmpipe = true;
+    const TraversalChoice lanes = {false, ""}, packets = {true, ""};
+    SceneFeatures plain, masks;
+    masks.alphaMask = true;
+    EXPECT_TRUE(wholePathsPay(device, plain, lanes, false, 3000));
+    EXPECT_FALSE(wholePathsPay(device, plain, packets, false, 3000));
+    EXPECT_TRUE(wholePathsPay(device, plain, packets, true, 3000));
+    EXPECT_FALSE(wholePathsPay(device, masks, lanes, true, 3000));
+    EXPECT_FALSE(wholePathsPay(device, plain, lanes, true, 100)) << "too few trips";
+    device.llvmpipe = false;
+    EXPECT_FALSE(wholePathsPay(device, plain, lanes, true, 3000));
+}
+
+// The more rays may come, the fewer trips are left: what no lane counts is more.
+TEST(WholePathsRuleTest, BudgetsShrinkWithTheRaysOfAPath) {
+    gpu::DeviceInfo device;
+    device.llvmpipe = true;
+    device.limits.subgroupSize = 8;
+    SceneFeatures mirrors;
+    mirrors.mirrors = mirrors.triangles = true;
+    shared::Environment environment{};
+    environment.lightCount = environment.planeCount = 1;
+    uint32_t before = UINT32_MAX;
+    for (const uint32_t depth : {0u, 10u, 100u, 1000u}) {
+        environment.maxDepth = depth;
+        const uint32_t budget = wholeTripBudget(device, mirrors, 0, environment);
+        EXPECT_LT(budget, before);
+        before = budget;
+    }
+    environment.lightCount = 1000;
+    EXPECT_EQ(wholeTripBudget(device, mirrors, 0, environment), 1u);
+}
+
+// ---- the same bits ----
+
+class WholePathsTest : public RenderTest {
+  protected:
+    struct Drawn {
+        Picture picture;
+        StageTimes times;
+        bool whole() const { return times.kernels.whole > 0; }
+        bool stepByStep() const { return times.kernels.primary > 0; }
+    };
+    static Drawn drawn(const Case& c, const Request& request, WholePaths whole, Options options = {}) {
+        options.wholePaths = whole;
+        Renderer renderer(device(), c.packed, options);
+        Drawn result;
+        result.picture = renderer.render(c.camera, request);
+        result.times = renderer.times();
+        return result;
+    }
+    static Request requestOf(const Case& c) {
+        Request request;
+        request.width = c.width;
+        request.height = c.height;
+        request.ledger = true;
+        return request;
+    }
+    static void expectSame(const Case& c, const Request& request, const Options& options = {}) {
+        const Drawn off = drawn(c, request, WholePaths::Off, options);
+        const Drawn on = drawn(c, request, WholePaths::On, options);
+        EXPECT_FALSE(off.whole());
+        EXPECT_TRUE(on.whole());
+        EXPECT_FALSE(on.stepByStep());
+        EXPECT_TRUE(sameBits(on.picture, off.picture));
+        EXPECT_TRUE(sameLosses(on.picture, off.picture));
+        EXPECT_EQ(on.picture.samples, off.picture.samples);
+        EXPECT_EQ(on.times.pathRays, off.times.pathRays);
+    }
+};
+
+class WholePathsSceneTest : public WholePathsTest, public testing::WithParamInterface<std::string> {};
+
+TEST_P(WholePathsSceneTest, DrawsTheSame) {
+    const Case c = fileCase(GetParam(), 45, 29);
+    expectSame(c, requestOf(c));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WholePathsSceneTest, testing::ValuesIn(sceneNames()),
+                         [](const auto& p) { return p.param; });
+
+TEST_F(WholePathsTest, OtherWaysToReadArraysDrawTheSame) {
+    for (const char* name : {"corridor", "glass", "instances", "showcase", "textures"}) {
+        const Case c = fileCase(name, 24, 16);
+        Options storage;
+        storage.access = gpu::Access::StorageBuffer;
+        expectSame(c, requestOf(c), storage);
+    }
+}
+
+TEST_F(WholePathsTest, SamplesOfAllKindsDrawTheSame) {
+    for (const char* name : {"corridor", "glass", "lens", "spots"}) {
+        const Case c = fileCase(name, 24, 16);
+        Request request = requestOf(c);
+        request.samples = PackedSamples::fixed({{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}});
+        expectSame(c, request);
+        for (const bool adaptive : {false, true}) {
+            ImageSettings image;
+            image.sampler = Sampler::LowDiscrepancy;
+            image.samplesPerPixel = 4;
+            if (adaptive) image.adaptive = AdaptiveSampling{12, 0.05};
+            request.samples = packSamples(image, c.scene.camera.lensRadius > 0);
+            expectSame(c, request);
+        }
+    }
+}
+
+TEST_F(WholePathsTest, SlicesAndRegionsDrawTheSame) {
+    const Case c = fileCase("spheres", 65, 63);
+    Request request = requestOf(c);
+    request.region = {3, 5, 61, 44};
+    Options sliced;
+    sliced.maxSlicePixels = 512;
+    expectSame(c, request);
+    expectSame(c, request, sliced);
+}
+
+TEST_F(WholePathsTest, WithoutShadowsOrLightsDrawsTheSame) {
+    const Case c = fileCase("lights", 45, 29);
+    Request request = requestOf(c);
+    request.shadows = false;
+    expectSame(c, request);
+    request.shadows = true;
+    request.lighting = Lighting{.lights = {c.packed.lights.front()}};
+    expectSame(c, request);
+    request.lighting->lights.clear();
+    expectSame(c, request);
+}
+
+// ---- where a path does not finish ----
+
+// A picture whose paths have too few trips is drawn again from the first sample on, step by step.
+TEST_F(WholePathsTest, PathsWithoutTripsAreDrawnStepByStep) {
+    for (const char* name : {"triangles", "corridor", "glass", "instances", "showcase", "quadrics"}) {
+        const Case c = fileCase(name, 24, 16);
+        Request request = requestOf(c);
+        request.samples = PackedSamples::fixed({{0.25, 0.75}, {0.75, 0.25}});
+        const Drawn expected = drawn(c, request, WholePaths::Off);
+        for (const uint32_t budget : {1u, 6u}) {
+            SCOPED_TRACE(name + std::string(", budget ") + std::to_string(budget));
+            Options tight;
+            tight.tripBudget = budget;
+            const Drawn again = drawn(c, request, WholePaths::On, tight);
+            EXPECT_TRUE(again.whole());
+            EXPECT_TRUE(again.stepByStep());
+            EXPECT_TRUE(sameBits(again.picture, expected.picture));
+            EXPECT_TRUE(sameLosses(again.picture, expected.picture));
+            EXPECT_EQ(again.times.pathRays, expected.times.pathRays);
+        }
+    }
+}
+
+// Balls at the lower edge of the sky: the slices before them finish, theirs does not.
+TEST_F(WholePathsTest, ASliceInTheMiddleOfThePictureIsDrawnAgain) {
+    Scene scene = emptyScene();
+    const uint32_t mirror = addMaterial(scene, Color(0.4), Color(0.5));
+    for (int i = 0; i < 40; ++i) addSphere(scene, {0.1 * i - 2.0, -1.6, -5.0 - 0.1 * (i % 7)}, 0.1, mirror);
+    const Case c = makeCase(scene, 64, 64);
+    Request request = requestOf(c);
+    request.samples = PackedSamples::fixed({{0.25, 0.75}, {0.75, 0.25}, {0.5, 0.5}});
+    double last = 0;
+    request.progress = [&](double done) {
+        EXPECT_GE(done, last) << "progress goes backwards";
+        last = done;
+    };
+    Options sliced;
+    sliced.maxSlicePixels = 16 * 64;
+    sliced.tripBudget = 3;
+    const Drawn again = drawn(c, request, WholePaths::On, sliced);
+    EXPECT_EQ(last, 1.0);
+    last = 0;
+    const Drawn expected = drawn(c, request, WholePaths::Off);
+    EXPECT_TRUE(again.whole());
+    EXPECT_TRUE(again.stepByStep());
+    EXPECT_TRUE(sameBits(again.picture, expected.picture));
+    EXPECT_EQ(again.times.pathRays, expected.times.pathRays);
+}
+
+TEST_F(WholePathsTest, AdaptivePicturesAreDrawnAgainFromTheFirstSample) {
+    const Case c = fileCase("corridor", 24, 16);
+    ImageSettings image;
+    image.sampler = Sampler::LowDiscrepancy;
+    image.samplesPerPixel = 4;
+    image.adaptive = AdaptiveSampling{12, 0.05};
+    Request request = requestOf(c);
+    request.samples = packSamples(image, false);
+    const Drawn expected = drawn(c, request, WholePaths::Off);
+    Options tight;
+    tight.tripBudget = 6;
+    const Drawn again = drawn(c, request, WholePaths::On, tight);
+    EXPECT_TRUE(again.stepByStep());
+    EXPECT_TRUE(sameBits(again.picture, expected.picture));
+    EXPECT_EQ(again.picture.samples, expected.picture.samples);
+}
+
+// More branches than the kernel follows.
+TEST_F(WholePathsTest, TreesWithTooManyBranchesAreDrawnStepByStep) {
+    Case c = fileCase("glass", 24, 16);
+    c.packed.environment.maxDepth = 12;
+    const Request request = requestOf(c);
+    const Drawn expected = drawn(c, request, WholePaths::Off), again = drawn(c, request, WholePaths::On);
+    EXPECT_TRUE(again.whole());
+    EXPECT_TRUE(again.stepByStep());
+    EXPECT_TRUE(sameBits(again.picture, expected.picture));
+    EXPECT_TRUE(sameLosses(again.picture, expected.picture));
+}
+
+TEST_F(WholePathsTest, CancelledPicturesAreIncomplete) {
+    const Case c = fileCase("spheres", 64, 64);
+    Request request = requestOf(c);
+    request.cancelled = [] { return true; };
+    EXPECT_FALSE(drawn(c, request, WholePaths::On).picture.complete);
+}
+
+}  // namespace
+}  // namespace glint::render::test::whole_paths_test
