@@ -181,8 +181,9 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
 }
 
 PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result) {
+    const nlohmann::json json = errorJson(target, result);
     PictureNotes notes;
-    for (const auto& [key, value] : errorJson(target, result).items()) {
+    for (const auto& [key, value] : json.items()) {
         const std::string name = "glint.error." + key;
         if (value.is_string())
             notes.emplace_back(name, value.get<std::string>());
