@@ -101,6 +101,8 @@ std::string verdict(const verify::Report& report) {
         return report.ties > report.allowedOthers() ? "ok; surfaces tie, as the scene demands" : "ok";
     }
     if (report.unexplained > 0) return "FAILED: pixels differ for no reason that rounding explains";
+    if (report.plainDiffers > 0)
+        return "FAILED: the picture that glint render draws, without layers, has other bits";
     if (report.representation && report.representation->unexplained > 0)
         return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
     if (report.ties > report.allowedTies())
@@ -131,6 +133,8 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   number(report.unexplained), number(s.tried), number(s.changed), number(s.changedWidely),
                   report.rmse, report.rmseSamePath, report.maxSamePath);
     out << line;
+    if (report.plainDiffers > 0)
+        out << "    without layers " << report.plainDiffers << " pixels have other bits than with them\n";
     std::snprintf(line, sizeof(line),
                   "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g, at most %.2g (99th percentile of "
                   "the pixels)\n",
@@ -163,6 +167,7 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
           {"allowed", report.allowedOthers()},
           {"allowedTies", report.allowedTies()},
           {"unexplained", report.unexplained}}},
+        {"plainDiffers", report.plainDiffers},
     };
     if (!report.representation) return json;
     const verify::Representation& r = *report.representation;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <mutex>
 
@@ -252,6 +253,19 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
     return true;
 }
 
+// Pixels of which the same request without data has another colour. What is verified must be what people get.
+uint64_t plainDifferences(render::Renderer& renderer, const shared::Camera& camera, Request request,
+                          const Picture& device, Report& report) {
+    request.data = false;
+    const Picture plain = renderer.render(camera, request);
+    report.interrupted = report.interrupted || !plain.complete;
+    uint64_t differing = 0;
+    for (size_t i = 0; i < device.done.size(); ++i)
+        differing +=
+            std::memcmp(&plain.color.pixels[4 * i], &device.color.pixels[4 * i], 4 * sizeof(float)) != 0;
+    return differing;
+}
+
 }  // namespace
 
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
@@ -278,6 +292,10 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
             report.interrupted = true;
             return report;
         }
+        const bool convicted = options.verdictAlone && report.unexplained > 0;
+        if (options.plainToo && !convicted)
+            report.plainDiffers += plainDifferences(renderer, camera, request, device, report);
+        if (report.interrupted) return report;
     }
     if (representation) report.representation = representation->judge(report.sensitivity, options.worstCount);
     report.p99 = percentile99(std::move(all.differences));

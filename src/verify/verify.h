@@ -44,6 +44,8 @@ struct Options : Request {
     // Once more pixels are unexplained than a longer search is made for, the verdict is no whatever the
     // others are: they are left out, and the report's figures are of those before.
     bool verdictAlone = false;
+    // Whether each picture is drawn without data too, as `glint render` draws it, maybe by other kernels.
+    bool plainToo = true;
 };
 
 struct DifferingPixel {
@@ -69,9 +71,10 @@ inline constexpr double kShareOfPrediction = 2;
 struct Report {
     uint64_t pixels = 0;
     uint64_t ties = 0, edges = 0, roundings = 0, unexplained = 0;
-    uint64_t idsDiffer = 0;   // of the differing pixels, those whose paths hit other primitives
-    double rmse = 0;          // colour, all pixels
-    double rmseSamePath = 0;  // colour, pixels whose paths hit the same primitives: pure arithmetic
+    uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
+    uint64_t idsDiffer = 0;     // of the differing pixels, those whose paths hit other primitives
+    double rmse = 0;            // colour, all pixels
+    double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
     double maxSamePath = 0;
     double p99 = 0;       // |device - reference|, greatest channel, 99th percentile of all pixels
     double floorP99 = 0;  // the same of what the arithmetic of shading may add (PixelRecord::rounding)
@@ -91,7 +94,7 @@ struct Report {
     // What the 99th percentile may be.
     double allowedP99() const;
     bool passed() const {
-        return !interrupted && unexplained == 0 && ties <= allowedTies() &&
+        return !interrupted && unexplained == 0 && plainDiffers == 0 && ties <= allowedTies() &&
                edges + roundings <= allowedOthers() && p99 <= allowedP99() &&
                (!representation || representation->passed());
     }

@@ -49,6 +49,8 @@ mutant(deep_cut material.glsl "surface).w < material.alphaCutoff" "surface).w < 
 mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
 mutant(packet_pair packet_closest.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+# In the kernel alone that draws pictures without data.
+mutant(diffuse_whole scatter.glsl "at.material.diffuse * max(" "1.000001 * at.material.diffuse * max(" whole)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.
 mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNone;" intersect light)
 # For walks_test.cpp: no defect, and one in each format of nodes.

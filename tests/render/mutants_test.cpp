@@ -71,6 +71,7 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
         Renderer renderer(device(), case_.packed, options);
         verifyOptions_.width = case_.width;
         verifyOptions_.height = case_.height;
+        verifyOptions_.plainToo = false;  // the defect is not in its kernels
         return verify::verify(renderer, case_.packed, case_.camera, verifyOptions_);
     }
     const Case case_ = caseOf(GetParam());
@@ -146,6 +147,23 @@ TEST_F(VerdictTest, NoneOfTheWrongNearHitsIsExplained) {
     const verify::Report report = verified(broken, c);
     EXPECT_GT(report.unexplained, 100u);
     EXPECT_EQ(report.explained(), 0u);
+}
+
+// Pictures without data may be drawn by a kernel of their own (whole.comp): one that is sound but for that
+// must not pass, were it off by a last bit.
+TEST_F(VerdictTest, WhatRenderDrawsIsVerified) {
+    const Case c = fileCase("corridor", 64, 48);
+    const KernelCode broken = mutantKernels("diffuse_whole");
+    Options options;
+    options.access = gpu::Access::TexelBuffer;
+    options.kernels = &broken;
+    options.traversal = Traversal::Lane;
+    options.wholePaths = WholePaths::On;
+    Renderer renderer(device(), c.packed, options);
+    const verify::Report report = verified(renderer, c);
+    EXPECT_EQ(report.unexplained, 0u);
+    EXPECT_GT(report.plainDiffers, 100u);
+    EXPECT_FALSE(report.passed());
 }
 
 // Who wants the verdict alone gets the same one, and waits for fewer pixels.
@@ -273,6 +291,28 @@ TEST_F(VerdictTest, LimbsOfTiltedMirrorsAreExplained) {
         }
     }
     EXPECT_GT(explained, 0u) << "no limb was in sight";
+}
+
+// A hyperboloid along its axis, at the rim of its neck: a line that touches is inside and leaves, though its
+// cosine there is 0, or what rounding makes of that.
+TEST_F(VerdictTest, TheNeckOfAHyperboloidIsExplained) {
+    const char* const kNeck = R"({
+  "camera": {"eye": [5.70112813, 7.57115272, 2.66239029], "target": [6.53170993, 0.229669302, -0.405631071],
+             "up": [0.650992, -0.228818, 0.723777], "fovY": %s}, "ambient": 0.2,
+  "background": 0.3, "materials": {"mirror": {"diffuse": [0.6, 0.3, 0.2], "mirror": 0.5}}, "maxDepth": 3,
+  "lights": [{"type": "directional", "direction": [-0.5, -1, -0.4], "intensity": 0.8}],
+  "objects": [{"type": "plane", "point": [0, -2, 0], "normal": [0, 1, 0]},
+              {"type": "quadric", "bounds": [[4.5, -1.5, -1.5], [7.5, 1.5, 1.5]], "material": "mirror",
+               "coefficients": [1.10881242, -0.415941881, 0.907129464, 0.234565467, -1.29594604, 0.418078848,
+                                -13.305749, -1.4073928, -2.50847309, 39.417247]}]
+})";
+    for (const char* fov : {"0.2", "0.001", "0.00002"}) {
+        char text[2000];
+        std::snprintf(text, sizeof(text), kNeck, fov);
+        const Case c = textCase(text, 64, 48);
+        Renderer renderer(device(), c.packed);
+        EXPECT_EQ(verified(renderer, c).unexplained, 0u) << fov;
+    }
 }
 
 }  // namespace
