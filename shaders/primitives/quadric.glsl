@@ -222,8 +222,11 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     vec3 unit = quotient(scaled, length(scaled));
     float away = dot(unit, ray.direction);
     float A = dot(along, bilinear(q.squares, q.products, along));
-    return away * A > 0.0 ? unit - quotient(2.0 * away, dot(ray.direction, ray.direction)) * ray.direction
-                          : unit;
+    // A dot product errs by gamma_3; at the rim of a neck, along the axis, it is 0.
+    float square = dot(ray.direction, ray.direction);
+    float leaving = larger(abs(away), gammaBound(8.0) * squareRoot(square));
+    float wanted = A < 0.0 ? leaving : (A > 0.0 ? -abs(away) : away);
+    return unit + quotient(wanted - away, square) * ray.direction;
 }
 
 // One Newton step along the gradient from o + t d. What is left, n.(error) in world units: the rounding of
