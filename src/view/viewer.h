@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
 #include <set>
@@ -194,6 +195,7 @@ class Viewer {
     bool gestureEnded_ = true;  // the next movement is another one to undo
     Stopwatch sinceMove_;
 
+    std::optional<glm::ivec2> inspected_;  // the last pixel under the mouse
     std::optional<Pick> pick_;
     bool pickIsOld_ = false;
     std::optional<Canvas> difference_;  // of the last verify, while it is shown

@@ -54,11 +54,20 @@ void Viewer::fillModel() {
     fillPick();
 }
 
+// Over a control the last pixel stays. Else the inspector would shrink as the mouse comes to its slider, show
+// nothing of what the slider does, and lose a press in the frame in which it shrinks.
 void Viewer::fillPixel() {
     model_.pixel.reset();
-    const int x = static_cast<int>(std::floor(cursorX_)), y = static_cast<int>(std::floor(cursorY_));
-    const bool inside = x >= 0 && y >= 0 && x < session_->width() && y < session_->height();
-    if (!model_.inspects || !inside || covered()) return;
+    const auto inside = [&](const glm::ivec2& p) {
+        return p.x >= 0 && p.y >= 0 && p.x < session_->width() && p.y < session_->height();
+    };
+    const glm::ivec2 under(std::floor(cursorX_), std::floor(cursorY_));
+    if (inside(under) && !covered()) inspected_ = under;
+    if (!model_.inspects || !inspected_ || !inside(*inspected_)) {
+        inspected_.reset();
+        return;
+    }
+    const int x = inspected_->x, y = inspected_->y;
     PixelFacts facts;
     facts.x = x;
     facts.y = y;
