@@ -1,7 +1,7 @@
 # One static library per module. APART: sources with private names that others of the module have too; GLINT_UNITY compiles them on their
 # own. A module names the modules to its left; tests/module_dependencies checks the #include lines against the same order (docs/design/architecture.md).
 # The modules whose loops the sanitized tests spend their time in. The others are compiled without optimization there, in half the time.
-set(GLINT_HOT_MODULES core scene import trace bvh pack reference)
+set(GLINT_HOT_MODULES core scene import trace bvh pack reference view)
 # The modules that never wait for their own code, only for that of others. -O1 compiles them in 0.7 of the time.
 set(GLINT_COLD_MODULES app report bench farm)
 function(glint_module name)
