@@ -222,10 +222,11 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     vec3 unit = quotient(scaled, length(scaled));
     float away = dot(unit, ray.direction);
     float A = dot(along, bilinear(q.squares, q.products, along));
-    // A dot product errs by gamma_3; at the rim of a neck, along the axis, it is 0.
+    // A dot product errs by gamma_3, and of a line that touches it may be 0: more than that, so that whoever
+    // asks for its sign finds it.
     float square = dot(ray.direction, ray.direction);
-    float leaving = larger(abs(away), gammaBound(8.0) * squareRoot(square));
-    float wanted = A < 0.0 ? leaving : (A > 0.0 ? -abs(away) : away);
+    float clear = larger(abs(away), gammaBound(8.0) * squareRoot(square));
+    float wanted = A < 0.0 ? clear : (A > 0.0 ? -clear : away);
     return unit + quotient(wanted - away, square) * ray.direction;
 }
 

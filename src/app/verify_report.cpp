@@ -103,6 +103,7 @@ std::string verdict(const verify::Report& report) {
     if (report.unexplained > 0) return "FAILED: pixels differ for no reason that rounding explains";
     if (report.plainDiffers > 0)
         return "FAILED: the picture that glint render draws, without layers, has other bits";
+    if (report.filmDiffers > 0) return "FAILED: the picture of all samples is not what they add up to";
     if (report.representation && report.representation->unexplained > 0)
         return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
     if (report.ties > report.allowedTies())
@@ -135,6 +136,9 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     out << line;
     if (report.plainDiffers > 0)
         out << "    without layers " << report.plainDiffers << " pixels have other bits than with them\n";
+    if (report.filmDiffers > 0)
+        out << "    " << report.filmDiffers
+            << " pixels take other samples than they need, or are not their mean\n";
     std::snprintf(line, sizeof(line),
                   "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g, at most %.2g (99th percentile of "
                   "the pixels)\n",
@@ -168,6 +172,7 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
           {"allowedTies", report.allowedTies()},
           {"unexplained", report.unexplained}}},
         {"plainDiffers", report.plainDiffers},
+        {"filmDiffers", report.filmDiffers},
     };
     if (!report.representation) return json;
     const verify::Representation& r = *report.representation;

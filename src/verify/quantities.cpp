@@ -10,7 +10,7 @@ namespace glint::verify {
 
 namespace {
 
-enum { kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14 };
+enum { kDepth = 3, kPosition = 4, kNormal = 7, kGeometric = 10, kU = 13, kV = 14, kShadows = 15 };
 
 void put(Quantities& q, size_t at, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) q[at + static_cast<size_t>(i)] = v[i];
@@ -37,6 +37,7 @@ Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& 
     put(q, kGeometric, surface.geometricNormal);
     q[kU] = isTriangle(*record.hit) ? record.hit->u : surface.uv.x;
     q[kV] = isTriangle(*record.hit) ? record.hit->v : surface.uv.y;
+    q[kShadows] = record.shadowBits;
     return q;
 }
 
@@ -50,6 +51,7 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     put(q, kGeometric, glm::dvec3(data.geometricNormal));
     q[kU] = data.u;
     q[kV] = data.v;
+    q[kShadows] = data.shadowBits;
     return q;
 }
 

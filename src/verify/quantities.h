@@ -8,8 +8,9 @@
 
 namespace glint::verify {
 
-// Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v.
-inline constexpr size_t kColorQuantities = 3, kQuantities = 15;
+// Colour (3), then of the first hit depth, position (3), shading normal (3), geometric normal (3), u, v, and
+// the bits of the lights that are hidden from it, which nothing may add to.
+inline constexpr size_t kColorQuantities = 3, kQuantities = 16;
 using Quantities = std::array<double, kQuantities>;
 
 Quantities quantitiesOf(const reference::PixelRecord& record, const glm::dvec3& origin);

@@ -11,6 +11,7 @@
 #include "reference/sampling.h"
 #include "verify/ceiling.h"
 #include "verify/explain.h"
+#include "verify/film.h"
 
 namespace glint::verify {
 
@@ -266,6 +267,23 @@ uint64_t plainDifferences(render::Renderer& renderer, const shared::Camera& came
     return differing;
 }
 
+// Pixels of the picture of all samples that are not what those demand which `film` has. It has the first
+// round's.
+uint64_t filmDifferences(render::Renderer& renderer, const shared::Camera& camera, Request request,
+                         Film& film, Report& report) {
+    const PackedSamples samples = request.samples;
+    request.data = false;
+    request.progress = {};
+    for (uint32_t sample = samples.round; sample < samples.count(); ++sample) {
+        request.samples = samples.only(sample);
+        film.add(sample, renderer.render(camera, request));
+    }
+    request.samples = samples;
+    const Picture whole = renderer.render(camera, request);
+    report.interrupted = report.interrupted || !whole.complete;
+    return film.differing(whole);
+}
+
 }  // namespace
 
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
@@ -279,9 +297,11 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     std::optional<RepresentationCheck> representation;
     if (read != nullptr) representation.emplace(*read, scene, tracer, camera, options);
     Gathered all;
+    Request request = options;
+    request.region = {};
+    const PackedSamples rounds = firstRounds(samples);
+    Film film(rounds, options.width, options.height, scene.lights.size());
     for (uint32_t sample = 0; sample < samples.round; ++sample) {
-        Request request = options;
-        request.region = {};
         request.samples = samples.only(sample);
         request.data = true;
         request.progress = {};
@@ -295,6 +315,12 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         const bool convicted = options.verdictAlone && report.unexplained > 0;
         if (options.plainToo && !convicted)
             report.plainDiffers += plainDifferences(renderer, camera, request, device, report);
+        if (report.interrupted) return report;
+        if (rounds.count() > 1) film.add(sample, device);
+    }
+    if (options.filmToo && rounds.count() > 1 && !(options.verdictAlone && report.unexplained > 0)) {
+        request.samples = rounds;
+        report.filmDiffers = filmDifferences(renderer, camera, request, film, report);
         if (report.interrupted) return report;
     }
     if (representation) report.representation = representation->judge(report.sensitivity, options.worstCount);

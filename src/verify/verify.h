@@ -46,6 +46,9 @@ struct Options : Request {
     bool verdictAlone = false;
     // Whether each picture is drawn without data too, as `glint render` draws it, maybe by other kernels.
     bool plainToo = true;
+    // Whether the picture of all samples together is drawn too, if there are several: samples that are right
+    // may be added up wrong.
+    bool filmToo = true;
 };
 
 struct DifferingPixel {
@@ -72,6 +75,7 @@ struct Report {
     uint64_t pixels = 0;
     uint64_t ties = 0, edges = 0, roundings = 0, unexplained = 0;
     uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
+    uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
     uint64_t idsDiffer = 0;     // of the differing pixels, those whose paths hit other primitives
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
@@ -94,8 +98,8 @@ struct Report {
     // What the 99th percentile may be.
     double allowedP99() const;
     bool passed() const {
-        return !interrupted && unexplained == 0 && plainDiffers == 0 && ties <= allowedTies() &&
-               edges + roundings <= allowedOthers() && p99 <= allowedP99() &&
+        return !interrupted && unexplained == 0 && plainDiffers == 0 && filmDiffers == 0 &&
+               ties <= allowedTies() && edges + roundings <= allowedOthers() && p99 <= allowedP99() &&
                (!representation || representation->passed());
     }
 };

@@ -57,6 +57,16 @@ TEST(VerifyReport, ExplainedPixelsUpToWhatIsPredicted) {
         "a.json: FAILED: too many pixels differ, though rounding explains each: the method loses digits"));
 }
 
+TEST(VerifyReport, SamplesThatAreAddedUpWrong) {
+    verify::Report report = cleanReport();
+    report.filmDiffers = 7;
+    const std::string text = reportText(report);
+    EXPECT_TRUE(text.starts_with("a.json: FAILED: the picture of all samples is not what they add up to\n"));
+    EXPECT_NE(text.find("\n    7 pixels take other samples than they need, or are not their mean\n"),
+              std::string::npos)
+        << text;
+}
+
 TEST(VerifyReport, TiesUpToWhatTheSceneDemands) {
     verify::Report report = cleanReport();
     report.ties = 9;

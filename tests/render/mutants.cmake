@@ -49,6 +49,10 @@ mutant(deep_cut material.glsl "surface).w < material.alphaCutoff" "surface).w < 
 mutant(packet_bounds packet.glsl "bounds.inverseHigh = largestOfLanes(inverseHigh);"
        "bounds.inverseHigh = leastOfLanes(inverseHigh);" packet_intersect)
 mutant(packet_pair packet_closest.glsl "index + 1u < end);" "index + 2u < end);" packet_intersect)
+mutant(shadow_bits lighting.glsl "lit.shadowBits |= 1u << index;" "lit.shadowBits |= 2u << index;" light)
+# Samples that are right, added up wrong.
+mutant(first_sample_lost generate.comp "MODE_ADAPTIVE || dispatch.sampleIndex == 0u" "MODE_ADAPTIVE || dispatch.sampleIndex < 2u" generate)
+mutant(film_forgets adapt.comp "uintBitsToFloat(film.xyz) + uintBitsToFloat(taken.xyz)" "uintBitsToFloat(taken.xyz)" adapt)
 # In the kernel alone that draws pictures without data.
 mutant(diffuse_whole scatter.glsl "at.material.diffuse * max(" "1.000001 * at.material.diffuse * max(" whole)
 # Not for verify: the kernel of a tracer that knows nothing of lavapipe's limit on loop trips. It never says that it did not finish.

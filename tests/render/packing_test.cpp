@@ -228,5 +228,24 @@ TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
 INSTANTIATE_TEST_SUITE_P(All, RepresentationTest, testing::ValuesIn(sceneNames()),
                          [](const auto& p) { return p.param; });
 
+// Seen from afar, its corners' last places are a thousandth of a face, whose normal they turn; at an edge few
+// of the moved scenes take the packed one's path.
+TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
+    const Case c = textCase(R"({
+  "camera": {"eye": [0, 0.5, 9], "target": [4000, -4000, 4000], "fovY": 0.0545596}, "ambient": 0.2,
+  "background": [0.9, 0.9, 0.92], "lights": [{"type": "directional", "direction": [-0.4, -0.6, -1], "intensity": 0.8}],
+  "materials": {"clay": {"diffuse": [0.7, 0.45, 0.35]}}, "meshes": {"knot": {"file": "meshes/knot.obj"}},
+  "objects": [{"type": "mesh", "mesh": "knot", "material": "clay", "transform": [{"translate": [4000, -4000, 4000]}]}]
+})",
+                            160, 120);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    EXPECT_TRUE(report.passed());
+    EXPECT_GT(report.representation->explained, 0u);
+}
+
 }  // namespace
 }  // namespace glint::render::test::packing_test

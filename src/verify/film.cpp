@@ -1,0 +1,87 @@
+#include "verify/film.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/sampling.h"
+#include "shared/shading.h"
+#include "verify/stiffness.h"
+
+namespace glint::verify {
+
+PackedSamples firstRounds(const PackedSamples& samples) {
+    if (!samples.threshold) return samples;
+    PackedSamples few = samples;
+    const uint32_t count = std::min(samples.count(), 2 * samples.round);
+    if (samples.scattered())
+        few.rows.resize(shared::kFirstSample + count);
+    else
+        few.offsets.resize(count);
+    return few;
+}
+
+Film::Film(const PackedSamples& samples, int width, int height, size_t lights)
+    : samples_(samples), width_(width), lights_(static_cast<double>(lights)) {
+    first_.resize(static_cast<size_t>(width) * height);
+    if (samples.threshold) colors_.resize(first_.size());
+}
+
+void Film::add(uint32_t index, const Picture& sample) {
+    if (index == samples_.round) all_ = first_;
+    std::vector<Pixel>& pixels = index < samples_.round ? first_ : all_;
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        const float* color = &sample.color.pixels[4 * i];
+        const glm::dvec4 taken(color[0], color[1], color[2], color[3]);
+        Pixel& pixel = pixels[i];
+        pixel.sum += taken;
+        pixel.magnitudes += glm::abs(glm::dvec3(taken));
+        pixel.alphas += std::abs(taken.w);
+        // Adaptive: a sample is added whole. Else each light is, and what the hit has of its own.
+        pixel.additions += samples_.threshold ? 1 : (sample.data[i].bounces + 1) * (lights_ + 1);
+        if (!samples_.threshold || index >= samples_.round) continue;
+        const auto x = static_cast<uint32_t>(i % width_), y = static_cast<uint32_t>(i / width_);
+        colors_[i].push_back(glm::dvec3(taken) / reference::filmSample(samples_, index, x, y).weight);
+    }
+}
+
+// The device's sums are fp32: a deviation errs by a few units of the greatest colour, and so does their root
+// mean square. A pixel whose standard error is as near as that to what is asked for may take either.
+Film::Further Film::furtherAt(size_t pixel) const {
+    double greatest = 0;
+    for (const glm::dvec3& color : colors_[pixel])
+        greatest = std::max({greatest, std::abs(color.x), std::abs(color.y), std::abs(color.z)});
+    const double threshold = *samples_.threshold, least = threshold * shared::kDarkestMean;
+    const double slack = 8 * kFloatUnit * samples_.round * (1 + greatest / least);
+    const bool yes = reference::needsMore(colors_[pixel], threshold * (1 + slack));
+    const bool no = !reference::needsMore(colors_[pixel], threshold * (1 - slack));
+    return yes ? Further::Yes : (no ? Further::No : Further::Either);
+}
+
+// Each addition errs by a unit of the sum so far, on the way to each sample and to all of them; then come the
+// count's inverse and the product with it.
+bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const {
+    const double units = kFloatUnit * (2 * pixel.additions + 4);
+    for (int c = 0; c < 4; ++c) {
+        const double error = std::abs(static_cast<double>(color[c]) * taken - pixel.sum[c]);
+        if (!(error <= units * (c < 3 ? pixel.magnitudes[c] : pixel.alphas))) return false;
+    }
+    return true;
+}
+
+uint64_t Film::differing(const Picture& whole) const {
+    uint64_t count = 0;
+    for (size_t i = 0; i < first_.size(); ++i) {
+        const uint32_t taken = whole.samples.empty() ? whole.samplesPerPixel : whole.samples[i];
+        const bool further = taken > samples_.round;
+        bool sound = taken == (further ? samples_.count() : samples_.round);
+        if (samples_.count() > samples_.round) {
+            const Further wanted = furtherAt(i);
+            sound = sound && (wanted == Further::Either || further == (wanted == Further::Yes));
+        }
+        sound = sound && isMean(further ? all_[i] : first_[i], &whole.color.pixels[4 * i], taken);
+        count += !sound;
+    }
+    return count;
+}
+
+}  // namespace glint::verify
