@@ -24,6 +24,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "../render/support.h"
@@ -33,7 +34,9 @@
 #include "gpu/flatten.h"
 #include "gpu/specialize.h"
 #include "kernel_folder.h"
+#include "render/path_limits.h"
 #include "trials.h"
+#include "verify/film.h"
 
 namespace glint::mutation {
 namespace {
@@ -47,7 +50,8 @@ constexpr Kernel kMembers[] = {&render::KernelCode::generate,
                                &render::KernelCode::packetIntersect,
                                &render::KernelCode::packetIntersectAny,
                                &render::KernelCode::packetLight,
-                               &render::KernelCode::adapt};
+                               &render::KernelCode::adapt,
+                               &render::KernelCode::whole};
 
 // A program that a case runs, and a fingerprint of what its kernel holds for the case.
 struct Run {
@@ -55,7 +59,11 @@ struct Run {
     uint64_t code = 0;
 };
 
-// A case as sound kernels draw it: sample by sample, for verify, or all at once, for a hash.
+// What is drawn of a case: each sample with its data, or without, for what is drawn by other kernels then, as
+// verify does both, or the whole picture, for a hash.
+enum class Drawn { Data, Plain, Whole };
+
+// A case as sound kernels draw it.
 struct Sound {
     std::vector<Run> runs;
     std::vector<Picture> pictures;
@@ -89,8 +97,10 @@ class Judge {
         std::string what, folder, name, output, pictures, why, hash;
         words >> what >> folder >> name >> output;
         const Trial& trial = trials_.at(name);
-        const Sound& sound = soundOf(trial, name, what == "hash");
         const KernelFolder broken(folder, sound_.code());
+        const bool plain = drawsWholePaths(trial, broken.code());
+        const Sound& sound =
+            soundOf(trial, name, what == "hash" ? Drawn::Whole : (plain ? Drawn::Plain : Drawn::Data), plain);
         try {
             if (what == "write")
                 write(sound, broken.code(), output);
@@ -107,47 +117,66 @@ class Judge {
     }
 
   private:
-    static render::Options optionsOf(const Trial& trial, const render::KernelCode& code) {
+    static render::Options optionsOf(const Trial& trial, const render::KernelCode& code, bool wholePaths) {
         render::Options options = trial.device;
         options.kernels = &code;
+        options.wholePaths = wholePaths ? render::WholePaths::On : render::WholePaths::Off;
         return options;
     }
 
-    // As verify draws them.
-    static std::vector<Picture> picturesOf(render::Renderer& renderer, const Trial& trial) {
+    // Whether whole.comp is broken, and draws the case without data: with kernels of the caller's, it never
+    // does by itself. It is never broken beside others, whose defects it would tell too easily.
+    bool drawsWholePaths(const Trial& trial, const render::KernelCode& broken) const {
+        if (broken.whole.data() == sound_.code().whole.data()) return false;
+        const PackedScene& scene = trial.scene.packed;
+        const uint32_t trips = render::wholeTripBudget(device_.info(), scene.features,
+                                                       scene.polygonTripsPerLeaf, scene.environment);
+        return trial.device.traversal == render::Traversal::Lane &&
+               trial.device.compaction == render::Compaction::Auto &&
+               render::wholePathsPay(device_.info(), scene.features, {}, true, trips);
+    }
+
+    // As verify draws them: sample by sample, and if there are several, all of them.
+    static std::vector<Picture> picturesOf(render::Renderer& renderer, const Trial& trial, bool data) {
         std::vector<Picture> pictures;
+        Request request = trial.options;
+        request.data = data;
         for (uint32_t sample = 0; sample < trial.options.samples.round; ++sample) {
-            Request request = trial.options;
             request.samples = trial.options.samples.only(sample);
-            request.data = true;
             pictures.push_back(renderer.render(trial.scene.camera, request));
         }
+        request.data = false;
+        request.samples = verify::firstRounds(trial.options.samples);
+        if (request.samples.count() > 1) pictures.push_back(renderer.render(trial.scene.camera, request));
         return pictures;
     }
 
-    static std::string verdict(render::Renderer& renderer, const Trial& trial) {
+    static std::string verdict(render::Renderer& renderer, const Trial& trial, bool plainToo) {
         verify::Options options = trial.options;
-        options.plainToo = false;  // whole.comp is not broken with the others: it would tell too easily
+        options.plainToo = plainToo;
         const verify::Report report =
             verify::verify(renderer, trial.scene.packed, trial.scene.camera, options);
         if (report.passed()) return "";
         if (report.unexplained > 0) return "unexplained";
+        if (report.plainDiffers > 0) return "other without data";
+        if (report.filmDiffers > 0) return "wrong sum";
         if (report.edges + report.roundings > report.allowedOthers()) return "too many";
         return report.ties > report.allowedTies() ? "too many ties" : "percentile";
     }
 
-    const Sound& soundOf(const Trial& trial, const std::string& name, bool whole) {
-        const auto [place, isNew] = (whole ? wholes_ : sounds_).try_emplace(name);
+    const Sound& soundOf(const Trial& trial, const std::string& name, Drawn drawn, bool wholePaths) {
+        const auto [place, isNew] = sounds_.try_emplace({name, drawn, wholePaths});
         Sound& sound = place->second;
         if (!isNew) return sound;
         auto& programs = device_.state().programs;
         programs.clear();
-        render::Renderer renderer(device_, trial.scene.packed, optionsOf(trial, sound_.code()));
-        if (whole) {
+        render::Renderer renderer(device_, trial.scene.packed, optionsOf(trial, sound_.code(), wholePaths));
+        if (drawn == Drawn::Whole) {
             sound.hash = pictureHash(renderer.render(trial.scene.camera, trial.options).color);
         } else {
-            sound.pictures = picturesOf(renderer, trial);
-            if (!verdict(renderer, trial).empty()) throw std::runtime_error("sound kernels do not pass");
+            sound.pictures = picturesOf(renderer, trial, drawn == Drawn::Data);
+            if (!verdict(renderer, trial, drawn == Drawn::Plain).empty())
+                throw std::runtime_error("sound kernels do not pass");
         }
         for (const auto& program : programs)
             sound.runs.push_back({program, codeOf(program->key.spirv, program->key.constants)});
@@ -193,7 +222,8 @@ class Judge {
         auto& programs = device_.state().programs;
         programs.clear();
         for (const Run& run : sound.runs) programs.push_back(run.program);
-        return render::Renderer(device_, trial.scene.packed, optionsOf(trial, broken));
+        return render::Renderer(device_, trial.scene.packed,
+                                optionsOf(trial, broken, drawsWholePaths(trial, broken)));
     }
 
     std::string hashOf(const Trial& trial, const Sound& sound, const render::KernelCode& broken) const {
@@ -203,18 +233,20 @@ class Judge {
     std::string refusal(const Trial& trial, const Sound& sound, const render::KernelCode& broken,
                         std::string& pictures) const {
         render::Renderer renderer = rendererOf(trial, sound, broken);
-        const std::vector<Picture> drawn = picturesOf(renderer, trial);
+        const bool plain = drawsWholePaths(trial, broken);
+        const std::vector<Picture> drawn = picturesOf(renderer, trial, !plain);
         pictures = "other bits";
-        const bool same =
-            std::equal(drawn.begin(), drawn.end(), sound.pictures.begin(),
-                       [](const Picture& a, const Picture& b) { return bool(render::test::sameBits(a, b)); });
+        const bool same = std::equal(drawn.begin(), drawn.end(), sound.pictures.begin(),
+                                     [](const Picture& a, const Picture& b) {
+                                         return a.samples == b.samples && bool(render::test::sameBits(a, b));
+                                     });
         if (same) pictures = "same bits";
-        return same ? "" : verdict(renderer, trial);
+        return same ? "" : verdict(renderer, trial, plain);
     }
 
     gpu::Device device_;  // outlives the programs
     std::map<std::string, Trial> trials_;
-    std::map<std::string, Sound> sounds_, wholes_;
+    std::map<std::tuple<std::string, Drawn, bool>, Sound> sounds_;
     KernelFolder sound_;
 };
 

@@ -29,6 +29,7 @@ class KernelFolder {
         replace(folder / "packet_intersect_any.spv", code_.packetIntersectAny);
         replace(folder / "light_packet.spv", code_.packetLight);
         replace(folder / "adapt.spv", code_.adapt);
+        replace(folder / "whole.spv", code_.whole);
     }
     KernelFolder(const KernelFolder&) = delete;
     KernelFolder& operator=(const KernelFolder&) = delete;

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Breaks the shaders by itself, one small defect at a time, and asks verify whether it notices.
 
-    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--again]
+    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--files NAMES] [--again [--cases NAMES]]
     mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N]
     mutation.py table [--results FILE] [--output docs/lab/mutation.md]
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent. Results are lines of JSON; a run goes on where
-the last one with the same file ended. --require: exit with 1 if a smaller share of what is not equivalent is found.
+the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, by all cases, or by new ones
+alone. --require: exit with 1 if a smaller share of what is not equivalent is found.
 suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first the gallery's hashes, as
 tools/test-drivers asks for them, by JUDGE, then PROGRAM (render_test), run on the mutant's kernels.
 table: writes what came out.
@@ -34,6 +35,9 @@ from kernels import KERNELS, SOURCE, WALKS, Compiler
 HERE = Path(__file__).resolve().parent
 # Pipelines of sound kernels, and of a mutant's whose code is the same in many cases, are found again; nothing of it goes to a disk.
 MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+
+# What cases see of a mutant, by how much that is.
+PICTURES = ("", "same code", "same bits", "other bits")
 
 
 def case_names(file=None):
@@ -95,22 +99,25 @@ class Run:
     def __init__(self, arguments):
         self.arguments, self.lock, self.failure = arguments, threading.Lock(), None
         self.deadline = time.monotonic() + 60 * arguments.minutes
-        self.sites = sites.draw(arguments.seed, arguments.count)
+        self.sites = sites.draw(arguments.seed, arguments.count, arguments.files.split(",") if arguments.files else None)
         self.results = page.read_results(arguments.results)
+        # What the cases said of a mutant's pictures that are not asked again.
+        self.seen = {sites.key(r): r for r in self.results if r["state"] == "survived" and arguments.cases}
         self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again}
         # Cases that found mutants of a file; a mutant of another file is likeliest found by those that found many.
         self.kills = collections.Counter((r["file"], r["case"]) for r in self.results if r["state"] == "killed")
         self.all_kills = collections.Counter(r["case"] for r in self.results if r["state"] == "killed")
 
     def cases_for(self, file):
+        wanted = self.arguments.cases.split(",") if self.arguments.cases else case_names()
         with self.lock:
-            return sorted(case_names(file), key=lambda n: (-self.kills[file, n], -self.all_kills[n]))
+            return sorted((n for n in case_names(file) if n in wanted), key=lambda n: (-self.kills[file, n], -self.all_kills[n]))
 
     def next(self):
         with self.lock:
             while self.sites and time.monotonic() < self.deadline:
                 site, description = self.sites.pop(0)
-                if sites.key(description) not in self.done:
+                if sites.key(description) not in self.done and (not self.arguments.cases or sites.key(description) in self.seen):
                     return site, description
         return None
 
@@ -141,7 +148,7 @@ class Run:
             if not compiler.compile_all(KERNELS, folder / "sound"):
                 raise RuntimeError("the kernels do not compile")
             (folder / "none").mkdir()
-            for case in case_names():
+            for case in self.arguments.cases.split(",") if self.arguments.cases else case_names():
                 if judge.ask("judge", folder / "none", case)["why"]:
                     raise RuntimeError(f"sound kernels do not pass {case}")
             while drawn := self.next():
@@ -150,10 +157,18 @@ class Run:
                 compiler.break_file(site)
                 try:
                     result = description | self.try_one(compiler, judge, site)
+                    if result["state"] == "survived" and sites.key(result) in self.seen:
+                        result = self.as_before(result)
                 finally:
                     compiler.mend(site)
                 self.record(result | {"seconds": round(compiler.spent + judge.spent() - before, 2)})
             judge.end()
+
+    def as_before(self, result):
+        """With what other cases saw of it, and tests."""
+        before = self.seen[sites.key(result)]
+        pictures = max(result["pictures"], before["pictures"], key=PICTURES.index)
+        return {k: before[k] for k in ("suite", "tests") if k in before} | result | {"pictures": pictures}
 
     def try_one(self, compiler, judge, site):
         sound, broken = compiler.folder / "sound", compiler.folder / "broken"
@@ -172,9 +187,9 @@ class Run:
             pictures[case] = answer["pictures"]
             if answer["why"]:
                 return {"state": "killed", "case": case, "why": answer["why"]}
-        seen = next((p for p in ("other bits", "same bits") if p in pictures.values()), "same code")
+        seen = max(pictures.values(), key=PICTURES.index, default="same code")
         drawn = [case for case in pictures if pictures[case] == "same bits"]
-        if seen != "other bits" and self.equivalent(compiler, judge, broken, drawn):
+        if seen != "other bits" and not self.arguments.cases and self.equivalent(compiler, judge, broken, drawn):
             return {"state": "equivalent"}
         return {"state": "survived", "pictures": seen}
 
@@ -323,6 +338,8 @@ def main():
             command.add_argument("--count", type=int, default=600)
             command.add_argument("--jobs", type=int, default=2)
             command.add_argument("--require", type=float, default=0)
+            command.add_argument("--files", help="whose mutants are drawn, with commas between")
+            command.add_argument("--cases", help="that are asked, with commas between")
             command.add_argument("--again", action="store_true", help="try what survived again, by cases that were added since")
         else:
             command.add_argument("--filter", default="-*Mutant*:*Verdict*")

@@ -34,10 +34,13 @@ def all_sites():
     return found
 
 
-def draw(seed, count):
-    """`count` sites, kinds in turns, so that each has its share. A site's place in its kind is a hash of the seed and its name."""
+def draw(seed, count, files=None):
+    """`count` sites, of `files` alone or of all, kinds in turns, so that each has its share. A site's place in its kind is a hash of the seed
+    and its name."""
     kinds = collections.defaultdict(list)
     for name, (site, description) in all_sites().items():
+        if files and site.file not in files:
+            continue
         kinds[site.kind].append((hashlib.sha256(json.dumps([seed, *name]).encode()).digest(), site, description))
     for sites in kinds.values():
         sites.sort(key=lambda entry: entry[0], reverse=True)
