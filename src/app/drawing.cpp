@@ -21,12 +21,12 @@ Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warn
     });
 }
 
-void Drawing::load(const LoadedScene& loaded, const Request& expected) {
+void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays) {
     loaded_ = &loaded;
     camera_ = cameraOf(loaded);
     methods_ = expected.methods;
     try {
-        if (backend_ == Backend::Gpu) return loadDevice(expected);
+        if (backend_ == Backend::Gpu) return loadDevice(expected, cameraRays);
     } catch (const Error& error) {
         if (!fallBack(error)) throw;
         return;
@@ -41,12 +41,13 @@ void Drawing::loadTruth() {
     hostSeconds_ += watch.seconds();
 }
 
-void Drawing::loadDevice(const Request& expected) {
+void Drawing::loadDevice(const Request& expected, uint64_t cameraRays) {
     if (!device_) device_.emplace(opening_.get());
     render::Options options;
     options.traversal = choice_.traversal;
     options.ownArithmetic = choice_.reproducible;
     options.expected = &expected;
+    options.cameraRays = cameraRays;
     renderer_.emplace(*device_, loaded_->packed, options);
 }
 

@@ -42,8 +42,9 @@ class Drawing {
     Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warnings = nullptr);
 
     // Uploads the scene, which must outlive its pictures, and translates kernels for `expected`. On the host
-    // makes the truth of it; and so if the device fails and may be replaced.
-    void load(const LoadedScene& loaded, const Request& expected);
+    // makes the truth of it; and so if the device fails and may be replaced. cameraRays: as in
+    // render::Options.
+    void load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays = 0);
 
     // To be called when the scene that was loaded has been changed in its place: its camera alone, or
     // anything. The device keeps the programs of kernels: those that are still needed are not compiled again.
@@ -75,7 +76,7 @@ class Drawing {
     void reportValidation(std::ostream& err) const;
 
   private:
-    void loadDevice(const Request& expected);
+    void loadDevice(const Request& expected, uint64_t cameraRays);
     void loadTruth();
     // False if the error is not the device's, or it must not be replaced.
     bool fallBack(const Error& error);

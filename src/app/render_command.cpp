@@ -152,7 +152,8 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
         Request request = requestOf(command, loaded, region, progress);
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
-        drawing.load(loaded, request);
+        // As many as an error takes are not known.
+        drawing.load(loaded, request, job ? 0 : cameraRaysOf(request));
         if (bandRows > 0)
             drawBands(drawing, command, loaded, request, output, bandRows, outcome);
         else

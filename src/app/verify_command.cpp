@@ -71,6 +71,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
     render::Options tracing;
     tracing.traversal = command.device.traversal;
+    tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
     render::Renderer renderer(device, loaded.packed, tracing);
     verify::Report report;
     {

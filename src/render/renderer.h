@@ -48,6 +48,10 @@ struct Options {
     // A picture that will be asked for: its kernels are translated while the arrays are uploaded. Need not
     // outlive the constructor.
     const Request* expected = nullptr;
+    // Camera rays of all pictures that will be asked for, if that is known, else 0. For few of them kernels
+    // that the driver translates sooner are worth more than those that trace faster (wholePathsPay). The bits
+    // are the same.
+    uint64_t cameraRays = 0;
 };
 
 // Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the

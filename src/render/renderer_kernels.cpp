@@ -26,9 +26,11 @@ bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalCh
     if (options.wholePaths == WholePaths::On) return true;
     const bool free = (options.traversal == Traversal::Auto || options.traversal == Traversal::Lane) &&
                       options.compaction == Compaction::Auto && !options.profile && !options.kernels;
-    const bool furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0;
-    const uint32_t budget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of);
-    return free && wholePathsPay(device.info(), features, choice, furtherRays, budget);
+    const WholePathsWork work = {
+        .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
+        .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),
+        .rays = options.cameraRays * (1 + uint64_t{of.lightCount})};
+    return free && wholePathsPay(device.info(), features, choice, work);
 }
 
 std::vector<KernelId> Renderer::State::kernelsFor(const Request& request, const TraceModes& modes,

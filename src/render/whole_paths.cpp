@@ -12,6 +12,9 @@ namespace {
 constexpr uint32_t kFewestTrips = 1500;
 // scenes/glass.json follows up to 82.
 constexpr uint32_t kMostOfTree = 200;
+// From where on what tracing saves pays for a longer start, of packets and of alpha masks: between 0.7
+// million rays (scenes/arcade.json) and two.
+constexpr uint64_t kManyRays = 1'000'000;
 
 }  // namespace
 
@@ -37,9 +40,11 @@ bool wholePathsKnow(const TraceModes& modes) {
 }
 
 bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
-                   const TraversalChoice& choice, bool furtherRays, uint32_t tripBudget) {
-    return device.llvmpipe && !features.alphaMask && (!choice.packets || furtherRays) &&
-           tripBudget >= kFewestTrips;
+                   const TraversalChoice& choice, const WholePathsWork& work) {
+    if (!device.llvmpipe || work.tripBudget < kFewestTrips) return false;
+    const bool many = work.rays == 0 || work.rays >= kManyRays;
+    if (choice.packets && !work.furtherRays) return !many;
+    return many || !features.alphaMask;
 }
 
 }  // namespace glint::render

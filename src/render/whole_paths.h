@@ -34,12 +34,21 @@ uint32_t firstWholeTiles(uint64_t mostRays);
 // False where more is wanted than the picture.
 bool wholePathsKnow(const TraceModes& modes);
 
+// What there is to draw.
+struct WholePathsWork {
+    bool furtherRays = false;  // there are mirrored or refracted ones
+    uint32_t tripBudget = 0;   // of each ray of a path
+    uint64_t rays = 0;         // from the eye and from there to lights, in all pictures; 0: unknown
+};
+
 // On llvmpipe, where the rows that the other kernels hand each other cost as much as tracing a few
-// primitives. Not where packets trace all the rays there are: without further rays they win by more
-// (docs/lab/whole-pictures.md). Not with alpha masks, whose texture code is in both walks: the driver takes
-// longer to translate that in one kernel than a picture saves. Not where so many rays may come that few trips
-// are left for each. Not measured on other devices.
+// primitives. What a picture's first second is spent on is the driver's translation of kernels, so it counts
+// as much as tracing (docs/lab/whole-pictures.md has the figures):
+// - where packets trace all the rays there are they win, but by three kernels more, which only many rays pay;
+// - alpha masks have their texture code in both walks, which in one kernel takes the driver longer: again
+//   only many rays pay that.
+// Not where so many rays may come that few trips are left for each. Not measured on other devices.
 bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
-                   const TraversalChoice& choice, bool furtherRays, uint32_t tripBudget);
+                   const TraversalChoice& choice, const WholePathsWork& work);
 
 }  // namespace glint::render

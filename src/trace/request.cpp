@@ -13,6 +13,12 @@ Region regionOf(const Request& request) {
     return cut;
 }
 
+uint64_t cameraRaysOf(const Request& request) {
+    const Region region = regionOf(request);
+    return static_cast<uint64_t>(region.width()) * static_cast<uint64_t>(region.height()) *
+           request.samples.count();
+}
+
 Picture blankPicture(const Request& request) {
     Picture picture;
     picture.region = regionOf(request);

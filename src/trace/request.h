@@ -68,6 +68,9 @@ struct Request : Tracing {
 // The pixels that are asked for; empty if the region lies outside of the picture.
 Region regionOf(const Request& request);
 
+// As many as there are at most: an adaptive picture may take fewer.
+uint64_t cameraRaysOf(const Request& request);
+
 // A picture of the region with nothing done yet: what is asked for has its size.
 Picture blankPicture(const Request& request);
 

@@ -154,6 +154,22 @@ TEST_F(GpuRender, DeviceByIndexAndName) {
         render({"--device", selector, "--size", "8x6"});
 }
 
+// One kernel for whole paths is there sooner, packets are faster: the command counts the picture's rays. What
+// is sampled until an error is reached counts as many.
+TEST_F(GpuRender, PacketsAreForManyRays) {
+    const auto walkOf = [](std::vector<std::string> options) {
+        options.insert(options.begin(), {"render", glint::test::sourcePath("scenes/knot.json"), "-q",
+                                         "--size", "40x30", "--stats", "json", "-o", "a.png"});
+        const Ran ran = runGlint(options);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        const size_t at = ran.out.find("\"traversal\": \"");
+        return at == std::string::npos ? ran.out : ran.out.substr(at + 14, 4);
+    };
+    EXPECT_EQ(walkOf({}), "lane");
+    EXPECT_EQ(walkOf({"--spp", "1024"}), "pack");
+    EXPECT_EQ(walkOf({"--error", "0.5"}), "pack");
+}
+
 TEST_F(GpuRender, DevicesListsTheChosenOne) {
     const Ran ran = runGlint({"devices"});
     EXPECT_EQ(ran.code, 0);

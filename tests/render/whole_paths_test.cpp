@@ -48,19 +48,32 @@ TEST(WholePathsRuleTest, DataTakeAKernelForEachStep) {
     EXPECT_FALSE(wholePathsKnow({.nodes = NodeFormat::Four}));
 }
 
-TEST(WholePathsRuleTest, PacketsKeepPicturesWithoutFurtherRays) {
+TEST(WholePathsRuleTest, PacketsKeepPicturesOfManyRaysWithoutFurtherOnes) {
     gpu::DeviceInfo device;
     device.llvmpipe = true;
     const TraversalChoice lanes = {false, ""}, packets = {true, ""};
-    SceneFeatures plain, masks;
-    masks.alphaMask = true;
-    EXPECT_TRUE(wholePathsPay(device, plain, lanes, false, 3000));
-    EXPECT_FALSE(wholePathsPay(device, plain, packets, false, 3000));
-    EXPECT_TRUE(wholePathsPay(device, plain, packets, true, 3000));
-    EXPECT_FALSE(wholePathsPay(device, masks, lanes, true, 3000));
-    EXPECT_FALSE(wholePathsPay(device, plain, lanes, true, 100)) << "too few trips";
+    const SceneFeatures plain;
+    for (const uint64_t rays : {uint64_t{0}, uint64_t{1} << 30}) {
+        EXPECT_TRUE(wholePathsPay(device, plain, lanes, {false, 3000, rays}));
+        EXPECT_FALSE(wholePathsPay(device, plain, packets, {false, 3000, rays}));
+        EXPECT_TRUE(wholePathsPay(device, plain, packets, {true, 3000, rays}));
+    }
+    EXPECT_TRUE(wholePathsPay(device, plain, packets, {false, 3000, 1000}))
+        << "too few for three kernels more";
+    EXPECT_FALSE(wholePathsPay(device, plain, lanes, {true, 100, 1000})) << "too few trips";
     device.llvmpipe = false;
-    EXPECT_FALSE(wholePathsPay(device, plain, lanes, true, 3000));
+    EXPECT_FALSE(wholePathsPay(device, plain, lanes, {true, 3000, 1000}));
+}
+
+TEST(WholePathsRuleTest, AlphaMasksAreDrawnInOneKernelForManyRays) {
+    gpu::DeviceInfo device;
+    device.llvmpipe = true;
+    SceneFeatures masks;
+    masks.alphaMask = true;
+    const TraversalChoice lanes = {false, ""};
+    EXPECT_TRUE(wholePathsPay(device, masks, lanes, {true, 3000, 0}));
+    EXPECT_TRUE(wholePathsPay(device, masks, lanes, {true, 3000, 1 << 30}));
+    EXPECT_FALSE(wholePathsPay(device, masks, lanes, {true, 3000, 1000}));
 }
 
 // The more rays may come, the fewer trips are left: what no lane counts is more.
@@ -177,6 +190,22 @@ TEST_F(WholePathsTest, WithoutShadowsOrLightsDrawsTheSame) {
     expectSame(c, request);
     request.lighting->lights.clear();
     expectSame(c, request);
+}
+
+// Packets take three kernels more, which a few rays do not pay.
+TEST_F(WholePathsTest, FewRaysTakeOneKernelInsteadOfPackets) {
+    const Case c = fileCase("knot", 40, 30);
+    const Request request = requestOf(c);
+    Options few;
+    few.cameraRays = cameraRaysOf(request);
+    EXPECT_EQ(few.cameraRays, 1200u);
+    const Drawn once = drawn(c, request, WholePaths::Auto, few), often = drawn(c, request, WholePaths::Auto);
+    const bool knowsOne = device().info().llvmpipe;
+    EXPECT_EQ(once.whole(), knowsOne);
+    EXPECT_EQ(once.stepByStep(), !knowsOne);
+    EXPECT_TRUE(often.stepByStep());
+    EXPECT_FALSE(often.whole());
+    EXPECT_TRUE(sameBits(once.picture, often.picture));
 }
 
 // ---- where a path does not finish ----
