@@ -7,8 +7,8 @@
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent. Results are lines of JSON; a run goes on where
-the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, by all cases, or by new ones
-alone. --require: exit with 1 if a smaller share of what is not equivalent is found.
+the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, unless reasons.json explains
+it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
 suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first the gallery's hashes, as
 tools/test-drivers asks for them, by JUDGE, then PROGRAM (render_test), run on the mutant's kernels.
 table: writes what came out.
@@ -103,7 +103,7 @@ class Run:
         self.results = page.read_results(arguments.results)
         # What the cases said of a mutant's pictures that are not asked again.
         self.seen = {sites.key(r): r for r in self.results if r["state"] == "survived" and arguments.cases}
-        self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again}
+        self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again or page.reason_of(r)}
         # Cases that found mutants of a file; a mutant of another file is likeliest found by those that found many.
         self.kills = collections.Counter((r["file"], r["case"]) for r in self.results if r["state"] == "killed")
         self.all_kills = collections.Counter(r["case"] for r in self.results if r["state"] == "killed")

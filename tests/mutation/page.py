@@ -67,7 +67,8 @@ HEAD = """# Mutation score
 Would `glint verify` notice a defect that nobody thought of? `tests/mutation/mutation.py` breaks the shaders by itself, one small defect at a time,
 compiles the kernels that include the broken file, and has them drawn and verified on the small scenes of `tests/mutation/cases.txt`. Sites are drawn by a
 seed, kinds of defects in turns. A picture with the bits of the sound kernels' passes as that does; any other is verified. Left out is what `verify` never
-draws: double precision, the library's counts of crossings, the probe of the device. This page is written by the script:
+draws: double precision, the library's counts of crossings, the probe of the device. `whole.comp`, which draws pictures without data, is broken by itself:
+`verify` compares its pictures with those of the other kernels to the bit. This page is written by the script:
 
 ```
 tests/mutation/mutation.py run build/bin/mutation_judge --seed 1 --count N --results tests/mutation/results.jsonl
