@@ -142,11 +142,14 @@ int StagedFile::tryNames(Make make) {
     stem += target_.filename().string().substr(0, 200);
     stem += '.' + std::to_string(::getpid());
     for (;;) {
-        const fs::path name = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
-        const int made = make(name);
-        if (made < 0 && errno == EEXIST) continue;
-        if (made >= 0) temporary_ = name;
-        return made;
+        // Kept first: once the file is there, nothing may fail before its name is known to the destructor.
+        temporary_ = target_.parent_path() / (stem + "." + std::to_string(counter++) + ".tmp");
+        const int made = make(temporary_);
+        if (made >= 0) return made;
+        const int error = errno;
+        temporary_.clear();
+        errno = error;
+        if (error != EEXIST) return made;
     }
 }
 
