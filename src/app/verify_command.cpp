@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
+#include "verify/film.h"
 #include "verify/verify.h"
 
 namespace glint::app {
@@ -43,7 +44,8 @@ void declare(OptionTable& table, VerifyCommand& c) {
     addProgress(table, c.progress);
 }
 
-// Both pictures, the differences by rows and together, and the difference picture.
+// Both pictures, the differences by rows and together, and the difference picture; without the sums of
+// samples.
 constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 12;
 
 // STEM.verify.png for each scene; STEM-2.verify.png for the second scene of the same stem.
@@ -68,7 +70,8 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     verify::Options options;
     static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
     options.cancelled = interrupted;
-    checkMemory(options.width, options.height, kBytesPerPixel, availableMemory());
+    checkMemory(options.width, options.height, kBytesPerPixel + verify::Film::bytesPerPixel(options.samples),
+                availableMemory());
     render::Options tracing;
     tracing.traversal = command.device.traversal;
     tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels

@@ -22,8 +22,16 @@ PackedSamples firstRounds(const PackedSamples& samples) {
 
 Film::Film(const PackedSamples& samples, int width, int height, size_t lights)
     : samples_(samples), width_(width), lights_(static_cast<double>(lights)) {
+    if (samples.count() == 1) return;
     first_.resize(static_cast<size_t>(width) * height);
     if (samples.threshold) colors_.resize(first_.size());
+}
+
+uint64_t Film::bytesPerPixel(const PackedSamples& samples) {
+    const PackedSamples rounds = firstRounds(samples);
+    if (rounds.count() == 1) return 0;
+    const uint64_t colors = sizeof(colors_[0]) + 2 * samples.round * sizeof(glm::dvec3);
+    return 2 * sizeof(Pixel) + (rounds.threshold ? colors : 0);
 }
 
 void Film::add(uint32_t index, const Picture& sample) {
