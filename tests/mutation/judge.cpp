@@ -133,7 +133,8 @@ class Judge {
                                                        scene.polygonTripsPerLeaf, scene.environment);
         return trial.device.traversal == render::Traversal::Lane &&
                trial.device.compaction == render::Compaction::Auto &&
-               render::wholePathsPay(device_.info(), scene.features, {}, true, trips);
+               render::wholePathsPay(device_.info(), scene.features, {},
+                                     {.furtherRays = true, .tripBudget = trips});
     }
 
     // As verify draws them: sample by sample, and if there are several, all of them.
