@@ -57,9 +57,15 @@ void Viewer::waitFrames(int frames) {
     scriptWait_ = [this, until] { return frames_ >= until; };
 }
 
-// A command begins when the one before has been waited for and its events have been handled.
+// A command begins when the one before has been waited for and its events have been handled. A key that is
+// held repeats itself: where frames are slow something of that waits in every round, and a command that
+// releases the key would never begin.
 void Viewer::runScript() {
-    if (!queue_.empty()) return;
+    const auto repeats = [this](const Event& event) {
+        return (event.type == Event::Type::Key && event.repeat) ||
+               (event.type == Event::Type::Text && !held_.empty());
+    };
+    if (!std::all_of(queue_.begin(), queue_.end(), repeats)) return;
     if (scriptWait_) {
         if (!scriptWait_()) return;
         scriptWait_ = nullptr;
