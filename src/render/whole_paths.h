@@ -42,8 +42,8 @@ struct WholePathsWork {
 };
 
 // On llvmpipe, where the rows that the other kernels hand each other cost as much as tracing a few
-// primitives. What a picture's first second is spent on is the driver's translation of kernels, so it counts
-// as much as tracing (docs/lab/whole-pictures.md has the figures):
+// primitives. Of a small picture the driver's translation of kernels takes longer than tracing
+// (docs/lab/whole-pictures.md has the figures), so it counts too:
 // - where packets trace all the rays there are they win, but by three kernels more, which only many rays pay;
 // - alpha masks have their texture code in both walks, which in one kernel takes the driver longer: again
 //   only many rays pay that.
