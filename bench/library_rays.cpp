@@ -84,12 +84,12 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
     task.ask = ask;
     task.coherent = rays.coherent;
     task.kernels = &times;
-    task.fill = [&](size_t first, std::span<render::RayInput> inputs) {
+    task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         for (size_t i = 0; i < inputs.size(); ++i)
             inputs[i] = render::roundedRay(localRay(
-                {glm::dvec3(rays.origins[first + i]), glm::dvec3(rays.directions[first + i])}, origin));
+                {glm::dvec3(rays.origins[numbers[i]]), glm::dvec3(rays.directions[numbers[i]])}, origin));
     };
-    task.take = [](size_t, std::span<const render::FoundHit>) {};
+    task.take = [](const render::RayNumbers&, std::span<const render::FoundHit>) {};
     queries.run(task);
     return times.processor;
 }

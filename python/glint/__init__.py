@@ -208,7 +208,7 @@ def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] |
     if shape is not None:
         arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
     if "hit" in arrays:
-        arrays["hit"] = arrays["hit"].astype(bool)
+        arrays["hit"] = arrays["hit"].view(numpy.bool_)
     return collections.namedtuple(name, arrays)(**arrays)
 
 
@@ -370,7 +370,7 @@ class Scene:
                  progress: Progress = None) -> NDArray[numpy.bool_]:
         """Whether each ray hits anything."""
         batch = _RayArrays(rays, directions, t_min, t_max, coherent)
-        return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).astype(bool)
+        return self._flags("glint_query_any", batch, numpy.uint8, cancelled, progress).view(numpy.bool_)
 
     def count(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
               t_max: ArrayLike | None = None, cancelled: Cancelled = None, progress: Progress = None) -> NDArray[numpy.uint32]:

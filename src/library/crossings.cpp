@@ -55,15 +55,15 @@ struct CountRun {
         task.ask = render::RayTask::Ask::Count;
         task.cancelled = callbacks.cancelled;
         task.progress = callbacks.progress;
-        task.fill = [&](size_t first, std::span<render::RayInput> inputs) {
-            for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = render::roundedRay(ray(first + i));
+        task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+            for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = render::roundedRay(ray(numbers[i]));
         };
-        task.take = [&](size_t first, std::span<const render::FoundHit> found) {
+        task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
             for (size_t i = 0; i < found.size(); ++i) {
                 const uint32_t crossings =
-                    found[i].doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(first + i)).size())
+                    found[i].doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(numbers[i])).size())
                                       : found[i].crossings;
-                take(first + i, crossings, found[i].doubtful);
+                take(numbers[i], crossings, found[i].doubtful);
             }
         };
         if (!part.queries->run(task)) reportCancelled();

@@ -15,6 +15,8 @@ class RayReader {
     bool coherent() const { return coherent_; }
     WorldRay world(uint64_t i) const;
     LocalRay local(uint64_t i) const { return localRay(world(i), origin_); }
+    // As the device reads them; true if some of them are rescaled (LocalRay::exponent).
+    bool rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;
 
   private:
     glint_rays given_;
@@ -32,10 +34,15 @@ class HitWriter {
 
     // hit: what the tracer found for a local ray, with hit.primitive kNone on a miss.
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const;
+    // What a device found; rescaled: some of all rays are.
+    void write(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
+               const RayReader& rays, bool rescaled) const;
     bool wantsAny() const;
 
   private:
+    void foresee(uint64_t i) const;
     void writeMiss(uint64_t i) const;
+    void writeTriangle(uint64_t i, const render::FoundHit& hit) const;
 
     const Snapshot::Part& part_;
     Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_;

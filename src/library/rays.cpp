@@ -10,28 +10,23 @@ namespace glint::library {
 namespace {
 
 using Write = std::function<void(uint64_t i, const LocalRay& ray, const reference::Hit& hit)>;
+using Take = std::function<void(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
+                                bool rescaled)>;
 
 void askDevice(const RayReader& rays, bool any, const Callbacks& callbacks, render::RayQueries& queries,
-               const Write& write) {
+               const Take& take) {
     render::RayTask task;
+    std::atomic<bool> rescaled = false;
     task.count = rays.count();
     task.ask = any ? render::RayTask::Ask::Any : render::RayTask::Ask::Nearest;
     task.coherent = rays.coherent();
     task.cancelled = callbacks.cancelled;
     task.progress = callbacks.progress;
-    task.fill = [&](size_t first, std::span<render::RayInput> inputs) {
-        for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = render::roundedRay(rays.local(first + i));
+    task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+        if (rays.rounded(numbers, inputs)) rescaled.store(true, std::memory_order_relaxed);
     };
-    task.take = [&](size_t first, std::span<const render::FoundHit> hits) {
-        for (size_t i = 0; i < hits.size(); ++i) {
-            reference::Hit hit;
-            hit.t = static_cast<double>(hits[i].t);
-            hit.u = static_cast<double>(hits[i].u);
-            hit.v = static_cast<double>(hits[i].v);
-            hit.primitive = hits[i].primitive;
-            hit.instance = hits[i].instance;
-            write(first + i, rays.local(first + i), hit);
-        }
+    task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
+        take(numbers, found, rescaled.load(std::memory_order_relaxed));
     };
     if (!queries.run(task)) reportCancelled();
 }
@@ -68,9 +63,9 @@ void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
 }
 
 void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callbacks& callbacks,
-         const Write& write) {
+         const Take& take, const Write& write) {
     if (snapshot.part().queries) {
-        askDevice(rays, any, callbacks, *snapshot.part().queries, write);
+        askDevice(rays, any, callbacks, *snapshot.part().queries, take);
     } else {
         askReference(rays, any, callbacks, snapshot.part().tracer(), write);
     }
@@ -81,6 +76,8 @@ void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callba
 }  // namespace glint::library
 
 using namespace glint::library;
+using glint::render::FoundHit;
+using glint::render::RayNumbers;
 
 glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays, const glint_hits* hits,
                                  const glint_options* options) {
@@ -89,7 +86,11 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         const RayReader reader(rays, *snapshot);
         const HitWriter writer(readStruct(hits, "hits"), reader.count(), snapshot->part());
         if (!writer.wantsAny()) return;
-        ask(*snapshot, reader, false, Callbacks(options),
+        ask(
+            *snapshot, reader, false, Callbacks(options),
+            [&](const RayNumbers& numbers, std::span<const FoundHit> found, bool rescaled) {
+                writer.write(numbers, found, reader, rescaled);
+            },
             [&](uint64_t i, const glint::LocalRay& ray, const glint::reference::Hit& hit) {
                 writer.write(i, ray, hit);
             });
@@ -103,9 +104,16 @@ glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, c
         const RayReader reader(rays, *snapshot);
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");
         const Output out(*hit, Output::Kind::Flag, 1, reader.count(), "hit");
-        ask(*snapshot, reader, true, Callbacks(options),
+        const auto put = [&](uint64_t i, uint32_t primitive) {
+            out.putFlag(i, primitive != glint::shared::kNone ? 1 : 0);
+        };
+        ask(
+            *snapshot, reader, true, Callbacks(options),
+            [&](const RayNumbers& numbers, std::span<const FoundHit> found, bool) {
+                for (size_t i = 0; i < found.size(); ++i) put(numbers[i], found[i].primitive);
+            },
             [&](uint64_t i, const glint::LocalRay&, const glint::reference::Hit& found) {
-                out.putFlag(i, found.primitive != glint::shared::kNone ? 1 : 0);
+                put(i, found.primitive);
             });
     });
 }

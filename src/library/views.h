@@ -19,7 +19,16 @@ class NumberView {
     NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what);
 
     uint64_t count() const { return count_; }
+    bool wide() const { return wide_; }
+    // Element i will be asked for.
+    void foresee(uint64_t i) const { __builtin_prefetch(at(i)); }
     double one(uint64_t i) const { return number(at(i)); }
+    // Of fp32.
+    glm::vec3 narrowThree(uint64_t i) const {
+        glm::vec3 v;
+        std::memcpy(&v, at(i), sizeof(v));
+        return v;
+    }
     glm::dvec3 three(uint64_t i) const {
         const std::byte* p = at(i);
         if (!wide_) {
@@ -76,6 +85,10 @@ class Output {
     Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
 
     bool wanted() const { return data_ != nullptr; }
+    // Element i will be put.
+    void foresee(uint64_t i) const {
+        if (data_ != nullptr) __builtin_prefetch(at(i), 1);
+    }
     void put(uint64_t i, double value) const {
         if (data_ != nullptr) store(at(i), value);
     }

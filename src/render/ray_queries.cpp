@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
+#include <cstddef>
 #include <mutex>
+#include <new>
+#include <type_traits>
 #include <vector>
 
 #include "core/parallel.h"
@@ -24,6 +27,8 @@ constexpr size_t kBlock = RayTask::kBlock;
 constexpr uint32_t kSoftwarePiece = 1u << 17, kPiece = 1u << 20;
 // llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
 constexpr size_t kRuns = 16;
+// Nodes of the smallest tree for which rays are put in order.
+constexpr size_t kFewestForOrder = 64;
 
 // What of a scene decides hits; the rest of it would be dead code.
 SceneFeatures hitFeatures(SceneFeatures features) {
@@ -50,6 +55,19 @@ KernelId kernelOf(RayTask::Ask ask) {
     return KernelId::Intersect;
 }
 
+// A block of elements that nobody sets to anything first, which would cost as much as to fill it.
+template <class Element>
+class Unset {
+  public:
+    std::span<Element, kBlock> all() {
+        return std::span<Element, kBlock>(std::launder(reinterpret_cast<Element*>(bytes_)), kBlock);
+    }
+
+  private:
+    static_assert(std::is_trivially_destructible_v<Element> && std::is_aggregate_v<Element>);
+    alignas(Element) std::byte bytes_[kBlock * sizeof(Element)];
+};
+
 // Where the blocks of a piece stand.
 struct Placement {
     size_t blocks, runs, perRun;
@@ -63,14 +81,6 @@ struct Placement {
 };
 
 }  // namespace
-
-RayInput roundedRay(const LocalRay& ray) {
-    const auto bound = [](double t) {
-        const double limit = static_cast<double>(shared::kInfinity);
-        return static_cast<float>(std::clamp(t, -limit, limit));
-    };
-    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
-}
 
 // What one piece of rays needs to be on its way. `rows` of a software device are written and read in place;
 // else `staging` holds copies of the rows that change hands.
@@ -177,26 +187,28 @@ struct RayQueries::State {
         ~Release() { state.release(slot); }
     };
 
-    void fill(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+    void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
     void trace(Slot& slot, size_t paths, KernelId id, bool packets) const;
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
-    void take(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
+    void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
-    void runPiece(const RayTask& task, size_t first, size_t count);
+    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool coherent);
+    RayOrder orderOf(const RayTask& task, size_t first) const;
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };
 
-void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
-                             size_t count) const {
+void RayQueries::State::fill(const Slot& slot, const Placement& placement, const RayTask& task,
+                             const RayNumbers& numbers, size_t count) const {
     parallelFor(
         placement.places(),
         [&](size_t place) {
-            std::array<RayInput, kBlock> rays;
+            Unset<RayInput> block;
+            const std::span rays = block.all();
             const size_t start = std::min(placement.at(place) * kBlock, count);
             const size_t present = std::min(kBlock, count - start);
-            if (present > 0) task.fill(first + start, std::span(rays).first(present));
+            if (present > 0) task.fill(numbers.from(start), rays.first(present));
             for (size_t i = present; i < kBlock; ++i) rays[i] = RayInput{.tMin = shared::kInfinity};
             RowEntry* const origin = slot.row(0) + place * kBlock;
             RowEntry* const direction = slot.row(1) + place * kBlock;
@@ -246,21 +258,20 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     }
 }
 
-void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task, size_t first,
-                             size_t count) const {
+void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task,
+                             const RayNumbers& numbers, size_t count) const {
     parallelFor(
         placement.places(),
         [&](size_t place) {
             const size_t start = placement.at(place) * kBlock;
             if (start >= count) return;
-            std::array<FoundHit, kBlock> hits;
+            Unset<FoundHit> block;
+            const std::span hits = block.all();
             const size_t present = std::min(kBlock, count - start);
             const RowEntry* const found = slot.row(kHitRow) + place * kBlock;
             if (task.ask == RayTask::Ask::Count) {
-                for (size_t i = 0; i < present; ++i) {
-                    hits[i].crossings = found[i].u[1];
-                    hits[i].doubtful = found[i].u[2] != 0;
-                }
+                for (size_t i = 0; i < present; ++i)
+                    hits[i] = {.crossings = found[i].u[1], .doubtful = found[i].u[2] != 0};
             } else {
                 for (size_t i = 0; i < present; ++i)
                     hits[i] = {found[i].f[0], found[i].f[1], found[i].f[2], found[i].u[3]};
@@ -269,26 +280,26 @@ void RayQueries::State::take(const Slot& slot, const Placement& placement, const
                 const RowEntry* const instance = slot.row(kInstanceRow) + place * kBlock;
                 for (size_t i = 0; i < present; ++i) hits[i].instance = instance[i].u[0];
             }
-            task.take(first + start, std::span(hits).first(present));
+            task.take(numbers.from(start), hits.first(present));
         },
         hostThreads());
 }
 
-void RayQueries::State::runPiece(const RayTask& task, size_t first, size_t count) {
+void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool coherent) {
     Slot& slot = acquire();
     const Release release{*this, slot};
     const Placement placement(count, inPlace);
-    fill(slot, placement, task, first, count);
+    fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
     trace(slot, placement.places() * kBlock, kernelOf(task.ask),
-          task.coherent && traversal.packets && task.ask != RayTask::Ask::Count);
+          coherent && traversal.packets && task.ask != RayTask::Ask::Count);
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();
         task.kernels->processor += processor.seconds();
     }
-    take(slot, placement, task, first, count);
+    take(slot, placement, task, rays, count);
 }
 
 // The rays from `first` on, whose hits fit into the room for lists.
@@ -298,13 +309,13 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     const Release release{*this, slot};
     RayTask task;
     task.ask = RayTask::Ask::Count;
-    task.fill = [&](size_t start, std::span<RayInput> rays) {
-        fillRays(first + start, rays);
+    task.fill = [&](const RayNumbers& numbers, std::span<RayInput> rays) {
+        fillRays(first + numbers.first, rays);
         for (size_t i = 0; i < rays.size(); ++i)
-            if (counts[start + i] == 0) rays[i].tMin = shared::kInfinity;
+            if (counts[numbers[i]] == 0) rays[i].tMin = shared::kInfinity;
     };
     const Placement placement(counts.size(), inPlace);
-    fill(slot, placement, task, 0, counts.size());
+    fill(slot, placement, task, {}, counts.size());
     std::vector<RowEntry> places(placement.places() * kBlock, RowEntry{{0, 0, 0, 0}});
     std::vector<uint64_t> starts(counts.size());
     uint64_t sum = 0;
@@ -344,29 +355,40 @@ bool RayQueries::update() {
            state_->buffers.update(state_->device, state_->scene);
 }
 
+// A GPU takes rays as they are given: it was not measured whether sorting would pay there.
+RayOrder RayQueries::State::orderOf(const RayTask& task, size_t first) const {
+    const size_t count = task.count - first;
+    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, task.coherent, {}};
+    return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, task.coherent);
+}
+
 bool RayQueries::run(const RayTask& task) {
     // Places, not rays, must fit: runs are as long as the longest.
     const size_t piece = std::max<size_t>(state_->piece / kBlock / kRuns, 1) * kRuns * kBlock;
     const size_t usable = piece <= state_->piece ? piece : kBlock;
-    const size_t pieces = (task.count + usable - 1) / usable;
     std::mutex mutex;
     size_t done = 0;
     bool stopped = false;
-    parallelFor(
-        pieces,
-        [&](size_t i) {
-            {
-                const std::lock_guard lock(mutex);
-                stopped = stopped || (task.cancelled && task.cancelled());
-                if (stopped) return;
-            }
-            const size_t first = i * usable;
-            state_->runPiece(task, first, std::min(usable, task.count - first));
-            const std::lock_guard lock(mutex);
-            ++done;
-            if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(pieces));
-        },
-        state_->inPlace ? 1 : 2);
+    const auto stops = [&] {
+        const std::lock_guard lock(mutex);
+        return stopped = stopped || (task.cancelled && task.cancelled());
+    };
+    for (size_t first = 0; first < task.count && !stopped;) {
+        const RayOrder order = state_->orderOf(task, first);
+        const RayNumbers rays{first, order.data()};
+        parallelFor((order.count + usable - 1) / usable,
+                    [&](size_t i) {
+                        if (stops()) return;
+                        const size_t count = std::min(usable, order.count - i * usable);
+                        state_->runPiece(task, rays.from(i * usable), count, order.coherent);
+                        const std::lock_guard lock(mutex);
+                        done += count;
+                        if (task.progress)
+                            task.progress(static_cast<double>(done) / static_cast<double>(task.count));
+                    },
+                    state_->inPlace ? 1 : 2);
+        first += order.count;
+    }
     return !stopped;
 }
 

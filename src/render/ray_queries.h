@@ -2,13 +2,14 @@
 // bytes. What libglint's queries are made of; Renderer::trace answers in full.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
-#include "render/renderer.h"
+#include "render/ray_order.h"
 #include "trace/ray_batch.h"
 
 namespace glint::render {
@@ -27,12 +28,12 @@ struct FoundHit {
 struct RayTask {
     static constexpr size_t kBlock = 1024;
     size_t count = 0;
-    std::function<void(size_t first, std::span<RayInput> rays)> fill;  // local rays from number `first` on
-    std::function<void(size_t first, std::span<const FoundHit> hits)> take;
+    ReadRays fill;  // local rays; also called to look at some of them
+    std::function<void(const RayNumbers& numbers, std::span<const FoundHit> hits)> take;
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
     // FoundHit::crossings, of a scene packed without split triangles.
     enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
-    bool coherent = false;                 // neighbours go about the same way
+    bool coherent = false;                 // the caller says that neighbours go about the same way
     std::function<bool()> cancelled;       // asked between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty
     BatchTimes* kernels = nullptr;         // added to: what the device took, without preparing and reading
@@ -70,6 +71,12 @@ class RayQueries {
 };
 
 // As the kernels read it: t that fp32 cannot hold is kInfinity, NaN stays NaN and misses.
-RayInput roundedRay(const LocalRay& ray);
+inline RayInput roundedRay(const LocalRay& ray) {
+    const auto bound = [](double t) {
+        constexpr double kLimit = static_cast<double>(shared::kInfinity);
+        return static_cast<float>(std::clamp(t, -kLimit, kLimit));
+    };
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
+}
 
 }  // namespace glint::render

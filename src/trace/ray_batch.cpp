@@ -10,15 +10,10 @@ double LocalRay::worldT(double t) const {
     return std::scalbn(t, -exponent);
 }
 
-// Squares of directions far from unit length overflow or vanish, in fp32 at 2^64 already.
-LocalRay localRay(const WorldRay& ray, const glm::dvec3& sceneOrigin) {
-    constexpr int kHarmless = 32;  // the square of 2^32, times 1e18, is far inside fp32's range
-    LocalRay local = {ray.origin - sceneOrigin, ray.direction, ray.tMin, ray.tMax};
-    const glm::dvec3 size = glm::abs(ray.direction);
-    const double greatest = std::max({size.x, size.y, size.z});
+LocalRay rescaledRay(const LocalRay& ray, double greatest) {
+    LocalRay local = ray;
     if (!(greatest > 0 && std::isfinite(greatest))) return local;  // it misses
     const int exponent = std::ilogb(greatest);
-    if (std::abs(exponent) <= kHarmless) return local;
     for (int axis = 0; axis < 3; ++axis)
         local.direction[axis] = std::scalbn(local.direction[axis], -exponent);
     local.tMin = std::scalbn(local.tMin, exponent);

@@ -2,6 +2,7 @@
 // reference::trace in double.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
@@ -68,7 +69,19 @@ struct LocalRay {
 
     double worldT(double t) const;  // in units of the caller's direction
 };
-LocalRay localRay(const WorldRay& ray, const glm::dvec3& sceneOrigin);
+LocalRay rescaledRay(const LocalRay& ray, double greatest);
+
+// Squares of directions far from unit length overflow or vanish, in fp32 at 2^64 already: they are rescaled
+// where their greatest component is not harmless.
+inline bool isHarmless(double greatest) {
+    return greatest >= 0x1p-32 && greatest < 0x1p33;
+}
+inline LocalRay localRay(const WorldRay& ray, const glm::dvec3& sceneOrigin) {
+    const LocalRay local = {ray.origin - sceneOrigin, ray.direction, ray.tMin, ray.tMax};
+    const glm::dvec3 size = glm::abs(ray.direction);
+    const double greatest = std::max(std::max(size.x, size.y), size.z);
+    return isHarmless(greatest) ? local : rescaledRay(local, greatest);
+}
 
 // The lines of `glint trace`: a heading, and a hit with so many significant digits, or with `anyOnly` no more
 // than whether there is one.

@@ -80,6 +80,20 @@ class LibraryQueries : public LibraryTest {
         const glint_hits hits = cast.hits();
         ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
     }
+    struct Answers {
+        std::vector<uint8_t> hit;
+        std::vector<uint32_t> crossed;
+    };
+    // Those besides the nearest hits, which are the cast's.
+    Answers answers(Cast& cast) {
+        closest(cast);
+        Answers all{std::vector<uint8_t>(cast.t.size(), 9), std::vector<uint32_t>(cast.t.size(), 99)};
+        const glint_rays rays = cast.rays();
+        const glint_out hit = outOf(all.hit), crossed = outOf(all.crossed);
+        EXPECT_EQ(glint_query_any(scene(), &rays, &hit, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(glint_query_count(scene(), &rays, &crossed, nullptr), GLINT_OK) << glint_last_error();
+        return all;
+    }
 };
 
 TEST_F(LibraryQueries, AgreeWithTheReference) {
@@ -135,6 +149,88 @@ TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
         EXPECT_EQ(one.t[0], many.t[i]) << i;
         EXPECT_EQ(one.primitive[0], many.primitive[i]) << i;
     }
+}
+
+// A picture's rays in rows, or rays in no order, two of them of another scale.
+Cast raysOf(const glint_scene* scene, bool picture) {
+    constexpr int kWidth = 120, kHeight = 90;
+    Cast cast = raysInto(scene, picture ? 1 : 12'000, 5);
+    if (picture) {
+        const D3 eye = cast.origins[0], ahead = cast.directions[0];
+        cast = {};
+        for (int y = 0; y < kHeight; ++y) {
+            for (int x = 0; x < kWidth; ++x) {
+                const double u = (x - kWidth / 2) / 150.0, v = (y - kHeight / 2) / 150.0;
+                cast.origins.push_back(eye);
+                cast.directions.push_back({ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
+                                           ahead[2] + v * ahead[0]});
+            }
+        }
+    }
+    // What fp32 holds, so that arrays of either type are of the same rays.
+    for (std::vector<D3>* all : {&cast.origins, &cast.directions})
+        for (D3& three : *all)
+            for (double& x : three) x = static_cast<double>(static_cast<float>(x));
+    const size_t middle = cast.origins.size() / 2;
+    for (double& x : cast.directions[middle]) x *= 0x1p40;
+    for (double& x : cast.directions[middle + 1]) x *= 0x1p-40;
+    return cast;
+}
+
+// The order in which rays go to the device is chosen by what they are like: in calls of few they go as they
+// are given.
+TEST_F(LibraryQueries, OrderChangesNothing) {
+    for (const char* name : {"knot.json", "instances.json"}) {
+        load(name);
+        for (const bool picture : {true, false}) {
+            SCOPED_TRACE(std::string(name) + (picture ? ", a picture" : ""));
+            Cast together = raysOf(scene(), picture), apart = together;
+            Answers all = answers(together);
+            apart.hits();
+            Answers parts;
+            for (size_t first = 0; first < apart.origins.size(); first += 1000) {
+                const size_t end = std::min(first + 1000, apart.origins.size());
+                Cast few;
+                few.origins.assign(apart.origins.begin() + first, apart.origins.begin() + end);
+                few.directions.assign(apart.directions.begin() + first, apart.directions.begin() + end);
+                const Answers some = answers(few);
+                std::copy(few.t.begin(), few.t.end(), apart.t.begin() + first);
+                std::copy(few.primitive.begin(), few.primitive.end(), apart.primitive.begin() + first);
+                std::copy(few.normal.begin(), few.normal.end(), apart.normal.begin() + first);
+                parts.hit.insert(parts.hit.end(), some.hit.begin(), some.hit.end());
+                parts.crossed.insert(parts.crossed.end(), some.crossed.begin(), some.crossed.end());
+            }
+            EXPECT_EQ(together.t, apart.t);
+            EXPECT_EQ(together.primitive, apart.primitive);
+            EXPECT_EQ(together.normal, apart.normal);
+            EXPECT_EQ(all.hit, parts.hit);
+            EXPECT_EQ(all.crossed, parts.crossed);
+            EXPECT_GT(std::count(all.hit.begin(), all.hit.end(), 1), 1000);
+        }
+    }
+}
+
+TEST_F(LibraryQueries, BothTypesAreReadAlike) {
+    load("knot.json");
+    Cast wide = raysOf(scene(), false);
+    closest(wide);
+    std::vector<F3> origins, directions;
+    for (size_t i = 0; i < wide.origins.size(); ++i) {
+        for (auto [from, to] :
+             {std::pair(&wide.origins, &origins), std::pair(&wide.directions, &directions)}) {
+            const D3& three = (*from)[i];
+            to->push_back(
+                {static_cast<float>(three[0]), static_cast<float>(three[1]), static_cast<float>(three[2])});
+        }
+    }
+    std::vector<double> t(origins.size());
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    GLINT_INIT(glint_hits, hits);
+    hits.t = outOf(t);
+    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(t, wide.t);
 }
 
 // Eight threads ask while a ninth commits changes.

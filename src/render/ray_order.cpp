@@ -1,0 +1,189 @@
+#include "render/ray_order.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace glint::render {
+
+namespace {
+
+// Rays that are put in order together: the more, the nearer are neighbours; 16 MB.
+constexpr size_t kWindow = size_t{1} << 20;
+// Fewer are not worth looking at.
+constexpr size_t kFewest = 4096;
+constexpr size_t kReadBlock = 1024;
+
+// ---- Rows of a picture
+
+constexpr size_t kLongestRow = 8192, kBlockWidth = 8, kBlockHeight = 4;
+
+// How far a ray is from another, squared: of directions as an angle, of origins in diagonals of the space.
+float apart(const RayInput& a, const RayInput& b, float diagonal) {
+    const glm::vec3 turn = glm::normalize(a.direction) - glm::normalize(b.direction);
+    const glm::vec3 way = (a.origin - b.origin) / diagonal;
+    return glm::dot(turn, turn) + glm::dot(way, way);
+}
+
+// The number of rays after which rows begin anew, if they do: a step as far as a whole row, each time, from
+// neighbours that are near each other to others.
+size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
+    constexpr float kFar = 64, kNear = 256, kRounding = 1e-12f;  // squares
+    std::array<RayInput, kReadBlock> rays;
+    RayInput before;
+    float step = 0;
+    size_t row = 0;
+    for (size_t at = 0; at < std::min(count, kLongestRow + 1) && row == 0; at += kReadBlock) {
+        const size_t present = std::min(kReadBlock, count - at);
+        read(numbers.from(at), std::span(rays).first(present));
+        if (at == 0) step = std::max(apart(rays[0], rays[1], diagonal), kRounding);
+        for (size_t i = at == 0 ? 1 : 0; i < present && row == 0; ++i)
+            if (!(apart(i == 0 ? before : rays[i - 1], rays[i], diagonal) <= kFar * step)) row = at + i;
+        before = rays[present - 1];
+    }
+    if (row < 2 * kBlockWidth || row > kLongestRow || count < kBlockHeight * row) return 0;
+    std::array<RayInput, 2> start, above;
+    read(numbers, start);
+    for (size_t k = 1; k < kBlockHeight; ++k) {
+        above = start;
+        read(numbers.from(k * row), start);
+        read(numbers.from(k * row - 1), std::span(rays).first(1));
+        const bool begins = apart(rays[0], start[0], diagonal) > kFar * step;
+        const bool goesOn = apart(start[0], start[1], diagonal) <= kFar * step;
+        if (!begins || !goesOn || !(apart(start[0], above[0], diagonal) <= kNear * step)) return 0;
+    }
+    return row;
+}
+
+// Four rows at a time, in blocks from left to right.
+std::vector<uint32_t> blocksOf(size_t row, size_t count) {
+    std::vector<uint32_t> numbers(count);
+    parallelFor(count / (kBlockHeight * row), [&](size_t strip) {
+        uint32_t* out = numbers.data() + strip * kBlockHeight * row;
+        const auto first = static_cast<uint32_t>(strip * kBlockHeight * row);
+        for (size_t left = 0; left < row; left += kBlockWidth) {
+            const size_t width = std::min(kBlockWidth, row - left);
+            for (size_t y = 0; y < kBlockHeight; ++y)
+                for (size_t x = 0; x < width; ++x) *out++ = first + static_cast<uint32_t>(y * row + left + x);
+        }
+    });
+    return numbers;
+}
+
+// ---- Whether packets pay
+
+// Whether most packets, of those that are looked at, have rays that go about the same way.
+bool isCoherent(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
+    constexpr size_t kPacket = 32, kLooks = 32;
+    constexpr float kApart = 0.02f;  // squared
+    size_t coherent = 0;
+    std::array<RayInput, kPacket> rays;
+    for (size_t look = 0; look < kLooks; ++look) {
+        read(numbers.from(look * (count / kLooks) / kPacket * kPacket), rays);
+        bool together = true;
+        for (size_t i = 1; i < kPacket; ++i)
+            together = together && apart(rays[0], rays[i], diagonal) < kApart;
+        coherent += together ? 1 : 0;
+    }
+    return 4 * coherent >= 3 * kLooks;
+}
+
+// ---- Sorting
+
+constexpr uint32_t kAxisBits = 5;
+
+// Bits 0 to 4 at positions 0, 6, 12, 18 and 24.
+uint32_t spread(uint32_t x) {
+    return (x & 1u) | (x & 2u) << 5 | (x & 4u) << 10 | (x & 8u) << 15 | (x & 16u) << 20;
+}
+
+// The cells of the space in which the ray enters and leaves it, their bits in turns (Morton order). Where it
+// starts inside it enters there.
+uint32_t keyOf(const RayInput& ray, const Space& space, const glm::vec3& scale) {
+    constexpr float kCells = 1 << kAxisBits;
+    float enters = 0, leaves = shared::kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float inverse = 1 / ray.direction[axis];
+        const float a = (space.lower[axis] - ray.origin[axis]) * inverse;
+        const float b = (space.upper[axis] - ray.origin[axis]) * inverse;
+        const float low = a < b ? a : b, high = a < b ? b : a;
+        enters = low > enters ? low : enters;
+        leaves = high < leaves ? high : leaves;
+    }
+    uint32_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float start = ray.origin[axis] - space.lower[axis];
+        for (const float t : {enters, leaves}) {
+            float cell = (start + t * ray.direction[axis]) * scale[axis];
+            cell = cell > 0 ? cell : 0;  // NaN too
+            cell = cell < kCells - 1 ? cell : kCells - 1;
+            key = key << 1 | spread(static_cast<uint32_t>(static_cast<int32_t>(cell)));
+        }
+    }
+    return key;
+}
+
+// By the ten bits from `shift` on, those that are equal as they were. The parts are counted and dealt out
+// side by side.
+void sortBy(uint32_t shift, std::vector<uint64_t>& from, std::vector<uint64_t>& to) {
+    constexpr size_t kDigits = 1024, kParts = 16;
+    const size_t each = (from.size() + kParts - 1) / kParts;
+    const auto digit = [&](uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
+    std::vector<std::array<uint32_t, kDigits>> places(kParts);
+    parallelFor(kParts, [&](size_t part) {
+        places[part].fill(0);
+        const size_t end = std::min((part + 1) * each, from.size());
+        for (size_t i = part * each; i < end; ++i) ++places[part][digit(from[i])];
+    });
+    uint32_t sum = 0;
+    for (size_t d = 0; d < kDigits; ++d)
+        for (auto& part : places) sum += std::exchange(part[d], sum);
+    parallelFor(kParts, [&](size_t part) {
+        const size_t end = std::min((part + 1) * each, from.size());
+        for (size_t i = part * each; i < end; ++i) to[places[part][digit(from[i])]++] = from[i];
+    });
+    from.swap(to);
+}
+
+std::vector<uint32_t> sorted(const ReadRays& read, const RayNumbers& rays, size_t count, const Space& space) {
+    const glm::vec3 size = space.upper - space.lower;
+    glm::vec3 scale(0);
+    for (int axis = 0; axis < 3; ++axis)
+        if (size[axis] > 0) scale[axis] = static_cast<float>(1 << kAxisBits) / size[axis];
+    std::vector<uint64_t> entries(count), other(count);
+    parallelFor((count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
+        std::array<RayInput, kReadBlock> inputs;
+        const size_t start = block * kReadBlock, present = std::min(kReadBlock, count - start);
+        read(rays.from(start), std::span(inputs).first(present));
+        for (size_t i = 0; i < present; ++i)
+            entries[start + i] = uint64_t{keyOf(inputs[i], space, scale)} << 32 | (start + i);
+    });
+    for (uint32_t shift = 32; shift < 32 + 6 * kAxisBits; shift += 10) sortBy(shift, entries, other);
+    std::vector<uint32_t> numbers(count);
+    for (size_t i = 0; i < count; ++i) numbers[i] = static_cast<uint32_t>(entries[i]);
+    return numbers;
+}
+
+}  // namespace
+
+RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told) {
+    RayOrder order;
+    order.count = std::min(count, kWindow);
+    order.coherent = told;
+    if (order.count < kFewest) return order;
+    const float diagonal = glm::length(space.upper - space.lower);
+    const RayNumbers given{first, nullptr};
+    if (const size_t row = rowLength(read, given, order.count, diagonal); row != 0) {
+        const size_t strip = kBlockHeight * row;
+        const size_t fitting = order.count / strip * strip;
+        RayOrder blocks{fitting, true, blocksOf(row, fitting)};
+        if (told || isCoherent(read, {first, blocks.data()}, fitting, diagonal)) return blocks;
+    }
+    order.coherent = told || isCoherent(read, given, order.count, diagonal);
+    if (!order.coherent) order.numbers = sorted(read, given, order.count, space);
+    return order;
+}
+
+}  // namespace glint::render

@@ -1,0 +1,44 @@
+// In which order a batch's rays go to the device. Rays that go about the same way side by side keep its lanes
+// together; no answer depends on it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "render/renderer.h"
+
+namespace glint::render {
+
+// Which rays of a batch some are, one after the other.
+struct RayNumbers {
+    uint64_t first = 0;
+    const uint32_t* order = nullptr;  // counted from `first`; null: as they are given
+
+    uint64_t operator[](size_t i) const { return first + (order != nullptr ? order[i] : i); }
+    RayNumbers from(size_t i) const {
+        return order != nullptr ? RayNumbers{first, order + i} : RayNumbers{first + i, nullptr};
+    }
+};
+using ReadRays = std::function<void(const RayNumbers&, std::span<RayInput>)>;
+
+struct RayOrder {
+    size_t count = 0;               // rays that it is of, the first ones of those it was made for
+    bool coherent = false;          // packets pay
+    std::vector<uint32_t> numbers;  // a permutation of them; empty: as they are given
+
+    const uint32_t* data() const { return numbers.empty() ? nullptr : numbers.data(); }
+};
+
+struct Space {
+    glm::vec3 lower{0}, upper{0};
+};
+
+// Of rays `first` to `first + count - 1`, or some of the first of them. Rows of a picture are put into blocks
+// of 8 x 4, which packets take; rays that have nothing to do with their neighbours are sorted by where they
+// enter and leave the space. `told`: the caller says that they are coherent. Reads from several threads.
+RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Space& space, bool told);
+
+}  // namespace glint::render

@@ -1,0 +1,118 @@
+// In which order rays go to the device.
+#include "render/ray_order.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+namespace glint::render {
+namespace {
+
+const Space kSpace = {glm::vec3(-1), glm::vec3(1)};
+
+std::vector<RayInput> picture(size_t width, size_t height, float angle) {
+    std::vector<RayInput> rays;
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x)
+            rays.push_back(
+                {.origin = {0, 0, 5},
+                 .direction = {angle * (static_cast<float>(x) / static_cast<float>(width) - 0.5f),
+                               angle * (0.5f - static_cast<float>(y) / static_cast<float>(width)), -1}});
+    return rays;
+}
+
+std::vector<RayInput> anyhow(size_t count) {
+    std::mt19937 random(3);
+    std::normal_distribution<float> normal;
+    std::vector<RayInput> rays(count);
+    for (RayInput& ray : rays) {
+        for (int axis = 0; axis < 3; ++axis) ray.origin[axis] = normal(random);
+        for (int axis = 0; axis < 3; ++axis) ray.direction[axis] = normal(random);
+        ray.origin = 3.0f * glm::normalize(ray.origin);
+        ray.direction = 0.5f * ray.direction - ray.origin;
+    }
+    return rays;
+}
+
+RayOrder orderOf(const std::vector<RayInput>& rays, bool told = false) {
+    const RayOrder order = orderRays(
+        [&](const RayNumbers& numbers, std::span<RayInput> out) {
+            for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
+        },
+        0, rays.size(), kSpace, told);
+    if (!order.numbers.empty()) {
+        std::vector<uint32_t> sorted = order.numbers, all(order.count);
+        std::sort(sorted.begin(), sorted.end());
+        std::iota(all.begin(), all.end(), 0u);
+        EXPECT_EQ(sorted, all);
+    }
+    return order;
+}
+
+// How far rays are from those before them, in the mean.
+double step(const std::vector<RayInput>& rays, const RayOrder& order) {
+    double sum = 0;
+    for (size_t i = 1; i < order.count; ++i) {
+        const RayInput &a = rays[order.numbers.empty() ? i - 1 : order.numbers[i - 1]],
+                       &b = rays[order.numbers.empty() ? i : order.numbers[i]];
+        sum += static_cast<double>(glm::length(glm::normalize(a.direction) - glm::normalize(b.direction)) +
+                                   glm::length(a.origin - b.origin));
+    }
+    return sum / static_cast<double>(order.count);
+}
+
+TEST(RayOrder, RowsOfAPictureBecomeBlocks) {
+    const RayOrder order = orderOf(picture(100, 83, 0.5f));
+    EXPECT_TRUE(order.coherent);
+    EXPECT_EQ(order.count, 8000u);  // three rows are left for the next time
+    ASSERT_EQ(order.numbers.size(), order.count);
+    for (uint32_t i = 0; i < 32; ++i) {
+        EXPECT_EQ(order.numbers[i], i / 8 * 100 + i % 8);
+        EXPECT_EQ(order.numbers[400 + i], 400 + i / 8 * 100 + i % 8);
+    }
+    EXPECT_EQ(order.numbers[384], 96u);  // the last block of a strip is narrower
+    EXPECT_EQ(order.numbers[388], 196u);
+}
+
+TEST(RayOrder, WideStepsAreNoPicturesForPackets) {
+    EXPECT_FALSE(orderOf(picture(100, 83, 20)).coherent);
+    EXPECT_TRUE(orderOf(picture(100, 83, 20), true).coherent);
+}
+
+TEST(RayOrder, CoherentRaysWithoutRowsStayAsTheyAre) {
+    const RayOrder order = orderOf(picture(9000, 1, 0.5f));
+    EXPECT_TRUE(order.coherent);
+    EXPECT_TRUE(order.numbers.empty());
+    EXPECT_EQ(order.count, 9000u);
+}
+
+TEST(RayOrder, OthersAreSorted) {
+    const std::vector<RayInput> rays = anyhow(20'000);
+    const RayOrder order = orderOf(rays);
+    EXPECT_FALSE(order.coherent);
+    ASSERT_EQ(order.numbers.size(), rays.size());
+    EXPECT_LT(step(rays, order), 0.3 * step(rays, {rays.size(), false, {}}));
+    EXPECT_TRUE(orderOf(rays, true).numbers.empty());
+}
+
+TEST(RayOrder, FewStayAsTheyAre) {
+    const RayOrder order = orderOf(anyhow(1000));
+    EXPECT_FALSE(order.coherent);
+    EXPECT_TRUE(order.numbers.empty());
+    EXPECT_EQ(order.count, 1000u);
+}
+
+// Not finite, without direction, all alike: an order, whatever it is.
+TEST(RayOrder, OddRays) {
+    std::vector<RayInput> rays = anyhow(5000);
+    for (size_t i = 0; i < rays.size(); i += 3) rays[i].direction = glm::vec3(0);
+    for (size_t i = 1; i < rays.size(); i += 7) rays[i].origin.x = std::numeric_limits<float>::quiet_NaN();
+    for (size_t i = 2; i < rays.size(); i += 5) rays[i].direction.y = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(orderOf(rays).count, rays.size());
+    EXPECT_EQ(orderOf(std::vector<RayInput>(5000)).count, 5000u);
+}
+
+}  // namespace
+}  // namespace glint::render
