@@ -1,6 +1,8 @@
 #include "library/ray_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "library/status.h"
 
@@ -9,7 +11,7 @@ namespace glint::library {
 namespace {
 
 // So many rays before it is needed the processor is told to load what is in no order.
-constexpr size_t kAhead = 16;
+constexpr size_t kAhead = 32;
 
 std::optional<NumberView> bounds(const glint_view& view, uint64_t count, const char* what) {
     if (view.data == nullptr) return std::nullopt;
@@ -87,11 +89,6 @@ bool HitWriter::wantsAny() const {
     return places_ || surfaces_ || hit_.wanted() || t_.wanted() || uv_.wanted();
 }
 
-void HitWriter::foresee(uint64_t i) const {
-    for (const Output* out : {&hit_, &t_, &geometry_, &primitive_, &material_, &uv_, &point_, &normal_})
-        out->foresee(i);
-}
-
 void HitWriter::writeMiss(uint64_t i) const {
     t_.put(i, std::numeric_limits<double>::infinity());
     geometry_.putIndex(i, GLINT_NONE);
@@ -122,46 +119,65 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     normal_.put(i, surface.geometricNormal);
 }
 
-// What Tracer::surfaceAt would say of a triangle without instances, by the same operations.
-void HitWriter::writeTriangle(uint64_t i, const render::FoundHit& hit) const {
+// What Tracer::surfaceAt would say of triangles without instances, by the same operations; array by array, as
+// that is what costs least. triangles: kNone for a miss.
+void HitWriter::writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
+                               std::span<const uint32_t> triangles) const {
     const PackedScene& packed = part_.packed;
-    const uint32_t index = hit.primitive & shared::kPrimitiveIndexMask;
-    uv_.put(i, static_cast<double>(hit.u), static_cast<double>(hit.v));
-    if (places_) {
-        const shared::TriangleSurface& details = packed.triangleSurfaces[index];
-        geometry_.putIndex(i, details.object);
-        primitive_.putIndex(i, details.primitive);
-        material_.putIndex(i, details.material);
-    }
-    if (!surfaces_) return;
-    const shared::Triangle& triangle = packed.triangles[index];
-    const glm::dvec3 v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
-    if (normal_.wanted()) normal_.put(i, glm::normalize(glm::cross(v1 - v0, v2 - v0)));
-    if (!point_.wanted()) return;
-    const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
-    point_.put(i, packed.origin + ((1 - u - v) * v0 + u * v1 + v * v2));
+    const auto put = [&](const Output& out, uint32_t shared::TriangleSurface::*what) {
+        out.putAllWhole(numbers, found.size(), [&](size_t k) {
+            return triangles[k] == shared::kNone ? GLINT_NONE : packed.triangleSurfaces[triangles[k]].*what;
+        });
+    };
+    put(geometry_, &shared::TriangleSurface::object);
+    put(primitive_, &shared::TriangleSurface::primitive);
+    put(material_, &shared::TriangleSurface::material);
+    uv_.putAll(numbers, found.size(), [&](size_t k) {
+        return triangles[k] == shared::kNone ? glm::dvec2(0) : glm::dvec2(found[k].u, found[k].v);
+    });
+    const auto cornersOf = [&](size_t k) {
+        const shared::Triangle& t = packed.triangles[triangles[k]];
+        return std::array{glm::dvec3(t.v0), glm::dvec3(t.v1), glm::dvec3(t.v2)};
+    };
+    normal_.putAll(numbers, found.size(), [&](size_t k) {
+        if (triangles[k] == shared::kNone) return glm::dvec3(0);
+        const auto [v0, v1, v2] = cornersOf(k);
+        return glm::normalize(glm::cross(v1 - v0, v2 - v0));
+    });
+    point_.putAll(numbers, found.size(), [&](size_t k) {
+        if (triangles[k] == shared::kNone) return glm::dvec3(0);
+        const auto [v0, v1, v2] = cornersOf(k);
+        const double u = static_cast<double>(found[k].u), v = static_cast<double>(found[k].v);
+        return packed.origin + ((1 - u - v) * v0 + u * v1 + v * v2);
+    });
 }
 
 void HitWriter::write(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
                       const RayReader& rays, bool rescaled) const {
+    std::array<uint32_t, render::RayTask::kBlock> triangles;
+    bool others = false;
     for (size_t k = 0; k < found.size(); ++k) {
-        const uint64_t i = numbers[k];
-        if (numbers.order != nullptr && k + kAhead < found.size()) foresee(numbers[k + kAhead]);
+        const uint32_t primitive = found[k].primitive;
+        const bool triangle = primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
+                              found[k].instance == shared::kNone;
+        triangles[k] = triangle ? primitive & shared::kPrimitiveIndexMask : shared::kNone;
+        others = others || (!triangle && primitive != shared::kNone);
+    }
+    hit_.putAllWhole(numbers, found.size(),
+                     [&](size_t k) -> uint8_t { return triangles[k] != shared::kNone ? 1 : 0; });
+    t_.putAll(numbers, found.size(), [&](size_t k) {
+        if (triangles[k] == shared::kNone) return std::numeric_limits<double>::infinity();
+        const double t = static_cast<double>(found[k].t);
+        return rescaled ? rays.local(numbers[k]).worldT(t) : t;
+    });
+    writeTriangles(numbers, found, std::span(triangles).first(found.size()));
+    if (!others) return;
+    for (size_t k = 0; k < found.size(); ++k) {
         const render::FoundHit& hit = found[k];
-        const bool triangle = hit.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
-        const double t = static_cast<double>(hit.t);
-        if (hit.primitive == shared::kNone) {
-            hit_.putFlag(i, 0);
-            writeMiss(i);
-        } else if (triangle && hit.instance == shared::kNone) {
-            hit_.putFlag(i, 1);
-            if (t_.wanted()) t_.put(i, rescaled ? rays.local(i).worldT(t) : t);
-            writeTriangle(i, hit);
-        } else {
-            write(
-                i, rays.local(i),
-                {t, static_cast<double>(hit.u), static_cast<double>(hit.v), hit.primitive, 0, hit.instance});
-        }
+        if (hit.primitive == shared::kNone || triangles[k] != shared::kNone) continue;
+        write(numbers[k], rays.local(numbers[k]),
+              {static_cast<double>(hit.t), static_cast<double>(hit.u), static_cast<double>(hit.v),
+               hit.primitive, 0, hit.instance});
     }
 }
 

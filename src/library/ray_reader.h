@@ -40,9 +40,9 @@ class HitWriter {
     bool wantsAny() const;
 
   private:
-    void foresee(uint64_t i) const;
     void writeMiss(uint64_t i) const;
-    void writeTriangle(uint64_t i, const render::FoundHit& hit) const;
+    void writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
+                        std::span<const uint32_t> triangles) const;
 
     const Snapshot::Part& part_;
     Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_;

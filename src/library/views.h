@@ -85,9 +85,34 @@ class Output {
     Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
 
     bool wanted() const { return data_ != nullptr; }
-    // Element i will be put.
-    void foresee(uint64_t i) const {
-        if (data_ != nullptr) __builtin_prefetch(at(i), 1);
+    // Elements numbers[0] and so on are valueOf(0) and so on, each a double or a vector of them; nothing
+    // where they are not wanted.
+    template <class Numbers, class ValueOf>
+    void putAll(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
+        if (data_ == nullptr) return;
+        if (size_ == sizeof(double)) {
+            for (size_t k = 0; k < count; ++k) {
+                foresee(numbers, k, count);
+                const auto value = valueOf(k);
+                std::memcpy(at(numbers[k]), &value, sizeof(value));
+            }
+        } else {
+            for (size_t k = 0; k < count; ++k) {
+                foresee(numbers, k, count);
+                const auto value = narrow(valueOf(k));
+                std::memcpy(at(numbers[k]), &value, sizeof(value));
+            }
+        }
+    }
+    // The same of U32 or U8.
+    template <class Numbers, class ValueOf>
+    void putAllWhole(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
+        if (data_ == nullptr) return;
+        for (size_t k = 0; k < count; ++k) {
+            foresee(numbers, k, count);
+            const auto value = valueOf(k);
+            std::memcpy(at(numbers[k]), &value, sizeof(value));
+        }
     }
     void put(uint64_t i, double value) const {
         if (data_ != nullptr) store(at(i), value);
@@ -119,6 +144,17 @@ class Output {
     }
 
   private:
+    static float narrow(double x) { return static_cast<float>(x); }
+    static glm::vec2 narrow(const glm::dvec2& v) { return glm::vec2(v); }
+    static glm::vec3 narrow(const glm::dvec3& v) { return glm::vec3(v); }
+
+    // Numbers in no order: the processor is told early to load where they go.
+    template <class Numbers>
+    void foresee(const Numbers& numbers, size_t k, size_t count) const {
+        constexpr size_t kAhead = 64;
+        if (numbers.order != nullptr && k + kAhead < count) __builtin_prefetch(at(numbers[k + kAhead]), 1);
+    }
+
     std::byte* at(uint64_t i) const { return data_ + static_cast<int64_t>(i) * stride_; }
     void store(std::byte* p, double value) const {
         if (size_ == sizeof(double)) {

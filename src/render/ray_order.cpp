@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -127,21 +129,22 @@ uint32_t keyOf(const RayInput& ray, const Space& space, const glm::vec3& scale) 
 
 // By the ten bits from `shift` on, those that are equal as they were. The parts are counted and dealt out
 // side by side.
-void sortBy(uint32_t shift, std::vector<uint64_t>& from, std::vector<uint64_t>& to) {
+void sortBy(uint32_t shift, size_t count, std::unique_ptr<uint64_t[]>& from,
+            std::unique_ptr<uint64_t[]>& to) {
     constexpr size_t kDigits = 1024, kParts = 16;
-    const size_t each = (from.size() + kParts - 1) / kParts;
+    const size_t each = (count + kParts - 1) / kParts;
     const auto digit = [&](uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
     std::vector<std::array<uint32_t, kDigits>> places(kParts);
     parallelFor(kParts, [&](size_t part) {
         places[part].fill(0);
-        const size_t end = std::min((part + 1) * each, from.size());
+        const size_t end = std::min((part + 1) * each, count);
         for (size_t i = part * each; i < end; ++i) ++places[part][digit(from[i])];
     });
     uint32_t sum = 0;
     for (size_t d = 0; d < kDigits; ++d)
         for (auto& part : places) sum += std::exchange(part[d], sum);
     parallelFor(kParts, [&](size_t part) {
-        const size_t end = std::min((part + 1) * each, from.size());
+        const size_t end = std::min((part + 1) * each, count);
         for (size_t i = part * each; i < end; ++i) to[places[part][digit(from[i])]++] = from[i];
     });
     from.swap(to);
@@ -152,7 +155,9 @@ std::vector<uint32_t> sorted(const ReadRays& read, const RayNumbers& rays, size_
     glm::vec3 scale(0);
     for (int axis = 0; axis < 3; ++axis)
         if (size[axis] > 0) scale[axis] = static_cast<float>(1 << kAxisBits) / size[axis];
-    std::vector<uint64_t> entries(count), other(count);
+    // Not zeroed.
+    auto entries = std::make_unique_for_overwrite<uint64_t[]>(count);
+    auto other = std::make_unique_for_overwrite<uint64_t[]>(count);
     parallelFor((count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
         std::array<RayInput, kReadBlock> inputs;
         const size_t start = block * kReadBlock, present = std::min(kReadBlock, count - start);
@@ -160,7 +165,7 @@ std::vector<uint32_t> sorted(const ReadRays& read, const RayNumbers& rays, size_
         for (size_t i = 0; i < present; ++i)
             entries[start + i] = uint64_t{keyOf(inputs[i], space, scale)} << 32 | (start + i);
     });
-    for (uint32_t shift = 32; shift < 32 + 6 * kAxisBits; shift += 10) sortBy(shift, entries, other);
+    for (uint32_t shift = 32; shift < 32 + 6 * kAxisBits; shift += 10) sortBy(shift, count, entries, other);
     std::vector<uint32_t> numbers(count);
     for (size_t i = 0; i < count; ++i) numbers[i] = static_cast<uint32_t>(entries[i]);
     return numbers;
