@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // How often each ray crosses surfaces in its interval, and with GLINT_LIST where.
-// The rows of a ray: kRowHit holds tMax, the number, 1 where it is in doubt, 0; kRowThroughput, of a list,
+// The rows of a ray: kRowHit holds tMax, the number, 1 where it is in doubt, 1 where a packet gave it up
+// (packet_count.comp) and the number is that of planes; kRowThroughput, of a list,
 // its first place and how many there are.
 #define GLINT_CROSSINGS
 #include "path.glsl"
@@ -11,6 +12,7 @@ void main() {
     uint path = pathIndex();
     uvec4 walkRow = loadWalkRow(path);
     uvec4 hitRow = loadRow(kRowHit, path);
+    if (MODE_RESUME && hitRow.w != 0u) walkRow.x = 0u;
     Traversal traversal;
     traversal.ray = loadRay(path);
     traversal.hit = Hit(uintBitsToFloat(hitRow.x), 0.0, 0.0, kNone, kNone, 0u);
@@ -26,7 +28,7 @@ void main() {
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
     uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
-    if (live) storeRow(kRowHit, path, uvec4(hitRow.x, traversal.crossed, traversal.doubtful, hitRow.w));
+    if (live) storeRow(kRowHit, path, uvec4(hitRow.x, traversal.crossed, traversal.doubtful, 0u));
     if (FEATURE_INSTANCES && live && (MODE_RESUME || slot != kNone))
         storeInstanceRow(path, uvec4(kNone, instanceRow.y, traversal.instance, traversal.worldSlot));
     if (live && (MODE_RESUME || slot != kNone)) storeRow(kRowWalk, path, uvec4(slot, 0u, 0u, 0u));

@@ -80,10 +80,8 @@ struct Look {
     vec3 z;  // of the corners, along the ray
     bool crosses, certain;
 };
-Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+// a, b, c: the corners as seen from the origin, turned.
+Look lookAtTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c) {
     Look look;
     look.seen = seenAlong(frame, a, b, c);
     float ea = look.seen.ea;
@@ -100,6 +98,12 @@ Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
     look.certain =
         ea != 0.0 && eb != 0.0 && ec != 0.0 && nearest > 0.0 && nearest > ray.tMin && farthest <= ray.tMax;
     return look;
+}
+Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    return lookAtTurned(ray, frame, a, b, c);
 }
 
 // lavapipe runs what an `if` leaves out, and each loop's body once. So triangles that rounded numbers are not

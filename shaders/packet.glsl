@@ -195,6 +195,7 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
+#ifndef GLINT_CROSSINGS
 // What the walk keeps of a hit.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
@@ -215,6 +216,8 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
         takeHit(one, t, u, v, primitive, id);
     if (MODE_COST && present) ++one.cost;
 }
+
+#endif
 
 // Of a kind by itself (shaders/shared/primitives.h): each ray against each.
 #define GLINT_PACKET_TEST(Kind, FEATURE)                                                       \
@@ -267,7 +270,7 @@ void testPacketLeaf(uint leaf, uint axis, uint lane, uint rows, inout uint trips
     GLINT_PRIMITIVES(GLINT_PACKET_LEAF, 0)
 }
 
-#ifdef GLINT_ANY_HIT
+#if defined(GLINT_ANY_HIT) || defined(GLINT_CROSSINGS)
 #include "packet_any.glsl"
 #else
 #include "packet_closest.glsl"
@@ -318,6 +321,10 @@ bool tracePacket(Environment environment) {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;
         if (FEATURE_PLANES)
             testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
+#ifdef GLINT_CROSSINGS
+        // Of a packet that is given up, planes alone are not met again.
+        packet[r].list.x = packet[r].crossed;
+#endif
     }
     return traversePacket(environment.root);
 }

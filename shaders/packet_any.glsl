@@ -1,6 +1,7 @@
-// Whether each ray of a group of a packet hits anything. Nothing gets nearer here, so that no entry of the
-// stack ever falls out of reach; but rays are settled. The farthest child comes first: nearest first, a ray
-// that leaves a surface would meet its own neighbourhood first, which seldom shades it.
+// Whether each ray of a group of a packet hits anything, or with GLINT_CROSSINGS how often. Nothing gets
+// nearer here, so that no entry of the stack ever falls out of reach; but rays are settled. The farthest
+// child comes first: nearest first, a ray that leaves a surface would meet its own neighbourhood first, which
+// seldom shades it.
 #ifndef GLINT_PACKET_ANY_GLSL
 #define GLINT_PACKET_ANY_GLSL
 
@@ -14,6 +15,9 @@ bool updateAwake() {
     return anyOfLanes(awake) != 0u;
 }
 
+#ifdef GLINT_CROSSINGS
+#include "packet_crossings.glsl"
+#else
 // Any hit needs no more than to be known.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
     one.hit.primitive = primitive;
@@ -60,6 +64,8 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         }
     } while (left != 0u);
 }
+
+#endif
 
 // Inner children that are still to be visited, of the nodes on the way down. A node's inner children follow
 // each other (packetTree), so a level is one word, the same for all lanes: the number of the first one in its

@@ -29,6 +29,8 @@
 #include "light_packet_texel.spv.h"
 #include "light_texel.spv.h"
 #include "light_together.spv.h"
+#include "packet_count.spv.h"
+#include "packet_count_texel.spv.h"
 #include "packet_intersect.spv.h"
 #include "packet_intersect_any.spv.h"
 #include "packet_intersect_any_texel.spv.h"
@@ -55,7 +57,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                        adapt_spv,
                                        count_spv,
                                        count_list_spv,
-                                       whole_spv};
+                                       whole_spv,
+                                       packet_count_spv};
     static const KernelCode texel = {generate_texel_spv,
                                      intersect_texel_spv,
                                      intersect_any_texel_spv,
@@ -67,7 +70,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      adapt_texel_spv,
                                      count_texel_spv,
                                      count_list_texel_spv,
-                                     whole_texel_spv};
+                                     whole_texel_spv,
+                                     packet_count_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 
@@ -83,7 +87,8 @@ const KernelCode& togetherKernels() {
                                         adapt_together_spv,
                                         count_together_spv,
                                         count_list_together_spv,
-                                        whole_together_spv};
+                                        whole_together_spv,
+                                        {}};
     return together;
 }
 

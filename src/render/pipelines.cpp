@@ -32,6 +32,8 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.list;
         case KernelId::Whole:
             return code.whole;
+        case KernelId::PacketCount:
+            return code.packetCount;
     }
     return {};
 }
@@ -48,7 +50,8 @@ const char* nameOf(KernelId id) {
                                         "adapt",
                                         "count",
                                         "list",
-                                        "whole path"};
+                                        "whole path",
+                                        "packet count"};
     return names[static_cast<int>(id)];
 }
 
@@ -134,6 +137,7 @@ TraceModes modesOf(const Request& request, NodeFormat nodes) {
 uint32_t raysOfLane(KernelId id) {
     switch (id) {
         case KernelId::PacketIntersect:
+        case KernelId::PacketCount:
             return kPacketRays;
         case KernelId::PacketIntersectAny:
         case KernelId::PacketLight:
@@ -145,6 +149,7 @@ uint32_t raysOfLane(KernelId id) {
 
 KernelId packetKernel(KernelId id) {
     if (id == KernelId::Light) return KernelId::PacketLight;
+    if (id == KernelId::Count) return KernelId::PacketCount;
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 

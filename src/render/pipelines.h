@@ -25,7 +25,8 @@ enum class KernelId {
     Adapt,
     Count,
     List,
-    Whole
+    Whole,
+    PacketCount
 };
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.

@@ -79,7 +79,9 @@ std::vector<uint32_t> blocksOf(size_t row, size_t count) {
 // Whether most packets, of those that are looked at, have rays that go about the same way.
 bool isCoherent(const ReadRays& read, const RayNumbers& numbers, size_t count, float diagonal) {
     constexpr size_t kPacket = 32, kLooks = 32;
-    constexpr float kApart = 0.02f;  // squared
+    // Squared. 32 rays that are so far apart take packets and single rays the same time in meshes of 10^5
+    // triangles (docs/lab/library.md).
+    constexpr float kApart = 0.002f;
     size_t coherent = 0;
     std::array<RayInput, kPacket> rays;
     for (size_t look = 0; look < kLooks; ++look) {
@@ -187,7 +189,9 @@ RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Spa
         if (told || isCoherent(read, {first, blocks.data()}, fitting, diagonal)) return blocks;
     }
     order.coherent = told || isCoherent(read, given, order.count, diagonal);
-    if (!order.coherent) order.numbers = sorted(read, given, order.count, space);
+    if (order.coherent) return order;
+    order.numbers = sorted(read, given, order.count, space);
+    order.coherent = isCoherent(read, {first, order.data()}, order.count, diagonal);
     return order;
 }
 

@@ -197,6 +197,10 @@ struct RayQueries::State {
               size_t count) const;
     void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool coherent);
     RayOrder orderOf(const RayTask& task, size_t first) const;
+    // Packets count triangles and planes alone.
+    bool packetsKnow(RayTask::Ask ask) const {
+        return traversal.packets && (ask != RayTask::Ask::Count || !features.spheres);
+    }
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };
 
@@ -297,8 +301,7 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
     fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask),
-          coherent && traversal.packets && task.ask != RayTask::Ask::Count);
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask), coherent && packetsKnow(task.ask));
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();

@@ -160,7 +160,7 @@ Cast raysOf(const glint_scene* scene, bool picture) {
         cast = {};
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
-                const double u = (x - kWidth / 2) / 150.0, v = (y - kHeight / 2) / 150.0;
+                const double u = (x - kWidth / 2) / 300.0, v = (y - kHeight / 2) / 300.0;
                 cast.origins.push_back(eye);
                 cast.directions.push_back({ahead[0] + u * ahead[1] - v * ahead[2], ahead[1] - u * ahead[0],
                                            ahead[2] + v * ahead[0]});

@@ -35,7 +35,8 @@ std::vector<std::pair<std::string, Words>> allKernels() {
                                                              {"adapt", code.adapt},
                                                              {"count", code.count},
                                                              {"list", code.list},
-                                                             {"whole", code.whole}};
+                                                             {"whole", code.whole},
+                                                             {"packetCount", code.packetCount}};
             static_assert(sizeof(KernelCode) == std::size(kernels) * sizeof(Words), "a kernel is missing");
             for (const auto& [name, words] : kernels) all.emplace_back(name + suffix, words);
         }

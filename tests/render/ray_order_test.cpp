@@ -64,7 +64,7 @@ double step(const std::vector<RayInput>& rays, const RayOrder& order) {
 }
 
 TEST(RayOrder, RowsOfAPictureBecomeBlocks) {
-    const RayOrder order = orderOf(picture(100, 83, 0.5f));
+    const RayOrder order = orderOf(picture(100, 83, 0.1f));
     EXPECT_TRUE(order.coherent);
     EXPECT_EQ(order.count, 8000u);  // three rows are left for the next time
     ASSERT_EQ(order.numbers.size(), order.count);
