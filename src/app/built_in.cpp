@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "app/version.h"
+#include "farm/mpi_transport.h"
 #include "gpu/device.h"
 
 namespace glint::app {
@@ -30,6 +31,12 @@ std::string buildType() {
     return text;
 }
 
+// The file may be left out of what is installed.
+std::string mpi() {
+    const std::string built = GLINT_MPI_TEXT;
+    return built == "no" || farm::hasMpiModule() ? built : "no glint-mpi.so";
+}
+
 std::vector<std::string> devices() {
     try {
         std::vector<std::string> lines;
@@ -49,7 +56,7 @@ std::string builtIn() {
     // A part that is built only where its library is found says here what it is, or "no".
     std::vector<std::pair<const char*, std::string>> facts = {
         {"commit", builtCommit()},     {"compiler", compiler()}, {"build type", buildType()},
-        {"window", GLINT_WINDOW_TEXT}, {"MPI", GLINT_MPI_TEXT},  {"EXR", GLINT_EXR_TEXT},
+        {"window", GLINT_WINDOW_TEXT}, {"MPI", mpi()},           {"EXR", GLINT_EXR_TEXT},
     };
     for (std::string& line : devices()) facts.emplace_back("device", std::move(line));
     std::string text;

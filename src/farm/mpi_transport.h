@@ -15,6 +15,9 @@ struct Launched {
 // Nothing if no launcher has started it, or it is the only one.
 std::optional<Launched> launchedByMpi();
 
+// Whether openMpi() has what it needs.
+bool hasMpiModule();
+
 // Joins the other processes. Throws Error(Failed) if glint has no module for MPI, or MPI says so.
 std::unique_ptr<Transport> openMpi();
 

@@ -81,6 +81,18 @@ use_program() {
     inside /tmp/nearest_hit | grep -q 'ray 0: geometry 1 at 7.000' || fail "nearest_hit is wrong"
 }
 
+# One picture by two ranks.
+use_mpi() {
+    local scene=/usr/share/doc/glint/examples/scenes/spheres.json
+    local draw=(glint render "$scene" --size 320x240 --stats json -q -o)
+    grep -q '^MPI: MPI ' "$folder/version" || fail "no MPI: $(cat "$folder/version")"
+    inside "${draw[@]}" /tmp/one.pfm >"$folder/one" || fail "glint render failed"
+    inside env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 120 mpirun --oversubscribe -n 2 "${draw[@]}" /tmp/two.pfm \
+        >"$folder/two" || fail "mpirun glint render failed"
+    grep -q '"ranks": 2' "$folder/two" || fail "not two ranks: $(cat "$folder/two")"
+    cmp "$root/tmp/one.pfm" "$root/tmp/two.pfm" || fail "two ranks draw another picture"
+}
+
 use_python() {
     local name
     inside python3 -c "import glint" || fail "import glint failed"
@@ -118,6 +130,8 @@ cp "$debs"/*.deb "$root/tmp/debs"
 quietly bash -c 'dpkg -i /tmp/debs/*.deb'
 say "glint"
 use_program
+say "glint-mpi"
+use_mpi
 say "python3-glint"
 use_python
 say "pages, completions, types"
