@@ -75,8 +75,15 @@ void writeFiles(const std::vector<OutputFile>& files) {
     }
 }
 
+void writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
+    StagedFile staged(path);
+    if (!staged.isDevice()) staged.write(bytes, 0);
+    staged.finish();
+    staged.commit(bytes);
+}
+
 void writeTextFile(const fs::path& path, const std::string& text) {
-    writeFiles({{path, std::vector<uint8_t>(text.begin(), text.end())}});
+    writeFile(path, std::vector<uint8_t>(text.begin(), text.end()));
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct OutputFile {
 // such file or directory". A link is followed, even where there is no file yet; a device or pipe (/dev/null)
 // is written to and stays what it is; a file without write permission is not replaced.
 void writeFiles(const std::vector<OutputFile>& files);
+
+// The same for one file, whose bytes are not copied.
+void writeFile(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 
 // The same for one text, e.g. a report.
 void writeTextFile(const std::filesystem::path& path, const std::string& text);

@@ -28,6 +28,15 @@ class ByteWriter {
     }
     void put(const std::vector<float>& values) { raw(values.data(), values.size() * sizeof(float)); }
     std::vector<uint8_t> take() { return std::move(bytes_); }
+    void reserve(size_t size) { bytes_.reserve(size); }
+    size_t size() const { return bytes_.size(); }
+    std::span<const uint8_t> from(size_t at) const { return std::span(bytes_).subspan(at); }
+    // In the place of what was put there.
+    template <typename T>
+    void replace(size_t at, const T& value) {
+        static_assert(std::is_arithmetic_v<T>);
+        std::memcpy(bytes_.data() + at, &value, sizeof(T));
+    }
     void raw(const void* from, size_t size) {
         const auto* first = static_cast<const uint8_t*>(from);
         bytes_.insert(bytes_.end(), first, first + size);

@@ -45,23 +45,28 @@ bool writeAll(int file, const std::vector<uint8_t>& bytes, uint64_t at) {
 
 }  // namespace
 
-Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& header) : path_(path) {
+Checkpoint::Checkpoint(const std::filesystem::path& path, const UnitHeader& header,
+                       const std::function<void(const UnitResult&)>& found)
+    : path_(path) {
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) writeFiles({{path, encodeHeader(header)}});
+    if (!std::filesystem::exists(path, ignored)) writeFile(path, encodeHeader(header));
     file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
     if (file_ < 0) fail(path, "cannot write: " + reason(errno));
     try {
         if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || !stillNamed(file_, path))
             fail(path, "another glint writes this checkpoint");
-        UnitFile read = readUnits(path, true);
-        const std::string other = difference(read.header.identity, header.identity);
-        if (!other.empty())
-            fail(path, "is a checkpoint of another picture: " + other + "; remove it, or give another name");
-        size_ = read.wholeBytes;
-        if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path, "cannot write: " + reason(errno));
+        const auto check = [&](const UnitHeader& there) {
+            const std::string other = difference(there.identity, header.identity);
+            if (!other.empty())
+                fail(path,
+                     "is a checkpoint of another picture: " + other + "; remove it, or give another name");
+        };
         std::set<Unit> units;
-        for (UnitResult& result : read.results)
-            if (units.insert(result.unit).second) found_.push_back(std::move(result));
+        const auto add = [&](const UnitResult& result) {
+            if (units.insert(result.unit).second) found(result);
+        };
+        size_ = forEachUnit(path, true, check, add).wholeBytes;
+        if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path, "cannot write: " + reason(errno));
     } catch (...) {
         ::close(file_);
         throw;

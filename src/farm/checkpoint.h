@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <functional>
 
 #include "farm/unit_file.h"
 
@@ -10,16 +10,16 @@ namespace glint::farm {
 
 class Checkpoint {
   public:
-    // Opens the file, or makes it with the header. What stands behind the last whole unit, because a process
-    // ended while it wrote, is cut off. Throws Error(Failed) for a file that is damaged, is a checkpoint of
-    // another picture (and says in what), cannot be written, or is in use by another process.
-    Checkpoint(const std::filesystem::path& path, const UnitHeader& header);
+    // Opens the file, or makes it with the header, and calls `found` with what an earlier run finished: each
+    // unit once, one at a time in memory, in the order in which they were appended. What stands behind the
+    // last whole unit, because a process ended while it wrote, is cut off. Throws Error(Failed) for a file
+    // that is damaged, is a checkpoint of another picture (and says in what), cannot be written, or is in use
+    // by another process.
+    Checkpoint(const std::filesystem::path& path, const UnitHeader& header,
+               const std::function<void(const UnitResult&)>& found);
     ~Checkpoint();
     Checkpoint(const Checkpoint&) = delete;
     Checkpoint& operator=(const Checkpoint&) = delete;
-
-    // What an earlier run finished; each unit once. May be taken out.
-    std::vector<UnitResult>& found() { return found_; }
 
     // The unit is on the disk when this returns. Throws Error(Failed) if it cannot be written; the units
     // before it stay.
@@ -32,7 +32,6 @@ class Checkpoint {
     std::filesystem::path path_;
     int file_ = -1;
     uint64_t size_ = 0;
-    std::vector<UnitResult> found_;
 };
 
 }  // namespace glint::farm

@@ -34,7 +34,7 @@ void agree(const fs::path& folder, const UnitHeader& header) {
     std::error_code code;
     if (!fs::exists(path, code)) {
         const fs::path mine = folder / ("." + std::string(kPicture) + "." + newHolder());
-        writeFiles({{mine, encodeHeader(header)}});
+        writeFile(mine, encodeHeader(header));
         fs::create_hard_link(mine, path, code);
         const bool noLinks = code && !fs::exists(path);
         if (noLinks) fs::rename(mine, path, code);
@@ -98,7 +98,7 @@ std::optional<int> SharedFolder::next(std::optional<double> patience) {
 }
 
 void SharedFolder::put(const UnitResult& result) {
-    writeFiles({{resultPath(result.unit.part), encodeUnits(header_, {result})}});
+    writeFile(resultPath(result.unit.part), encodePart(header_, result));
     there_[static_cast<size_t>(result.unit.part) - 1] = true;
     claims_.release();
 }

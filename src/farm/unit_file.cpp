@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -46,17 +49,17 @@ Region getRegion(ByteReader& in, const Region& whole) {
     return r;
 }
 
-void appendRecord(std::vector<uint8_t>& file, Kind kind, const std::vector<uint8_t>& payload) {
-    ByteWriter record;
-    record.put(static_cast<uint32_t>(kind));
-    record.put(static_cast<uint64_t>(payload.size()));
-    std::vector<uint8_t> bytes = record.take();
-    bytes.insert(bytes.end(), payload.begin(), payload.end());
-    ByteWriter hash;
-    hash.put(contentHash(bytes));
-    const std::vector<uint8_t> check = hash.take();
-    file.insert(file.end(), bytes.begin(), bytes.end());
-    file.insert(file.end(), check.begin(), check.end());
+constexpr uint64_t kRecordHead = sizeof(uint32_t) + sizeof(uint64_t), kHash = sizeof(uint64_t);
+
+// The payload is what `write` puts.
+template <typename Write>
+void putRecord(ByteWriter& out, Kind kind, const Write& write) {
+    const size_t start = out.size();
+    out.put(static_cast<uint32_t>(kind));
+    out.put(uint64_t{0});
+    write();
+    out.replace(start + sizeof(uint32_t), static_cast<uint64_t>(out.size() - start - kRecordHead));
+    out.put(contentHash(out.from(start)));
 }
 
 struct Record {
@@ -78,8 +81,7 @@ Record nextRecord(ByteReader& in) {
     return {kind, payload};
 }
 
-std::vector<uint8_t> headPayload(const UnitHeader& header) {
-    ByteWriter out;
+void putHead(ByteWriter& out, const UnitHeader& header) {
     out.put(static_cast<uint32_t>(header.identity.facts.size()));
     for (const auto& [name, value] : header.identity.facts) {
         out.put(name);
@@ -89,7 +91,6 @@ std::vector<uint8_t> headPayload(const UnitHeader& header) {
     out.put(static_cast<uint32_t>(header.aovs.size()));
     for (const Aov aov : header.aovs) out.put(std::string(nameOf(aov)));
     out.put(static_cast<int32_t>(header.parts));
-    return out.take();
 }
 
 UnitHeader headerOf(std::span<const uint8_t> payload) {
@@ -132,8 +133,7 @@ TreeLosses getLosses(ByteReader& in) {
     return losses;
 }
 
-std::vector<uint8_t> unitPayload(const UnitResult& result) {
-    ByteWriter out;
+void putUnit(ByteWriter& out, const UnitResult& result) {
     for (const int32_t value : {result.unit.frame, result.unit.part, result.unit.parts}) out.put(value);
     out.put(result.producer.device);
     out.put(result.producer.driver);
@@ -148,6 +148,35 @@ std::vector<uint8_t> unitPayload(const UnitResult& result) {
         out.put(block.color.pixels);
         for (const Layer& layer : block.layers) out.put(layer.image.pixels);
     }
+}
+
+// Its samples, and enough for what stands beside them: growing by copying would take three times the memory.
+size_t roomFor(const UnitResult& result) {
+    size_t floats = 0;
+    for (const Block& block : result.blocks) {
+        floats += block.color.pixels.size();
+        for (const Layer& layer : block.layers) floats += layer.image.pixels.size();
+    }
+    return floats * sizeof(float) + 1024;
+}
+
+void putHeader(ByteWriter& out, const UnitHeader& header) {
+    out.raw(kSignature.data(), kSignature.size());
+    putRecord(out, Kind::Head, [&] { putHead(out, header); });
+}
+
+void putUnits(ByteWriter& out, std::span<const UnitResult> results) {
+    size_t room = 0;
+    for (const UnitResult& result : results) room += roomFor(result);
+    out.reserve(out.size() + room);
+    for (const UnitResult& result : results) putRecord(out, Kind::Unit, [&] { putUnit(out, result); });
+}
+
+std::vector<uint8_t> encodeAll(const UnitHeader& header, std::span<const UnitResult> results) {
+    ByteWriter out;
+    putHeader(out, header);
+    putUnits(out, results);
+    putRecord(out, Kind::Done, [&] { out.put(static_cast<uint64_t>(results.size())); });
     return out.take();
 }
 
@@ -195,49 +224,26 @@ ByteReader opened(std::span<const uint8_t> bytes) {
     return in;
 }
 
-void readRecords(ByteReader& in, bool unfinished, UnitFile& file) {
-    const auto last = [&] { file.wholeBytes = in.at(); };
-    last();
-    while (in.left() > 0 && !file.finished) {
-        try {
-            const Record record = nextRecord(in);
-            if (record.kind == Kind::Unit)
-                file.results.push_back(unitOf(record.payload, file.header));
-            else if (record.kind == Kind::Done)
-                file.finished = ByteReader(record.payload).get<uint64_t>() == file.results.size();
-            else
-                damaged("it has a record of an unknown kind");
-            last();
-        } catch (const std::exception&) {
-            if (!unfinished) throw;
-            return;
-        }
-    }
-    if (in.left() > 0) damaged("something follows its end");
-    if (!file.finished && !unfinished) throw std::out_of_range("no end");
-}
-
 }  // namespace
 
 std::vector<uint8_t> encodeHeader(const UnitHeader& header) {
-    std::vector<uint8_t> file(kSignature.begin(), kSignature.end());
-    appendRecord(file, Kind::Head, headPayload(header));
-    return file;
+    ByteWriter out;
+    putHeader(out, header);
+    return out.take();
 }
 
 std::vector<uint8_t> encodeUnit(const UnitResult& result) {
-    std::vector<uint8_t> bytes;
-    appendRecord(bytes, Kind::Unit, unitPayload(result));
-    return bytes;
+    ByteWriter out;
+    putUnits(out, {&result, 1});
+    return out.take();
 }
 
 std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results) {
-    std::vector<uint8_t> file = encodeHeader(header);
-    for (const UnitResult& result : results) appendRecord(file, Kind::Unit, unitPayload(result));
-    ByteWriter done;
-    done.put(static_cast<uint64_t>(results.size()));
-    appendRecord(file, Kind::Done, done.take());
-    return file;
+    return encodeAll(header, results);
+}
+
+std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& result) {
+    return encodeAll(header, {&result, 1});
 }
 
 namespace {
@@ -278,57 +284,138 @@ UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, 
     });
 }
 
-UnitOutline outlineOf(const fs::path& path) {
-    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-    struct stat status {};
-    if (!file.isOpen() || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
-        readFile(path);  // says what is wrong
-        throw Error(ErrorKind::Failed, path.string() + ": cannot read");
+namespace {
+
+// A file's records, of which one at a time is in memory.
+class RecordFile {
+  public:
+    explicit RecordFile(const fs::path& path)
+        : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+        struct stat status {};
+        if (!file_.isOpen() || ::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+            readFile(path);  // says what is wrong
+            throw Error(ErrorKind::Failed, path.string() + ": cannot read");
+        }
+        size_ = static_cast<uint64_t>(status.st_size);
     }
+    uint64_t size() const { return size_; }
+    uint64_t at() const { return at_; }
+    uint64_t left() const { return size_ - at_; }
+    void skip(uint64_t count) {
+        if (count > left()) throw std::out_of_range("bytes");
+        at_ += count;
+    }
+
+    // Throws std::out_of_range where the file has fewer.
+    std::vector<uint8_t> next(uint64_t count) {
+        const uint64_t from = at_;
+        skip(count);
+        std::vector<uint8_t> read(count);
+        for (uint64_t done = 0; done < count;) {
+            const ssize_t got =
+                ::pread(file_.get(), read.data() + done, count - done, static_cast<off_t>(from + done));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) throw std::out_of_range("bytes");
+            done += static_cast<uint64_t>(got);
+        }
+        return read;
+    }
+
+    // What stands before the records.
+    void open() { opened(next(std::min<uint64_t>(kSignature.size(), left()))); }
+    // The whole record that begins here.
+    std::vector<uint8_t> nextRecord() {
+        const uint64_t from = at_;
+        const std::vector<uint8_t> head = next(kRecordHead);
+        at_ = from;
+        ByteReader in(head);
+        in.get<uint32_t>();
+        const auto payload = in.get<uint64_t>();
+        if (payload > left()) throw std::out_of_range("record");
+        return next(kRecordHead + payload + kHash);
+    }
+
+  private:
+    Descriptor file_;
+    uint64_t size_ = 0, at_ = 0;
+};
+
+UnitHeader headerIn(RecordFile& file) {
+    file.open();
+    const std::vector<uint8_t> record = file.nextRecord();
+    ByteReader in(record);
+    return nextHeader(in);
+}
+
+// The next unit; nothing after the last one.
+std::optional<UnitResult> nextUnit(RecordFile& file, const UnitHeader& header, uint64_t units) {
+    const std::vector<uint8_t> bytes = file.nextRecord();
+    ByteReader in(bytes);
+    const Record record = nextRecord(in);
+    if (record.kind == Kind::Unit) return unitOf(record.payload, header);
+    if (record.kind != Kind::Done) damaged("it has a record of an unknown kind");
+    if (ByteReader(record.payload).get<uint64_t>() != units) throw std::out_of_range("units");
+    if (file.left() > 0) damaged("something follows its end");
+    return std::nullopt;
+}
+
+}  // namespace
+
+UnitOutline outlineOf(const fs::path& path) {
+    RecordFile file(path);
     return reading(path.string(), [&] {
         UnitOutline outline;
-        outline.bytes = static_cast<uint64_t>(status.st_size);
-        uint64_t at = 0;
-        const auto bytes = [&](uint64_t size) {
-            if (size > outline.bytes - std::min(outline.bytes, at)) throw std::out_of_range("bytes");
-            std::vector<uint8_t> read(size);
-            if (::pread(file.get(), read.data(), size, static_cast<off_t>(at)) != static_cast<ssize_t>(size))
-                throw std::out_of_range("bytes");
-            return read;
-        };
-        constexpr uint64_t kRecordHead = sizeof(uint32_t) + sizeof(uint64_t), kHash = sizeof(uint64_t);
-        for (bool first = true; at < outline.bytes; first = false) {
-            const uint64_t start = first ? kSignature.size() : 0;
-            const std::vector<uint8_t> head = bytes(std::min(start + kRecordHead, outline.bytes - at));
-            ByteReader in = first ? opened(head) : ByteReader(head);
+        outline.bytes = file.size();
+        outline.header = headerIn(file);
+        while (file.left() > 0) {
+            const std::vector<uint8_t> head = file.next(kRecordHead);
+            ByteReader in(head);
             const auto kind = static_cast<Kind>(in.get<uint32_t>());
-            const auto size = in.get<uint64_t>();
-            if (size > outline.bytes) throw std::out_of_range("record");
-            const uint64_t whole = start + kRecordHead + size + kHash;
-            if (first) outline.header = decodeHeader(bytes(whole), path.string());
-            at += start + kRecordHead;
+            auto size = in.get<uint64_t>();
             if (kind == Kind::Unit) {
-                const std::vector<uint8_t> numbers = bytes(3 * sizeof(int32_t));
+                const std::vector<uint8_t> numbers = file.next(3 * sizeof(int32_t));
+                size -= std::min<uint64_t>(size, numbers.size());
                 ByteReader unit(numbers);
                 const auto frame = unit.get<int32_t>(), part = unit.get<int32_t>();
                 outline.units.push_back({frame, part, unit.get<int32_t>()});
             }
-            at += size + kHash;
+            if (size > file.left()) throw std::out_of_range("record");
+            file.skip(size + kHash);
         }
-        if (at != outline.bytes) throw std::out_of_range("record");
         return outline;
     });
 }
 
+UnitFileEnd forEachUnit(const fs::path& path, bool unfinished,
+                        const std::function<void(const UnitHeader&)>& begin,
+                        const std::function<void(UnitResult)>& add) {
+    RecordFile file(path);
+    const UnitHeader header = reading(path.string(), [&] { return headerIn(file); });
+    begin(header);
+    UnitFileEnd end;
+    end.wholeBytes = file.at();
+    for (uint64_t units = 0; !end.finished; ++units) {
+        std::optional<UnitResult> result;
+        try {
+            if (unfinished && file.left() == 0) break;
+            result = reading(path.string(), [&] { return nextUnit(file, header, units); });
+        } catch (const Error&) {
+            if (!unfinished) throw;
+            break;
+        }
+        end.finished = !result;
+        end.wholeBytes = file.at();
+        if (result) add(std::move(*result));
+    }
+    return end;
+}
+
 UnitFile readUnits(const fs::path& path, bool unfinished) {
-    const std::vector<uint8_t> bytes = readFile(path);
-    return reading(path.string(), [&] {
-        ByteReader in = opened(bytes);
-        UnitFile file;
-        file.header = nextHeader(in);
-        readRecords(in, unfinished, file);
-        return file;
-    });
+    UnitFile file;
+    static_cast<UnitFileEnd&>(file) = forEachUnit(
+        path, unfinished, [&](const UnitHeader& header) { file.header = header; },
+        [&](UnitResult result) { file.results.push_back(std::move(result)); });
+    return file;
 }
 
 }  // namespace glint::farm

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,15 +32,19 @@ struct UnitHeader {
     int parts = 1;          // that each frame is cut into
 };
 
-struct UnitFile {
-    UnitHeader header;
-    std::vector<UnitResult> results;
+struct UnitFileEnd {
     bool finished = false;    // has its last record
     uint64_t wholeBytes = 0;  // up to the end of the last record that is whole
 };
 
+struct UnitFile : UnitFileEnd {
+    UnitHeader header;
+    std::vector<UnitResult> results;
+};
+
 // The bytes of a finished file, and those of one to which units will be appended.
 std::vector<uint8_t> encodeUnits(const UnitHeader& header, const std::vector<UnitResult>& results);
+std::vector<uint8_t> encodePart(const UnitHeader& header, const UnitResult& result);
 std::vector<uint8_t> encodeHeader(const UnitHeader& header);
 std::vector<uint8_t> encodeUnit(const UnitResult& result);
 
@@ -55,6 +60,12 @@ UnitOutline outlineOf(const std::filesystem::path& path);
 // What encodeHeader and encodeUnit made; `name` stands for it in messages. Both throw Error(Failed).
 UnitHeader decodeHeader(std::span<const uint8_t> bytes, const std::string& name);
 UnitResult decodeUnit(std::span<const uint8_t> bytes, const UnitHeader& header, const std::string& name);
+
+// Reads a file unit by unit, so that one at a time is in memory; `begin` is called first. Throws as
+// readUnits.
+UnitFileEnd forEachUnit(const std::filesystem::path& path, bool unfinished,
+                        const std::function<void(const UnitHeader&)>& begin,
+                        const std::function<void(UnitResult)>& add);
 
 // Reads a file. Throws Error(Failed) "a.part: damaged: ..." for one that was changed or is no such file, and
 // unless `unfinished` for one that ends early; with it, what is not whole at the end is left out.

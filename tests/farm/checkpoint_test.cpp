@@ -13,13 +13,17 @@ using glint::test::writeBytes;
 
 const std::vector<Aov> kAovs = {Aov::Radiance};
 
+void nothingFound(const UnitResult& result) {
+    ADD_FAILURE() << nameOf(result.unit);
+}
+
 class Checkpoints : public glint::test::WorkingFolderTest {
   protected:
     const Request request_ = requestFor(64, 48);
     const UnitHeader header_ = headerOf(request_, 4, kAovs);
     const std::vector<UnitResult> results_ = partsOf(request_, 4, kAovs);
     std::string errorOfOpening(const UnitHeader& header) const {
-        return errorOf(ErrorKind::Failed, [&] { Checkpoint checkpoint("a.check", header); });
+        return errorOf(ErrorKind::Failed, [&] { Checkpoint checkpoint("a.check", header, nothingFound); });
     }
 };
 
@@ -27,8 +31,7 @@ class Checkpoints : public glint::test::WorkingFolderTest {
 // the picture has the bits of one that was never stopped.
 TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
     {
-        Checkpoint checkpoint("a.check", header_);
-        EXPECT_TRUE(checkpoint.found().empty());
+        Checkpoint checkpoint("a.check", header_, nothingFound);
         for (int i = 0; i < 3; ++i) checkpoint.append(results_[i]);
     }
     const std::vector<uint8_t> whole = readBytes("a.check");
@@ -36,9 +39,11 @@ TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
     for (size_t size = head; size <= whole.size(); size += 1 + (whole.size() - head) / 23) {
         writeBytes("a.check", {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
         Assembly assembly(header_.region, kAovs);
-        Checkpoint checkpoint("a.check", header_);
-        const size_t found = checkpoint.found().size();
-        for (const UnitResult& result : checkpoint.found()) assembly.add(result);
+        size_t found = 0;
+        Checkpoint checkpoint("a.check", header_, [&](const UnitResult& result) {
+            assembly.add(result);
+            ++found;
+        });
         for (size_t i = found; i < results_.size(); ++i) {
             checkpoint.append(results_[i]);
             assembly.add(results_[i]);
@@ -50,7 +55,7 @@ TEST_F(Checkpoints, GoOnFromWhereverTheyWereCutOff) {
 }
 
 TEST_F(Checkpoints, OfAnotherPictureAreRefused) {
-    { Checkpoint checkpoint("a.check", header_); }
+    { Checkpoint checkpoint("a.check", header_, nothingFound); }
     UnitHeader other = header_;
     other.identity.facts[0].second = "b.json";
     EXPECT_EQ(
@@ -63,7 +68,7 @@ TEST_F(Checkpoints, OfAnotherPictureAreRefused) {
 }
 
 TEST_F(Checkpoints, HaveOneWriter) {
-    Checkpoint checkpoint("a.check", header_);
+    Checkpoint checkpoint("a.check", header_, nothingFound);
     EXPECT_EQ(errorOfOpening(header_), "a.check: another glint writes this checkpoint");
     checkpoint.remove();
     EXPECT_TRUE(names().empty());

@@ -6,6 +6,7 @@ A limit of a file's size stands for a full disk: the write fails in the middle, 
 import json
 import os
 import pathlib
+import re
 import resource
 import subprocess
 import sys
@@ -85,11 +86,33 @@ def folders_without_permission():
 def huge_pictures_are_refused_before_they_are_drawn():
     huge = ["render", "a.json", "--backend", "cpu", "--size", "65536x65536", "-q"]
     memory = 2 << 30
-    run(*huge, "--checkpoint", "c.check", "-o", "a.png", code=1, says="of memory", memory=memory)
+    run(*huge, "--checkpoint", "c.check", "-o", "a.hdr", code=1, says="of memory", memory=memory)
     run(*huge, "--join", "farm", "-o", "a.hdr", code=1, says="of memory", memory=memory)
-    run(*huge, "--part", "1/4", "-o", "1.part", code=1, says="of memory", memory=memory)
+    ran = run(*huge, "--part", "1/4", "-o", "1.part", code=1, says="part 1 of 4 has ", memory=memory)
+    check(re.search("which take [0-9.]+ GiB of memory, [0-9.]+ (G|M)iB are free; ask for more parts$", ran.stderr.strip()), ran.stderr)
     check(not [p for p in pathlib.Path(".").iterdir() if p.name not in ("a.json", "farm")], "nothing is left")
     check(not pathlib.Path("farm").exists() or not list(pathlib.Path("farm").glob("*.part")), "nothing is begun")
+
+
+def pictures_larger_than_memory_are_drawn_in_units():
+    """They go into the file row by row, whoever drew them when."""
+    large = ["render", "a.json", "--backend", "cpu", "--size", "4096x1024", "--max-depth", "1", "-q"]
+    little = {"memory": 330 << 20}  # 170 MiB of them are taken before anything is drawn; at once it would take 232
+    run(*large, "-o", "a.exr", code=0)
+    expected = pathlib.Path("a.exr").read_bytes()
+    run(*large, "--checkpoint", "c.check", "-o", "a.hdr", code=1, says="of memory", **little)
+    run(*large, "--checkpoint", "c.check", "-o", "a.exr", code=1, says="c.check: cannot write: ", file_bytes=40 << 20, **little)
+    check(pathlib.Path("c.check").stat().st_size > 30 << 20, "half of it is there")
+    ran = run(*large, "--checkpoint", "c.check", "-o", "c.exr", "--stats", "json", code=0, **little)
+    check(json.loads(ran.stdout)["bands"], ran.stdout)
+    check(pathlib.Path("c.exr").read_bytes() == expected, "a checkpoint larger than memory goes on")
+    run(*large, "--join", "farm", "-o", "j.exr", code=0, **little)
+    check(pathlib.Path("j.exr").read_bytes() == expected, "units of a folder come together")
+    parts = [f"{k}.part" for k in range(1, 5)]
+    for k, part in enumerate(parts, 1):
+        run(*large, "--part", f"{k}/4", "-o", part, code=0, **little)
+    run("merge", *parts, "-q", "-o", "m.exr", code=0, **little)
+    check(pathlib.Path("m.exr").read_bytes() == expected, "parts come together")
 
 
 def merging_in_bands_has_the_same_pixels():
@@ -109,7 +132,8 @@ def merging_in_bands_has_the_same_pixels():
     run("merge", *parts, "-o", "m.hdr", "--in-bands", code=2, says="m.hdr: bands go into .png")
 
 
-TESTS = [full_disks, folders_without_permission, huge_pictures_are_refused_before_they_are_drawn, merging_in_bands_has_the_same_pixels]
+TESTS = [full_disks, folders_without_permission, huge_pictures_are_refused_before_they_are_drawn,
+         pictures_larger_than_memory_are_drawn_in_units, merging_in_bands_has_the_same_pixels]
 for test in [globals()[name] for name in sys.argv[2:]] or TESTS:
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
