@@ -177,18 +177,37 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
 namespace {
 
 constexpr double kPatience = 3;  // times as long as here may somebody else take for a unit
-constexpr auto kPoll = std::chrono::milliseconds(50);  // looks at the folder while there is nothing to do
+
+// Between looks at the folder while there is nothing to do: a twentieth of the time at most goes into looks,
+// which take longer the more processes there are, and the slower the file system.
+class Pause {
+  public:
+    void rest() {
+        constexpr double kShare = 20, kShortest = 0.05, kLongest = 2;
+        const double seconds = std::clamp(kShare * sinceRest_.seconds(), kShortest, kLongest);
+        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+        restart();
+    }
+    // A look begins.
+    void restart() { sinceRest_.restart(); }
+
+  private:
+    Stopwatch sinceRest_;
+};
 
 // Draws units until all are there. False if it was interrupted.
 bool drawTogether(UnitRenderer& units, farm::SharedFolder& folder, Progress& progress) {
     const auto parts = static_cast<double>(units.header().parts);
     double longest = 0;  // seconds that a unit took here
-    for (int done = folder.done(); done < units.header().parts; done = folder.done()) {
-        if (interrupted()) return false;
+    Pause pause;
+    while (!interrupted()) {
+        pause.restart();
         const auto part = folder.next(longest > 0 ? std::optional(kPatience * longest) : std::nullopt);
+        const int done = folder.done();
+        if (folder.complete()) return true;
         if (!part) {
             progress.update(done / parts);
-            std::this_thread::sleep_for(kPoll);
+            pause.rest();
             continue;
         }
         const Stopwatch watch;
@@ -206,15 +225,14 @@ bool drawTogether(UnitRenderer& units, farm::SharedFolder& folder, Progress& pro
         else
             folder.giveUp();
         if (result) longest = std::max(longest, watch.seconds());
-        if (!result && interrupted()) return false;
     }
-    return true;
+    return false;
 }
 
 // True once the picture stands at `output`, or it is for this process to write it there.
 enum class Written { ByOther, ByMe, Interrupted };
 Written waitForPicture(farm::SharedFolder& folder, const std::filesystem::path& output) {
-    while (true) {
+    for (Pause pause;; pause.rest()) {
         const auto note = folder.note();
         std::error_code ignored;
         if (note && *note == output.string() && std::filesystem::exists(output, ignored))
@@ -222,7 +240,6 @@ Written waitForPicture(farm::SharedFolder& folder, const std::filesystem::path& 
         // It was written elsewhere, or is gone.
         if (note || folder.mayMerge()) return Written::ByMe;
         if (interrupted()) return Written::Interrupted;
-        std::this_thread::sleep_for(kPoll);
     }
 }
 

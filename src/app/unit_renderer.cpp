@@ -1,6 +1,7 @@
 #include "app/unit_renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <ostream>
 
@@ -31,12 +32,16 @@ std::string hashOf(const std::vector<std::vector<Region>>& cut) {
     return hashText(contentHash(text));
 }
 
-// Units of some seconds on a processor: they get lost with who draws them, and shared out.
+// Units of a second or so on a processor: they get lost with who draws them, and shared out. Beyond a
+// thousand both grow, their number and what each takes: a picture of so much work is for many processes, of
+// which each needs several units, and each unit costs all of them a look at the folder, or rank 0 two
+// messages.
 int partsFor(const farm::CostMap& costs, uint32_t samples) {
-    constexpr double kTests = 1e8, kLeast = 16, kMost = 1024;
+    constexpr double kTests = 1e8, kLeast = 16, kMany = 1024, kMost = 16384;
     const auto total =
         static_cast<double>(std::accumulate(costs.costs.begin(), costs.costs.end(), uint64_t{0}));
-    return static_cast<int>(std::clamp(total * samples / kTests, kLeast, kMost));
+    const double parts = total * samples / kTests;
+    return static_cast<int>(std::clamp(parts > kMany ? std::sqrt(kMany * parts) : parts, kLeast, kMost));
 }
 
 // What draws and what gathers holds whole units.

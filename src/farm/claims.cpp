@@ -89,6 +89,30 @@ std::string newHolder() {
     return std::string(host.data()) + "-" + std::to_string(::getpid()) + "-" + token.data();
 }
 
+FolderContent contentOf(const fs::path& folder) {
+    FolderContent found;
+    std::error_code code;
+    fs::directory_iterator at(folder, code);
+    if (code == std::errc::no_such_file_or_directory) return found;
+    found.exists = true;
+    for (const fs::directory_iterator end; !code && at != end; at.increment(code)) {
+        std::string file = at->path().filename().string();
+        const size_t mark = file.rfind(kMark);
+        if (mark == std::string::npos) {
+            found.others.push_back(std::move(file));
+            continue;
+        }
+        const char* digits = file.data() + mark + std::char_traits<char>::length(kMark);
+        int generation = 0;
+        const auto [last, error] = std::from_chars(digits, file.data() + file.size(), generation);
+        if (error != std::errc() || last != file.data() + file.size()) continue;
+        int& known = found.claims.try_emplace(file.substr(0, mark), generation).first->second;
+        known = std::max(known, generation);
+    }
+    if (code) throw Error(ErrorKind::Failed, folder.string() + ": cannot read: " + code.message());
+    return found;
+}
+
 Claims::Claims(const fs::path& folder, double lease)
     : folder_(folder),
       lease_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(lease))),
@@ -107,25 +131,6 @@ Claims::~Claims() {
 
 std::string Claims::text() const {
     return holder_ + " " + nameOfThisProcess() + " " + std::to_string(beats_) + "\n";
-}
-
-// Of each work the number of its newest claim.
-std::map<std::string, int> Claims::newest() const {
-    std::map<std::string, int> found;
-    std::error_code code;
-    for (fs::directory_iterator at(folder_, code), end; !code && at != end; at.increment(code)) {
-        const std::string file = at->path().filename().string();
-        const size_t mark = file.rfind(kMark);
-        if (mark == std::string::npos) continue;
-        const char* digits = file.data() + mark + std::char_traits<char>::length(kMark);
-        int generation = 0;
-        const auto [last, error] = std::from_chars(digits, file.data() + file.size(), generation);
-        if (error != std::errc() || last != file.data() + file.size()) continue;
-        int& known = found.try_emplace(file.substr(0, mark), generation).first->second;
-        known = std::max(known, generation);
-    }
-    if (code) throw Error(ErrorKind::Failed, folder_.string() + ": cannot read: " + code.message());
-    return found;
 }
 
 const Claims::Seen& Claims::look(const std::string& name, int generation) {
@@ -153,33 +158,42 @@ bool Claims::lapsed(const std::string& name, int generation) {
 bool Claims::take(const std::string& name, int generation) {
     const fs::path path = folder_ / (name + kMark + std::to_string(generation));
     const std::lock_guard lock(mutex_);
-    if (!createExclusively(path, text(), folder_ / ("." + name + "." + holder_))) return false;
+    const fs::path temporary = path.parent_path() / ("." + path.stem().string() + "." + holder_);
+    if (!createExclusively(path, text(), temporary)) return false;
     held_ = path;
     seen_.erase(name);
     changed_.notify_all();
     return true;
 }
 
-std::optional<std::string> Claims::claim(const std::vector<std::string>& names,
-                                         std::optional<double> patience) {
+std::optional<std::string> Claims::claimOf(const std::vector<Work>& works, std::optional<double> patience) {
     release();
-    const std::map<std::string, int> claimed = newest();
-    for (const std::string& name : names)
-        if (!claimed.contains(name) && take(name, 0)) return name;
-    for (const std::string& name : names) {
-        const auto known = claimed.find(name);
-        if (known != claimed.end() && lapsed(name, known->second) && take(name, known->second + 1))
-            return name;
-    }
-    for (const std::string& name : names) {
-        const auto known = claimed.find(name);
-        if (!patience || known == claimed.end()) continue;
-        const Seen& seen = look(name, known->second);
+    for (const Work& work : works)
+        if (!work.claim && take(work.name, 0)) return work.name;
+    for (const Work& work : works)
+        if (work.claim && lapsed(work.name, *work.claim) && take(work.name, *work.claim + 1))
+            return work.name;
+    for (const Work& work : works) {
+        if (!patience || !work.claim) continue;
+        const Seen& seen = look(work.name, *work.claim);
         if (Clock::now() - seen.begun >= std::chrono::duration<double>(*patience) &&
-            take(name, known->second + 1))
-            return name;
+            take(work.name, *work.claim + 1))
+            return work.name;
     }
     return std::nullopt;
+}
+
+std::optional<std::string> Claims::claim(const std::vector<std::string>& names,
+                                         std::optional<double> patience) {
+    const FolderContent content = contentOf(folder_);
+    if (!content.exists)
+        throw Error(ErrorKind::Failed, folder_.string() + ": cannot read: No such file or directory");
+    std::vector<Work> works;
+    for (const std::string& name : names) {
+        const auto known = content.claims.find(name);
+        works.push_back({name, known == content.claims.end() ? std::nullopt : std::optional(known->second)});
+    }
+    return claimOf(works, patience);
 }
 
 void Claims::release() {

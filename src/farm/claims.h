@@ -23,6 +23,21 @@ namespace glint::farm {
 // the host and the numbers of processes in common. Fit for a file's name.
 std::string newHolder();
 
+// What stands in a folder of work.
+struct FolderContent {
+    bool exists = false;
+    std::map<std::string, int> claims;  // of each work the number of its newest claim
+    std::vector<std::string> others;    // files that are no claims
+};
+// Throws Error(Failed) if it cannot be read.
+FolderContent contentOf(const std::filesystem::path& folder);
+
+// Some work, and the number of its newest claim, if somebody has claimed it.
+struct Work {
+    std::string name;
+    std::optional<int> claim;
+};
+
 class Claims {
   public:
     using Clock = std::chrono::steady_clock;
@@ -31,11 +46,15 @@ class Claims {
     Claims(const std::filesystem::path& folder, double lease);
     ~Claims();  // gives back what is held
 
-    // Tries to get one of `names`, none of which is done: the first that nobody has, else the first whose
+    // Tries to get one of `works`, none of which is done, and whose names may lie in folders below: the first
+    // that nobody has, else the first whose
     // holder has given it back or shown no life for a lease that this object has seen pass. Nothing if all
     // are held. Of those the first whose newest claim this object has seen for `patience` seconds, if that is
     // given: its holder lives, but is slow, and the work may be done twice. A holder on this host that has
     // ended is known to have without waiting. Throws Error(Failed) if the folder cannot be written.
+    std::optional<std::string> claimOf(const std::vector<Work>& works,
+                                       std::optional<double> patience = std::nullopt);
+    // The same with a look at the folder.
     std::optional<std::string> claim(const std::vector<std::string>& names,
                                      std::optional<double> patience = std::nullopt);
 
@@ -48,7 +67,6 @@ class Claims {
         std::string text;
         Clock::time_point since, begun;  // it has had this text, and been there at all
     };
-    std::map<std::string, int> newest() const;
     const Seen& look(const std::string& name, int generation);
     bool lapsed(const std::string& name, int generation);
     bool take(const std::string& name, int generation);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
 #include <system_error>
 
 #include "core/error.h"
@@ -19,10 +20,6 @@ namespace fs = std::filesystem;
 constexpr const char* kPicture = "picture";  // which one the folder is for
 constexpr const char* kNote = "written";
 constexpr const char* kMerge = "merge";
-
-std::string unitName(int part) {
-    return "unit-" + std::to_string(part);
-}
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& what) {
     throw Error(ErrorKind::Failed, path.string() + ": " + what);
@@ -63,18 +60,52 @@ SharedFolder::SharedFolder(const fs::path& folder, const UnitHeader& header, dou
     : folder_(ready(folder, header)),
       header_(header),
       claims_(folder, lease),
-      there_(static_cast<size_t>(header.parts), false) {}
-
-fs::path SharedFolder::resultPath(int part) const {
-    return folder_ / (unitName(part) + kPartExtension);
+      groupSize_(header.parts > kMostFlat ? kGroup : header.parts),
+      there_(static_cast<size_t>(header.parts), false) {
+    for (int first = 1; first <= header.parts; first += groupSize_)
+        left_.push_back(std::min(groupSize_, header.parts + 1 - first));
 }
 
-int SharedFolder::done() {
-    std::error_code code;
-    for (int part = 1; part <= header_.parts; ++part)
-        if (!there_[static_cast<size_t>(part) - 1] && fs::exists(resultPath(part), code))
-            there_[static_cast<size_t>(part) - 1] = true;
-    return static_cast<int>(std::count(there_.begin(), there_.end(), true));
+std::string SharedFolder::nameOfUnit(int part) const {
+    const int first = (part - 1) / groupSize_ * groupSize_ + 1;
+    return (left_.size() > 1 ? "units-" + std::to_string(first) + "/" : "") + "unit-" + std::to_string(part);
+}
+
+fs::path SharedFolder::resultPath(int part) const {
+    return folder_ / (nameOfUnit(part) + kPartExtension);
+}
+
+void SharedFolder::remember(int part) {
+    const auto index = static_cast<size_t>(part) - 1;
+    if (there_[index]) return;
+    there_[index] = true;
+    --left_[index / static_cast<size_t>(groupSize_)];
+    ++done_;
+}
+
+// Appends the group's units whose results are not there. True if nobody has claimed one of them.
+bool SharedFolder::look(int group, std::vector<Work>& works, std::vector<int>& parts) {
+    const int first = group * groupSize_ + 1, end = std::min(first + groupSize_, header_.parts + 1);
+    const fs::path folder = (folder_ / nameOfUnit(first)).parent_path();
+    const FolderContent content = contentOf(folder);
+    if (!content.exists) {
+        std::error_code code;
+        fs::create_directory(folder, code);
+        if (code) refuse(folder, "cannot write: " + code.message());
+    }
+    const std::set<std::string> files(content.others.begin(), content.others.end());
+    bool free = false;
+    for (int part = first; part < end; ++part) {
+        const std::string name = fs::path(nameOfUnit(part)).filename().string();
+        if (files.contains(name + kPartExtension)) remember(part);
+        if (there_[static_cast<size_t>(part) - 1]) continue;
+        const auto claim = content.claims.find(name);
+        const bool claimed = claim != content.claims.end();
+        works.push_back({nameOfUnit(part), claimed ? std::optional(claim->second) : std::nullopt});
+        parts.push_back(part);
+        free = free || !claimed;
+    }
+    return free;
 }
 
 bool SharedFolder::has(int part) const {
@@ -83,23 +114,28 @@ bool SharedFolder::has(int part) const {
 }
 
 std::optional<int> SharedFolder::next(std::optional<double> patience) {
-    done();
-    std::vector<std::string> names;
-    std::vector<int> parts;
-    for (int part = 1; part <= header_.parts; ++part) {
-        if (there_[static_cast<size_t>(part) - 1]) continue;
-        names.push_back(unitName(part));
-        parts.push_back(part);
+    while (true) {
+        const auto part = claimOne(patience);
+        if (!part || !has(*part)) return part;
+        claims_.release();  // its holder was done between the look and the claim
     }
-    const auto name = claims_.claim(names, patience);
+}
+
+std::optional<int> SharedFolder::claimOne(std::optional<double> patience) {
+    std::vector<Work> works;
+    std::vector<int> parts;
+    // Units are claimed in their order, so nobody is at those that follow one that is free.
+    for (size_t group = 0; group < left_.size(); ++group)
+        if (left_[group] > 0 && look(static_cast<int>(group), works, parts)) break;
+    const auto name = claims_.claimOf(works, patience);
     if (!name) return std::nullopt;
-    const auto at = std::find(names.begin(), names.end(), *name) - names.begin();
-    return parts[static_cast<size_t>(at)];
+    const auto at = std::find_if(works.begin(), works.end(), [&](const Work& w) { return w.name == *name; });
+    return parts[static_cast<size_t>(at - works.begin())];
 }
 
 void SharedFolder::put(const UnitResult& result) {
     writeFile(resultPath(result.unit.part), encodePart(header_, result));
-    there_[static_cast<size_t>(result.unit.part) - 1] = true;
+    remember(result.unit.part);
     claims_.release();
 }
 

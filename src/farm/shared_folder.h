@@ -14,16 +14,21 @@ namespace glint::farm {
 
 class SharedFolder {
   public:
+    // More than kMostFlat units lie in folders of kGroup each, so that a look at what is left costs as much
+    // as there are processes, not as there are units: folders whose units are all there are not looked at
+    // again, nor those that nobody has begun.
+    static constexpr int kMostFlat = 1024, kGroup = 256;
+
     // Makes the folder if it is not there, and says in it which picture it is for, unless another process
     // has. Throws Error(Failed) if it is for another picture (and says in what), or cannot be used.
     SharedFolder(const std::filesystem::path& folder, const UnitHeader& header, double lease);
 
-    // Units whose results are there; at most UnitHeader::parts.
-    int done();
-    bool complete() { return done() == header_.parts; }
+    // Units whose results were there when next() looked; at most UnitHeader::parts.
+    int done() const { return done_; }
+    bool complete() const { return done_ == header_.parts; }
 
-    // A unit to draw, by its number from 1; nothing if all others are done or somebody's. Of those the first
-    // that somebody has had for `patience` seconds, if that is given.
+    // Looks at the folder. A unit to draw, by its number from 1; nothing if all others are done or
+    // somebody's. Of those the first that somebody has had for `patience` seconds, if that is given.
     std::optional<int> next(std::optional<double> patience = std::nullopt);
     // Its result is there.
     bool has(int part) const;
@@ -42,12 +47,19 @@ class SharedFolder {
     void setNote(const std::string& text);
 
   private:
+    std::string nameOfUnit(int part) const;  // below the folder
     std::filesystem::path resultPath(int part) const;
+    std::optional<int> claimOne(std::optional<double> patience);
+    bool look(int group, std::vector<Work>& works, std::vector<int>& parts);
+    void remember(int part);
 
     const std::filesystem::path folder_;
     const UnitHeader header_;
     Claims claims_;
+    const int groupSize_;
     std::vector<bool> there_;  // results, by number less 1
+    std::vector<int> left_;    // units of each group whose results are not there
+    int done_ = 0;
 };
 
 }  // namespace glint::farm
