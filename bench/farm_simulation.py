@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What many machines would make of one picture: the hand-out of src/farm/hand_out.cpp, played through with workers that vary, die and hang.
 
-    bench/farm_simulation.py --rates rates.json [--workers 10,100,1000,10000] [--pixels P] [--samples S] [--seed 1] [--check]
+    bench/farm_simulation.py --rates rates.json [--workers 10,100,1000,10000] [--pixels P] [--samples S] [--units N] [--seed 1] [--check]
 
 `rates.json` comes from bench/farm_rates.py. What cannot be measured on one machine is assumed, and an option each: the network, how much
 units and machines differ, and how often machines die. The same seed gives the same table.
@@ -129,7 +129,7 @@ def broadcast(options, workers):
 def simulate(options, rates, workers, units_each, deaths):
     pixels = options.pixels
     work = rates["draw"] * options.samples / rates["samples"] * pixels / rates["pixels"]
-    units = min(max(units_each * workers, 16), 2 ** 20)
+    units = options.units or min(max(units_each * workers, 16), 2 ** 20)
     spread_over = broadcast(options, workers)
     result = rates["merge"] / rates["pixels"] * pixels / units
     farm = Farm(options, workers, units, work / units, rates["start"] + spread_over, result, deaths, options.seed)
@@ -152,6 +152,7 @@ def main():
     parser.add_argument("--machines", type=float, default=0.1, help="of the speeds of machines")
     parser.add_argument("--noise", type=float, default=0.05, help="of the same work on the same machine")
     parser.add_argument("--startup", type=float, default=0.5, help="how much longer the last worker takes to start")
+    parser.add_argument("--units", type=int, help="in all, whatever the number of workers (default: 2, 8 and 32 for each)")
     parser.add_argument("--lease", type=float, default=15)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--check", action="store_true")
@@ -164,10 +165,10 @@ def main():
           "|---|---|---|---|---|---|---|---|---|")
     bad = False
     for workers in map(int, options.workers.split(",")):
-        for units_each, deaths in ((2, 0), (8, 0), (8, workers // 100), (32, 0)):
+        for units_each, deaths in [(options.units / workers, 0)] if options.units else [(2, 0), (8, 0), (8, workers // 100), (32, 0)]:
             r = simulate(options, rates, workers, units_each, deaths)
             bad = bad or r["bad"]
-            print(f"| {workers:,} | {units_each} | {r['unit']:.1f} | {deaths} | {r['broadcast']:.1f} | {r['seconds']:,.0f} | {r['efficiency']:.2f} | "
+            print(f"| {workers:,} | {units_each:.3g} | {r['unit']:.1f} | {deaths} | {r['broadcast']:.1f} | {r['seconds']:,.0f} | {r['efficiency']:.2f} | "
                   f"{r['writer']:.2f} | {r['twice']:.3f} |", flush=True)
     raise SystemExit(bad and options.check)
 
