@@ -44,11 +44,21 @@ int partsFor(const farm::CostMap& costs, uint32_t samples) {
     return static_cast<int>(std::clamp(parts > kMany ? std::sqrt(kMany * parts) : parts, kLeast, kMost));
 }
 
-// What draws and what gathers holds whole units.
-int partsToHold(const Region& region, uint64_t bytesPerPixel) {
+uint64_t mostPixelsOf(const std::vector<std::vector<Region>>& cut) {
+    uint64_t most = 0;
+    for (const std::vector<Region>& regions : cut) most = std::max(most, pixelsOf(regions));
+    return most;
+}
+
+// What draws and what gathers holds whole units: of those the cheapest, of sky, have most pixels.
+std::vector<std::vector<Region>> cutToHold(const farm::CostMap& costs, int parts, uint64_t bytesPerPixel) {
     constexpr uint64_t kUnitBytes = uint64_t{1} << 28;
-    return static_cast<int>(std::clamp<uint64_t>(pixelsOf({region}) * bytesPerPixel / kUnitBytes, 1,
-                                                 static_cast<uint64_t>(farm::kMostParts)));
+    auto cut = farm::cutPicture(costs, parts);
+    while (mostPixelsOf(cut) * bytesPerPixel > kUnitBytes && parts < farm::kMostParts) {
+        parts = std::min(2 * parts, farm::kMostParts);
+        cut = farm::cutPicture(costs, parts);
+    }
+    return cut;
 }
 
 }  // namespace
@@ -64,10 +74,10 @@ UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream
     request_.progress = nullptr;
     const auto costs =
         farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
-    if (parts == 0)
-        parts = std::max({partsFor(costs, request_.samples.count()), leastParts,
-                          partsToHold(region, bytesPerPixel(command.aovs, false))});
-    cut_ = farm::cutPicture(costs, parts);
+    cut_ = parts > 0 ? farm::cutPicture(costs, parts)
+                     : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
+                                 bytesPerPixel(command.aovs, false));
+    parts = static_cast<int>(cut_.size());
     header_ = {identityOf(command, loaded_, request_), region, command.aovs, parts};
     header_.identity.facts.emplace_back("parts", std::to_string(parts));
     header_.identity.facts.emplace_back("cut", hashOf(cut_));
@@ -78,9 +88,7 @@ uint64_t UnitRenderer::pixelsOf(int part) const {
 }
 
 uint64_t UnitRenderer::mostPixels() const {
-    uint64_t most = 0;
-    for (const std::vector<Region>& regions : cut_) most = std::max(most, app::pixelsOf(regions));
-    return most;
+    return mostPixelsOf(cut_);
 }
 
 std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function<void(double)>& progress,

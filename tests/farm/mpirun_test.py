@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -55,6 +56,14 @@ def has_the_bits_of_one_process(folder):
         check(stats["ranks"] == ranks and stats["lostRanks"] == [], stats)
         check((folder / "all.pfm").read_bytes() == expected, f"{ranks} ranks have the bits of one process")
         check(ran.stderr == "", ran.stderr)
+
+
+def one_machine_looks_for_no_networks(folder):
+    """Unless the user says what Open MPI is to send by."""
+    for more, others in (([], False), (["--mca", "pml", "^v"], True)):
+        ran = run(mpirun("render", SCENE, *OPTIONS, "-q", "-o", folder / "all.pfm", more=["--mca", "pml_base_verbose", "10", *more]))
+        opened = set(re.findall(r"found loaded component (\w+)", ran.stderr))
+        check("ob1" in opened and (opened != {"ob1"}) == others, f"{more}: {opened}")
 
 
 def devices_do_too(folder):
@@ -195,7 +204,7 @@ def trials(folder):
     print(f"{good} of 30 complete with equal bits; {plain:.2f} s without a death, with one median {times[15]:.2f}, worst {times[-1]:.2f}")
 
 
-TESTS = [has_the_bits_of_one_process, devices_do_too, the_scene_is_read_by_rank_0_alone, mistakes_are_said_once, one_rank_may_fail,
+TESTS = [has_the_bits_of_one_process, one_machine_looks_for_no_networks, devices_do_too, the_scene_is_read_by_rank_0_alone, mistakes_are_said_once, one_rank_may_fail,
          other_ways_are_not_disturbed, a_killed_rank_loses_nothing, without_recovery_mpirun_ends_all, interrupts_end_all]
 for test in [globals()[name] for name in sys.argv[4:]] or TESTS:
     with tempfile.TemporaryDirectory() as name:
