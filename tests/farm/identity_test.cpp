@@ -10,6 +10,9 @@ const Identity kHere = {{{"glint", "1"}, {"file a.obj", "12"}, {"size", "4x3"}}}
 TEST(Identity, NamesTheFirstFactThatDiffers) {
     Identity there = kHere;
     EXPECT_EQ(difference(there, kHere), "");
+    there.facts[0].second = "2";
+    EXPECT_EQ(difference(there, kHere), "glint is 2 there and 1 here");
+    there = kHere;
     there.facts[2].second = "8x6";
     EXPECT_EQ(difference(there, kHere), "size is 8x6 there and 4x3 here");
     there.facts[1].second = "13";
