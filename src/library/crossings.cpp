@@ -41,10 +41,17 @@ bool forBlocks(uint64_t count, const Callbacks& callbacks,
     return !stopped;
 }
 
+render::ReadRays readsOf(const RayReader& rays) {
+    return [&rays](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
+        rays.rounded(numbers, inputs);
+    };
+}
+
 struct CountRun {
     const Snapshot::Part& part;
     uint64_t count;
     ReadRay ray;
+    render::ReadRays read;  // the same rays, as the device reads them
     const Callbacks& callbacks;
     // From several threads. doubtful: the number is the host's, and the device knows another.
     std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
@@ -55,9 +62,7 @@ struct CountRun {
         task.ask = render::RayTask::Ask::Count;
         task.cancelled = callbacks.cancelled;
         task.progress = callbacks.progress;
-        task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
-            for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = render::roundedRay(ray(numbers[i]));
-        };
+        task.fill = read;
         task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
             for (size_t i = 0; i < found.size(); ++i) {
                 const uint32_t crossings =
@@ -141,7 +146,11 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
     const Snapshot::Part& part = snapshot.counting();
     std::vector<uint32_t> counts(rays.count());
     std::vector<uint8_t> doubtful(rays.count());
-    CountRun{part, rays.count(), [&](uint64_t i) { return rays.local(i); }, callbacks,
+    CountRun{part,
+             rays.count(),
+             [&](uint64_t i) { return rays.local(i); },
+             readsOf(rays),
+             callbacks,
              [&](uint64_t i, uint32_t crossings, bool doubt) {
                  counts[i] = crossings;
                  doubtful[i] = doubt;
@@ -200,7 +209,11 @@ glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
         require(count != nullptr && count->data != nullptr, "glint_query_count: count is NULL");
         const Output out(*count, Output::Kind::Index, 1, reader.count(), "count");
         const Callbacks callbacks(options);
-        CountRun{snapshot->counting(), reader.count(), [&](uint64_t i) { return reader.local(i); }, callbacks,
+        CountRun{snapshot->counting(),
+                 reader.count(),
+                 [&](uint64_t i) { return reader.local(i); },
+                 readsOf(reader),
+                 callbacks,
                  [&](uint64_t i, uint32_t crossings, bool) { out.putIndex(i, crossings); }}
             .run();
     });
@@ -237,7 +250,15 @@ glint_status glint_query_inside(const glint_scene* scene, const glint_view* poin
             up.direction = {0, 0, 1};
             return localRay(up, part.packed.origin);
         };
-        CountRun{part, given.count(), ray, callbacks,
+        const auto read = [&](const glint::render::RayNumbers& numbers,
+                              std::span<glint::render::RayInput> inputs) {
+            for (size_t i = 0; i < inputs.size(); ++i) inputs[i] = glint::render::roundedRay(ray(numbers[i]));
+        };
+        CountRun{part,
+                 given.count(),
+                 ray,
+                 read,
+                 callbacks,
                  [&](uint64_t i, uint32_t crossings, bool) {
                      const glm::dvec3 point = ray(i).origin;
                      const bool on = glm::all(glm::lessThan(glm::abs(point), glm::dvec3(1e30))) &&

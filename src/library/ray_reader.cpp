@@ -100,6 +100,12 @@ void HitWriter::writeMiss(uint64_t i) const {
 }
 
 void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const {
+    const bool asked = hit.primitive != shared::kNone && (places_ || surfaces_);
+    write(i, ray, hit, asked ? &part_.tracer() : nullptr);
+}
+
+void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit,
+                      const reference::Tracer* tracer) const {
     const bool found = hit.primitive != shared::kNone;
     hit_.putFlag(i, found ? 1 : 0);
     if (!found) {
@@ -109,9 +115,9 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     t_.put(i, ray.worldT(hit.t));
     const bool triangle = hit.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
     uv_.put(i, triangle ? hit.u : 0, triangle ? hit.v : 0);
-    if (!places_ && !surfaces_) return;
+    if (tracer == nullptr) return;
     const PackedScene& packed = part_.packed;
-    const reference::Surface surface = part_.tracer().surfaceAt(referenceRay(ray), hit);
+    const reference::Surface surface = tracer->surfaceAt(referenceRay(ray), hit);
     geometry_.putIndex(i, surface.object);
     primitive_.putIndex(i, surface.primitive);
     material_.putIndex(i, surface.material);
@@ -119,19 +125,27 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     normal_.put(i, surface.geometricNormal);
 }
 
-// What Tracer::surfaceAt would say of triangles without instances, by the same operations; array by array, as
-// that is what costs least. triangles: kNone for a miss.
+// What Tracer::surfaceAt would say of triangles, by the same operations; array by array, as that is what
+// costs least. Points and normals are of triangles without instances alone. triangles: kNone for a miss.
 void HitWriter::writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
                                std::span<const uint32_t> triangles) const {
     const PackedScene& packed = part_.packed;
-    const auto put = [&](const Output& out, uint32_t shared::TriangleSurface::*what) {
+    const auto put = [&](const Output& out, const auto& of) {
         out.putAllWhole(numbers, found.size(), [&](size_t k) {
-            return triangles[k] == shared::kNone ? GLINT_NONE : packed.triangleSurfaces[triangles[k]].*what;
+            return triangles[k] == shared::kNone
+                       ? GLINT_NONE
+                       : of(packed.triangleSurfaces[triangles[k]], found[k].instance);
         });
     };
-    put(geometry_, &shared::TriangleSurface::object);
-    put(primitive_, &shared::TriangleSurface::primitive);
-    put(material_, &shared::TriangleSurface::material);
+    put(geometry_, [&](const shared::TriangleSurface& own, uint32_t instance) {
+        return instance == shared::kNone ? own.object : packed.instances[instance].object;
+    });
+    put(primitive_, [](const shared::TriangleSurface& own, uint32_t) { return own.primitive; });
+    put(material_, [&](const shared::TriangleSurface& own, uint32_t instance) {
+        const uint32_t other =
+            instance == shared::kNone ? shared::kNone : packed.instances[instance].material;
+        return other == shared::kNone ? own.material : other;
+    });
     uv_.putAll(numbers, found.size(), [&](size_t k) {
         return triangles[k] == shared::kNone ? glm::dvec2(0) : glm::dvec2(found[k].u, found[k].v);
     });
@@ -159,7 +173,7 @@ void HitWriter::write(const render::RayNumbers& numbers, std::span<const render:
     for (size_t k = 0; k < found.size(); ++k) {
         const uint32_t primitive = found[k].primitive;
         const bool triangle = primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-                              found[k].instance == shared::kNone;
+                              (found[k].instance == shared::kNone || !surfaces_);
         triangles[k] = triangle ? primitive & shared::kPrimitiveIndexMask : shared::kNone;
         others = others || (!triangle && primitive != shared::kNone);
     }
@@ -172,12 +186,14 @@ void HitWriter::write(const render::RayNumbers& numbers, std::span<const render:
     });
     writeTriangles(numbers, found, std::span(triangles).first(found.size()));
     if (!others) return;
+    const reference::Tracer* const tracer = places_ || surfaces_ ? &part_.tracer() : nullptr;
     for (size_t k = 0; k < found.size(); ++k) {
         const render::FoundHit& hit = found[k];
         if (hit.primitive == shared::kNone || triangles[k] != shared::kNone) continue;
         write(numbers[k], rays.local(numbers[k]),
               {static_cast<double>(hit.t), static_cast<double>(hit.u), static_cast<double>(hit.v),
-               hit.primitive, 0, hit.instance});
+               hit.primitive, 0, hit.instance},
+              tracer);
     }
 }
 

@@ -40,6 +40,9 @@ class HitWriter {
     bool wantsAny() const;
 
   private:
+    // tracer: null where neither places nor surfaces are wanted.
+    void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit,
+               const reference::Tracer* tracer) const;
     void writeMiss(uint64_t i) const;
     void writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
                         std::span<const uint32_t> triangles) const;
