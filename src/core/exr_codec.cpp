@@ -9,6 +9,7 @@
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <ImfTileDescription.h>
 #include <ImfVersion.h>
 
@@ -40,6 +41,12 @@ constexpr double kMostBytesPerByte = 1032 * 4.0 / 3;
 constexpr double kNoBound = 1e30;
 constexpr double kMostChunkBytes = 512.0 * 1024 * 1024;
 constexpr int kBand = 64;  // rows that are asked for at once
+
+// The library makes its pool of threads, which has none, when it first hands out a task. Where memory runs
+// out just then, it waits for that task for ever (3.1.5); so the pool is made before there are any.
+void makePool() {
+    Imf::globalThreadCount();
+}
 
 class MemoryReader : public Imf::IStream {
   public:
@@ -274,6 +281,7 @@ void encoding(const exr::SinkStream& stream, const Work& work) {
 ExrRows::ExrRows(ByteSink& sink, int width, int height, const std::vector<std::string>& channels,
                  const PictureNotes& notes)
     : state_(std::make_unique<State>(sink, width, height, channels)) {
+    makePool();
     for (const auto& [name, value] : notes) {
         if (const double* number = std::get_if<double>(&value))
             state_->header.insert(name, Imf::DoubleAttribute(*number));
@@ -317,6 +325,7 @@ Bytes encodeExr(int width, int height, std::vector<ExrChannel> channels, const P
 
 Image decodeExr(ByteView file, uint64_t mostPixels) {
     try {
+        makePool();
         checkHeaders(file, mostPixels);
         MemoryReader stream(file);
         Imf::MultiPartInputFile parts(stream, 0, false);
