@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
+#include "gpu/loader_call.h"
 
 namespace glint::gpu {
 namespace {
@@ -41,11 +42,11 @@ std::vector<VkQueueFamilyProperties> queueFamilies(const InstanceTable& vk, VkPh
 
 std::vector<VkExtensionProperties> deviceExtensions(const InstanceTable& vk, VkPhysicalDevice device) {
     uint32_t count = 0;
-    check(vk.vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
-          "vkEnumerateDeviceExtensionProperties");
+    const char* const call = "vkEnumerateDeviceExtensionProperties";
+    const auto enumerate = vk.vkEnumerateDeviceExtensionProperties;
+    check(loaderCall(call, enumerate, device, nullptr, &count, nullptr), call);
     std::vector<VkExtensionProperties> extensions(count);
-    check(vk.vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
-          "vkEnumerateDeviceExtensionProperties");
+    check(loaderCall(call, enumerate, device, nullptr, &count, extensions.data()), call);
     extensions.resize(count);
     return extensions;
 }

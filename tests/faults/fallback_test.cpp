@@ -2,6 +2,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "app/child.h"
 #include "app/support.h"
 #include "support/environment.h"
 
@@ -109,6 +110,26 @@ TEST_F(Fallback, DevicesThatDoNotOpenAreReplaced) {
         files("VK_DRIVER_FILES", "/nonexistent.json");
     expectFailure("", "no Vulkan device");
     expectFallback("", "no Vulkan device");
+}
+
+// What lavapipe does where an operator new in LLVM fails. The loader's lock is left held, so each is a
+// process of its own, and all of them end.
+TEST_F(Fallback, ExceptionsThatPassTheLoaderEndNothingElse) {
+    for (const std::string call : {"vkCreateInstance", "vkEnumeratePhysicalDevices", "vkCreateDevice"}) {
+        const Child::Environment environment = {{"GLINT_FAULT", "bad_alloc:" + call + " 1"}};
+        const std::string line = call + " failed: the driver ran out of the processor's memory; try again";
+        Child failed({"render", "a.json", "-o", "out.pfm"}, environment);
+        EXPECT_EQ(failed.wait(), 4);
+        EXPECT_EQ(failed.err(), "glint: " + line + ", or use --backend cpu\n");
+        EXPECT_FALSE(std::filesystem::exists("out.pfm"));
+        Child replaced({"render", "a.json", "-o", "out.pfm", "--fallback", "cpu"}, environment);
+        EXPECT_EQ(replaced.wait(), 0);
+        EXPECT_NE(replaced.err().find(line), std::string::npos) << replaced.err();
+        EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm"));
+        std::filesystem::remove("out.pfm");
+    }
+    Child told({"info", "a.json"}, {{"GLINT_FAULT", "bad_alloc:vkEnumeratePhysicalDevices 1"}});
+    EXPECT_EQ(told.wait(), 0) << told.err();
 }
 
 TEST_F(Fallback, EveryAllocationMayFail) {
