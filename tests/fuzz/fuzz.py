@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs the fuzz targets of a build with GLINT_FUZZ, one after the other.
+"""Runs the fuzz targets of a build with GLINT_FUZZ, N at a time (1 unless said).
 
-    fuzz.py BUILD [--seconds N] [--runs N] [--only NAME...] [--keep FOLDER]
+    fuzz.py BUILD [--seconds N] [--runs N] [--jobs N] [--only NAME...] [--keep FOLDER]
 
 Seeds are made from the repository's own scenes, models and pictures and from tests/hostile. What a target finds beyond them is kept in
 BUILD/corpus/NAME (--keep: FOLDER/NAME) and is where the next run begins. The time is shared out evenly; with --runs each target has that
@@ -10,6 +10,7 @@ code is 1.
 """
 import argparse
 import base64
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -218,6 +219,7 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--runs", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--only", nargs="+", choices=sorted(TARGETS), default=list(TARGETS))
     parser.add_argument("--keep", type=pathlib.Path)
     given = parser.parse_args()
@@ -227,10 +229,11 @@ def main():
     share = 0 if given.runs else max(1, given.seconds // len(given.only))
     failed = False
     print(f"{'target':8} {'executions':>12} {'a second':>9} {'MiB':>6} {'corpus':>7}")
-    for name in given.only:
-        executions, rate, peak, files, wrong = run(build, name, keep / name, share, given.runs)
-        print(f"{name:8} {executions:12} {rate:9} {peak:6} {files:7}  {wrong}", flush=True)
-        failed = failed or bool(wrong) or executions == 0
+    with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
+        results = pool.map(lambda name: run(build, name, keep / name, share, given.runs), given.only)
+        for name, (executions, rate, peak, files, wrong) in zip(given.only, results):
+            print(f"{name:8} {executions:12} {rate:9} {peak:6} {files:7}  {wrong}", flush=True)
+            failed = failed or bool(wrong) or executions == 0
     sys.exit(1 if failed else 0)
 
 
