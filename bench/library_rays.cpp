@@ -3,8 +3,9 @@
 // What a batch costs by libglint's C API, from the caller's arrays to the caller's arrays, against the
 // kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
 // scene's box and of a camera's. fp32 origins and directions. Seconds of processor time, the best of so many
-// turns.
+// turns. Of certified hits also how many rays the device leaves to the host, and how many are left undecided.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -77,7 +78,9 @@ glint_view viewOf(const std::vector<glm::vec3>& v) {
 
 using Ask = render::RayTask::Ask;
 
-double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask) {
+// uncertain: receives how many rays a certifying kernel leaves to the host.
+double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::dvec3& origin, Ask ask,
+                     size_t& uncertain) {
     BatchTimes times;
     render::RayTask task;
     task.count = kRays;
@@ -89,12 +92,18 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
             inputs[i] = render::roundedRay(localRay(
                 {glm::dvec3(rays.origins[numbers[i]]), glm::dvec3(rays.directions[numbers[i]])}, origin));
     };
-    task.take = [](const render::RayNumbers&, std::span<const render::FoundHit>) {};
+    std::atomic<size_t> certain = 0;
+    task.take = [&](const render::RayNumbers&, std::span<const render::FoundHit> found) {
+        certain += static_cast<size_t>(
+            std::count_if(found.begin(), found.end(), [](const auto& hit) { return hit.certain; }));
+    };
     queries.run(task);
+    uncertain = kRays - certain;
     return times.processor;
 }
 
-double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask) {
+// undecided: receives how many certified hits are not sure.
+double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, size_t& undecided) {
     static std::vector<float> t(kRays);
     static std::vector<uint32_t> geometry(kRays), primitive(kRays);
     static std::vector<uint8_t> hit(kRays);
@@ -107,11 +116,14 @@ double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask) {
     hits.geometry = {geometry.data(), kRays, 0, GLINT_U32, 0};
     hits.primitive = {primitive.data(), kRays, 0, GLINT_U32, 0};
     const glint_out flags = {hit.data(), kRays, 0, GLINT_U8, 0};
+    if (ask == Ask::Certain) hits.sure = flags;
     const Timer timer;
-    if (ask == Ask::Nearest) check(glint_query_closest(scene, &asked, &hits, nullptr));
+    if (ask == Ask::Nearest || ask == Ask::Certain) check(glint_query_closest(scene, &asked, &hits, nullptr));
     if (ask == Ask::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
     if (ask == Ask::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
-    return timer.elapsed().cpu;
+    const double seconds = timer.elapsed().cpu;
+    undecided = static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t{0}));
+    return seconds;
 }
 
 void measure(const char* path, glint_device* device, const gpu::Device& vulkan) {
@@ -122,17 +134,22 @@ void measure(const char* path, glint_device* device, const gpu::Device& vulkan) 
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);
     for (const Rays& rays : {randomRays(lo, hi), cameraRays(lo, hi)}) {
-        for (const auto& [ask, name] : {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"),
-                                        std::pair(Ask::Count, "count")}) {
+        for (const auto& [ask, name] :
+             {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"), std::pair(Ask::Count, "count"),
+              std::pair(Ask::Certain, "certified")}) {
             double kernel = 1e9, call = 1e9;
+            size_t uncertain = 0, undecided = 0;
             for (int turn = 0; turn < kTurns; ++turn) {
-                kernel = std::min(kernel, kernelSeconds(queries, rays, packed.origin, ask));
-                call = std::min(call, callSeconds(scene, rays, ask));
+                kernel = std::min(kernel, kernelSeconds(queries, rays, packed.origin, ask, uncertain));
+                call = std::min(call, callSeconds(scene, rays, ask, undecided));
             }
             std::printf(
                 "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the "
                 "kernel\n",
                 path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
+            if (ask == Ask::Certain)
+                std::printf("    left to the host %.2e, undecided %.2e\n",
+                            static_cast<double>(uncertain) / kRays, static_cast<double>(undecided) / kRays);
             std::fflush(stdout);
         }
     }

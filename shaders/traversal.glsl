@@ -12,6 +12,9 @@
 #ifdef GLINT_CROSSINGS
 #include "crossings.glsl"
 #endif
+#ifdef GLINT_CERTIFY
+#include "certainty.glsl"
+#endif
 #include "instance.glsl"
 #include "intersect.glsl"
 #include "material.glsl"
@@ -50,6 +53,9 @@ struct Traversal {
     uvec2 list;     // the first place of what is crossed, and how many there are
     uint aside;     // triangles put aside, and which
     uvec4 aside0, aside1;
+#endif
+#ifdef GLINT_CERTIFY
+    Certainty certainty;
 #endif
 };
 
@@ -117,7 +123,11 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         traversal.ray.direction = direction;
         traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
         traversal.sourceTriangle = triangleOf(traversal.ray.source);
-        traversal.frame = makeFrame(origin, direction, toWorld ? traversal.pad : 0.0);
+        float pad = toWorld ? traversal.pad : 0.0;
+#ifdef GLINT_CERTIFY
+        pad = enterWithErrors(traversal.certainty, traversal.world, traversal.ray, instance, toWorld, pad);
+#endif
+        traversal.frame = makeFrame(origin, direction, pad);
         traversal.instance = target;
         traversal.idBase = toWorld ? 0u : instance.idBase;
         traversal.mirrored = !toWorld && instance.mirrored != 0u;
@@ -291,6 +301,9 @@ bool prepare(inout Traversal traversal, Environment environment) {
         traversal.world = traversal.ray;
         if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kNone;
     }
+#ifdef GLINT_CERTIFY
+    traversal.pad += boxPad(traversal.certainty);
+#endif
     traversal.sourceTriangle = triangleOf(traversal.ray.source);
     traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
     return traversal.ray.tMax > traversal.ray.tMin;

@@ -310,9 +310,25 @@ typedef struct glint_hits {
         uv; /* two of F32 or F64: of a triangle a, b, c the point is (1 - u - v) a + u b + v c; else 0 */
     glint_out point;  /* three of F32 or F64, world */
     glint_out normal; /* three of F32 or F64: geometric, outward, unit */
+    /* Of glint_query_closest alone; where one of the three is wanted, the nearest hit is that of exact
+     * arithmetic on the caller's numbers, see there. */
+    glint_out sure;    /* U8: 1 if that is proven, else 0 */
+    glint_out t_lower; /* F32 or F64: the exact t is not below it */
+    glint_out t_upper; /* F32 or F64: the exact t is not above it */
 } glint_hits;
 
-/* The nearest hit of each ray. */
+/* The nearest hit of each ray.
+ *
+ * Where hits->sure, t_lower or t_upper is wanted, answers are certified: of rays and vertices as they were
+ * given, in exact arithmetic, whatever is rounded on the way. A device proves what it can; rays that pass
+ * edges too closely for that are decided by the host, in double and in the end in whole numbers. sure = 1:
+ * the surface named is the nearest (of several at the same t the one that was added first), or the ray meets
+ * nothing, and then both bounds are infinite. sure = 0: not decided, which no ray is that may meet triangles
+ * and planes alone; then the answer is that of other queries, nothing is met before t_lower, and something is
+ * by t_upper, infinite if that is not known either. Spheres are decided but where a ray touches one, or meets
+ * it as far as rounding to double tells where it meets something else. Surfaces of other kinds, and such as
+ * may have holes, are not. Triangles that the scene leaves out are no part of it; what a transform moves, and
+ * is no instance, is moved to the nearest doubles. */
 GLINT_API glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays,
                                            const glint_hits* hits, const glint_options* options);
 /* Whether there is a hit: U8, 1 or 0 for each ray. */

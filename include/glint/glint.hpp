@@ -243,6 +243,9 @@ struct Hits {
     Out uv = {};         // two numbers
     Out point = {};      // three numbers, world
     Out normal = {};     // three numbers: geometric, outward, unit
+    Out sure = {};       // uint8_t: 1 if the nearest hit is proven
+    Out tLower = {};     // the exact t is not below it
+    Out tUpper = {};     // nor above it
 
     // As C has it.
     glint_hits raw() const {
@@ -255,6 +258,9 @@ struct Hits {
         hits.uv = uv.raw;
         hits.point = point.raw;
         hits.normal = normal.raw;
+        hits.sure = sure.raw;
+        hits.t_lower = tLower.raw;
+        hits.t_upper = tUpper.raw;
         return hits;
     }
 };

@@ -43,6 +43,9 @@ class Hits(Protocol):
     uv: NDArray[Any]
     point: NDArray[Any]
     normal: NDArray[Any]
+    sure: NDArray[numpy.bool_]
+    t_lower: NDArray[Any]
+    t_upper: NDArray[Any]
 
 
 class Picture(Protocol):
@@ -57,6 +60,7 @@ class Picture(Protocol):
 
 
 _WIDTHS = {"uv": 2, "point": 3, "normal": 3, "position": 3, "color": 4}
+_FLAGS = ("hit", "sure")
 _INDICES = ("geometry", "primitive", "material")
 
 
@@ -185,7 +189,7 @@ class _RayArrays:
 def _hit_arrays(want: Iterable[str], count: int, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     for name in want:
-        if name == "hit":
+        if name in _FLAGS:
             arrays[name] = numpy.empty(count, numpy.uint8)
         elif name in _INDICES:
             arrays[name] = numpy.empty(count, numpy.uint32)
@@ -207,8 +211,8 @@ def _hits_struct(arrays: dict[str, NDArray[Any]]) -> Any:
 def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] | None = None) -> Any:
     if shape is not None:
         arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
-    if "hit" in arrays:
-        arrays["hit"] = arrays["hit"].view(numpy.bool_)
+    for flag in arrays.keys() & set(_FLAGS):
+        arrays[flag] = arrays[flag].view(numpy.bool_)
     return collections.namedtuple(name, arrays)(**arrays)
 
 
@@ -348,6 +352,8 @@ class Scene:
 
         rays: (..., 6), or origins (..., 3) with directions (..., 3), either may be one for all. want: of hit, t, geometry, primitive,
         material, uv, point, normal. On a miss t is inf, indices are NONE, all else is 0. uv: the point is (1 - u - v) a + u b + v c.
+        Where `want` has sure, t_lower or t_upper, hits are certified: those of exact arithmetic on the numbers given. sure: it is
+        proven; the exact t is between t_lower and t_upper. Every ray is sure that meets triangles and planes alone.
         coherent: neighbours in the array go about the same way, which may be faster. cancelled: asked now and then, ends the call if
         true; progress: told the part that is done.
         """

@@ -36,7 +36,7 @@ def _struct(name: str, fields: list[tuple[str, Any]]) -> Any:
 
 Rays = _struct("Rays", [("origins", View), ("directions", View), ("t_min", View), ("t_max", View), ("flags", ctypes.c_uint32),
                         ("reserved", ctypes.c_uint32)])
-HIT_FIELDS = ("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal")
+HIT_FIELDS = ("hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper")
 Hits = _struct("Hits", [(name, View) for name in HIT_FIELDS])
 Triangles = _struct("Triangles", [("vertices", View), ("indices", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])
 Spheres = _struct("Spheres", [("centers", View), ("radii", View), ("material", ctypes.c_uint32), ("reserved", ctypes.c_uint32)])

@@ -1,6 +1,5 @@
 // Queries that count: crossings, all hits, insides.
 #include <algorithm>
-#include <atomic>
 
 #include "core/parallel.h"
 #include "library/ray_reader.h"
@@ -18,27 +17,6 @@ using ReadRay = std::function<LocalRay(uint64_t)>;
 
 std::vector<Hit> crossingsOf(const Snapshot::Part& part, const LocalRay& ray) {
     return reference::crossings(part.tracer(), referenceRay(ray));
-}
-
-// Blocks of rays on all processors; false if it was cancelled.
-bool forBlocks(uint64_t count, const Callbacks& callbacks,
-               const std::function<void(uint64_t first, uint64_t end)>& body) {
-    constexpr uint64_t kTurn = 1024;
-    const uint64_t turns = (count + kTurn - 1) / kTurn;
-    std::atomic<bool> stopped = false;
-    std::mutex mutex;
-    uint64_t done = 0;
-    parallelFor(turns, [&](size_t turn) {
-        if (stopped || (callbacks.cancelled && callbacks.cancelled())) {
-            stopped = true;
-            return;
-        }
-        body(turn * kTurn, std::min((turn + 1) * kTurn, count));
-        if (!callbacks.progress) return;
-        const std::lock_guard lock(mutex);
-        callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
-    });
-    return !stopped;
 }
 
 render::ReadRays readsOf(const RayReader& rays) {
@@ -74,11 +52,10 @@ struct CountRun {
         if (!part.queries->run(task)) reportCancelled();
     }
     void onHost() const {
-        const bool whole = forBlocks(count, callbacks, [&](uint64_t first, uint64_t end) {
+        forBlocks(count, callbacks, [&](uint64_t first, uint64_t end) {
             for (uint64_t i = first; i < end; ++i)
                 take(i, static_cast<uint32_t>(crossingsOf(part, ray(i)).size()), false);
         });
-        if (!whole) reportCancelled();
     }
     void run() const { part.queries ? onDevice() : onHost(); }
 };
@@ -228,6 +205,9 @@ glint_status glint_query_all(const glint_scene* scene, const glint_rays* rays, c
                             reader.count() + 1, "offsets");
         glint_hits wanted{};
         if (hits != nullptr) wanted = readStruct(hits, "hits");
+        require(
+            wanted.sure.data == nullptr && wanted.t_lower.data == nullptr && wanted.t_upper.data == nullptr,
+            "glint_query_all: hits.sure, t_lower and t_upper are for glint_query_closest");
         listAll(*snapshot, reader, places, hits != nullptr ? &wanted : nullptr, total, Callbacks(options));
     });
 }

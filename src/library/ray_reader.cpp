@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <limits>
+#include <mutex>
 
+#include "core/parallel.h"
 #include "library/status.h"
 
 namespace glint::library {
@@ -207,6 +210,26 @@ Callbacks::Callbacks(const glint_options* options) {
 
 void reportCancelled() {
     throw Failure(GLINT_ERROR_CANCELLED, "cancelled by the caller");
+}
+
+void forBlocks(uint64_t count, const Callbacks& callbacks,
+               const std::function<void(uint64_t first, uint64_t end)>& body) {
+    constexpr uint64_t kTurn = 1024;
+    const uint64_t turns = (count + kTurn - 1) / kTurn;
+    std::atomic<bool> stopped = false;
+    std::mutex mutex;
+    uint64_t done = 0;
+    parallelFor(turns, [&](size_t turn) {
+        if (stopped || (callbacks.cancelled && callbacks.cancelled())) {
+            stopped = true;
+            return;
+        }
+        body(turn * kTurn, std::min((turn + 1) * kTurn, count));
+        if (!callbacks.progress) return;
+        const std::lock_guard lock(mutex);
+        callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
+    });
+    if (stopped) reportCancelled();
 }
 
 }  // namespace glint::library

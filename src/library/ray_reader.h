@@ -38,6 +38,11 @@ class HitWriter {
     void write(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
                const RayReader& rays, bool rescaled) const;
     bool wantsAny() const;
+    // t, u and v once more, t in units of the caller's direction.
+    void writePlace(uint64_t i, const reference::Hit& hit) const {
+        t_.put(i, hit.t);
+        uv_.put(i, hit.u, hit.v);
+    }
 
   private:
     // tracer: null where neither places nor surfaces are wanted.
@@ -66,5 +71,9 @@ struct Callbacks {
 };
 
 [[noreturn]] void reportCancelled();
+
+// Blocks of what there is `count` of, on all processors. Throws as reportCancelled does.
+void forBlocks(uint64_t count, const Callbacks& callbacks,
+               const std::function<void(uint64_t first, uint64_t end)>& body);
 
 }  // namespace glint::library

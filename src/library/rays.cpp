@@ -1,7 +1,7 @@
 // Queries that a ray has one answer to.
 #include <atomic>
 
-#include "core/parallel.h"
+#include "library/certify.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
 
@@ -40,26 +40,12 @@ reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool
 
 void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
                   const reference::Tracer& tracer, const Write& write) {
-    constexpr size_t kTurn = 1024;
-    const size_t turns = (rays.count() + kTurn - 1) / kTurn;
-    std::atomic<bool> stopped = false;
-    std::mutex mutex;
-    size_t done = 0;
-    parallelFor(turns, [&](size_t turn) {
-        if (stopped || (callbacks.cancelled && callbacks.cancelled())) {
-            stopped = true;
-            return;
-        }
-        const uint64_t end = std::min<uint64_t>((turn + 1) * kTurn, rays.count());
-        for (uint64_t i = turn * kTurn; i < end; ++i) {
+    forBlocks(rays.count(), callbacks, [&](uint64_t first, uint64_t end) {
+        for (uint64_t i = first; i < end; ++i) {
             const LocalRay ray = rays.local(i);
             write(i, ray, answer(tracer, ray, any));
         }
-        if (!callbacks.progress) return;
-        const std::lock_guard lock(mutex);
-        callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
     });
-    if (stopped) reportCancelled();
 }
 
 void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callbacks& callbacks,
@@ -84,8 +70,11 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
     return guarded(termsOf(scene), [&] {
         const auto snapshot = snapshotOf(scene);
         const RayReader reader(rays, *snapshot);
-        const HitWriter writer(readStruct(hits, "hits"), reader.count(), snapshot->part());
-        if (!writer.wantsAny()) return;
+        const glint_hits wanted = readStruct(hits, "hits");
+        const HitWriter writer(wanted, reader.count(), snapshot->part());
+        const CertaintyWriter certainty(wanted, reader.count());
+        if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, Callbacks(options));
+        if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
             *snapshot, reader, false, Callbacks(options),
             [&](const RayNumbers& numbers, std::span<const FoundHit> found, bool rescaled) {

@@ -99,6 +99,7 @@ Snapshot::Snapshot(const Snapshot& other, glint_device* device)
 
 bool Snapshot::update(Scene placed, std::vector<Whereabouts> whereabouts, uint32_t refits) {
     counting_ = nullptr;
+    certain_ = nullptr;
     renderer_ = nullptr;
     std::vector<bool> moved(whereabouts.size());
     for (size_t i = 0; i < moved.size(); ++i) moved[i] = whereabouts[i] != whereabouts_[i];
@@ -113,6 +114,12 @@ const Snapshot::Part& Snapshot::counting() const {
     const std::lock_guard lock(countingMutex_);
     if (!counting_) counting_ = std::make_unique<Part>(*device_, scene_, false);
     return *counting_;
+}
+
+const reference::certain::Tracer& Snapshot::certain() const {
+    const std::lock_guard lock(certainMutex_);
+    if (!certain_) certain_ = std::make_unique<reference::certain::Tracer>(scene_, part_.packed);
+    return *certain_;
 }
 
 uint64_t Snapshot::triangles() const {

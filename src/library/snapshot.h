@@ -10,6 +10,7 @@
 #include "core/call_terms.h"
 #include "library/handles.h"
 #include "pack/moving_scene.h"
+#include "reference/certain/certain.h"
 #include "reference/tracer.h"
 #include "render/ray_queries.h"
 #include "render/renderer.h"
@@ -67,6 +68,8 @@ class Snapshot {
     const Part& part() const { return part_; }
     // For counts: each triangle stands in the tree once. Made with the first count if it is another.
     const Part& counting() const;
+    // For what is certain of nearest hits. Made when first asked for.
+    const reference::certain::Tracer& certain() const;
     const std::vector<std::string>& warnings() const { return warnings_; }
     uint64_t triangles() const;
     bool onDevice() const { return part_.queries != nullptr; }
@@ -84,8 +87,9 @@ class Snapshot {
     uint32_t refits_ = 0;
     Part part_;
     std::vector<std::string> warnings_;
-    mutable std::mutex countingMutex_, pictureMutex_;
+    mutable std::mutex countingMutex_, certainMutex_, pictureMutex_;
     mutable std::unique_ptr<Part> counting_;
+    mutable std::unique_ptr<reference::certain::Tracer> certain_;
     mutable std::unique_ptr<render::Renderer> renderer_;  // made with the first picture
 };
 

@@ -1,10 +1,12 @@
 // The caller's arrays, element by element.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <glm/glm.hpp>
+#include <limits>
 #include <string>
 
 #include "glint/glint.h"
@@ -117,6 +119,9 @@ class Output {
     void put(uint64_t i, double value) const {
         if (data_ != nullptr) store(at(i), value);
     }
+    // The nearest number of its type that is not above, or below, the value.
+    void putBelow(uint64_t i, double value) const { putTowards(i, value, -1); }
+    void putAbove(uint64_t i, double value) const { putTowards(i, value, 1); }
     void put(uint64_t i, const glm::dvec3& value) const {
         if (data_ == nullptr) return;
         std::byte* p = at(i);
@@ -155,6 +160,13 @@ class Output {
         if (numbers.order != nullptr && k + kAhead < count) __builtin_prefetch(at(numbers[k + kAhead]), 1);
     }
 
+    void putTowards(uint64_t i, double value, int side) const {
+        auto narrow = static_cast<float>(value);
+        if ((static_cast<double>(narrow) - value) * side < 0)
+            narrow =
+                std::nextafter(narrow, static_cast<float>(side) * std::numeric_limits<float>::infinity());
+        put(i, size_ == sizeof(double) ? value : static_cast<double>(narrow));
+    }
     std::byte* at(uint64_t i) const { return data_ + static_cast<int64_t>(i) * stride_; }
     void store(std::byte* p, double value) const {
         if (size_ == sizeof(double)) {

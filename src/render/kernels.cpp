@@ -3,6 +3,9 @@
 #include "adapt.spv.h"
 #include "adapt_texel.spv.h"
 #include "adapt_together.spv.h"
+#include "certify.spv.h"
+#include "certify_texel.spv.h"
+#include "certify_together.spv.h"
 #include "count.spv.h"
 #include "count_list.spv.h"
 #include "count_list_texel.spv.h"
@@ -58,7 +61,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                        count_spv,
                                        count_list_spv,
                                        whole_spv,
-                                       packet_count_spv};
+                                       packet_count_spv,
+                                       certify_spv};
     static const KernelCode texel = {generate_texel_spv,
                                      intersect_texel_spv,
                                      intersect_any_texel_spv,
@@ -71,7 +75,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      count_texel_spv,
                                      count_list_texel_spv,
                                      whole_texel_spv,
-                                     packet_count_texel_spv};
+                                     packet_count_texel_spv,
+                                     certify_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 
@@ -88,7 +93,8 @@ const KernelCode& togetherKernels() {
                                         count_together_spv,
                                         count_list_together_spv,
                                         whole_together_spv,
-                                        {}};
+                                        {},
+                                        certify_together_spv};
     return together;
 }
 

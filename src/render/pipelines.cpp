@@ -34,6 +34,8 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.whole;
         case KernelId::PacketCount:
             return code.packetCount;
+        case KernelId::Certify:
+            return code.certify;
     }
     return {};
 }
@@ -51,7 +53,8 @@ const char* nameOf(KernelId id) {
                                         "count",
                                         "list",
                                         "whole path",
-                                        "packet count"};
+                                        "packet count",
+                                        "certify"};
     return names[static_cast<int>(id)];
 }
 

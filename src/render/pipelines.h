@@ -26,7 +26,8 @@ enum class KernelId {
     Count,
     List,
     Whole,
-    PacketCount
+    PacketCount,
+    Certify
 };
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.

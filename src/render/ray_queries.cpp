@@ -52,6 +52,8 @@ KernelId kernelOf(RayTask::Ask ask) {
             return KernelId::IntersectAny;
         case RayTask::Ask::Count:
             return KernelId::Count;
+        case RayTask::Ask::Certain:
+            return KernelId::Certify;
     }
     return KernelId::Intersect;
 }
@@ -199,7 +201,8 @@ struct RayQueries::State {
     RayOrder orderOf(const RayTask& task, size_t first) const;
     // Packets count triangles and planes alone.
     bool packetsKnow(RayTask::Ask ask) const {
-        return traversal.packets && (ask != RayTask::Ask::Count || !features.spheres);
+        return traversal.packets && ask != RayTask::Ask::Certain &&
+               (ask != RayTask::Ask::Count || !features.spheres);
     }
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };
@@ -229,6 +232,7 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
                 std::memcpy(&direction[i], &ray.direction, sizeof(RowEntry));
                 hit[i] = untouched;
                 hit[i].f[0] = ray.tMax;
+                hit[i].f[1] = task.slack;
             }
             if (!features.instances) return;
             RowEntry none;
@@ -250,7 +254,9 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
     const size_t staged = slot.staging ? kRows.size() - (features.instances ? 0 : 1) : 0;
 
-    TraceModes modes = {.nodes = traversal.nodes};
+    // What is certain is found in the binary tree, and a walk that does not end is not gone on with.
+    const bool certify = id == KernelId::Certify;
+    TraceModes modes = {.nodes = certify ? NodeFormat::Two : traversal.nodes};
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
@@ -262,7 +268,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
             slot.submission.copy(slot.rows, kRows[i] * row, slot.staging, i * row, used);
         slot.unfinished() = 0;
         slot.submission.submit();
-        if (slot.unfinished() == 0) break;
+        if (certify || slot.unfinished() == 0) break;
         slot.submission.dispatch(slot.pipelines.get(id, modes), groups, constants);
     }
 }
@@ -281,6 +287,11 @@ void RayQueries::State::take(const Slot& slot, const Placement& placement, const
             if (task.ask == RayTask::Ask::Count) {
                 for (size_t i = 0; i < present; ++i)
                     hits[i] = {.crossings = found[i].u[1], .doubtful = found[i].u[2] != 0};
+            } else if (task.ask == RayTask::Ask::Certain) {
+                for (size_t i = 0; i < present; ++i) {
+                    hits[i] = {std::abs(found[i].f[0]), found[i].f[1], found[i].f[2], found[i].u[3]};
+                    hits[i].certain = !std::signbit(found[i].f[0]);
+                }
             } else {
                 for (size_t i = 0; i < present; ++i)
                     hits[i] = {found[i].f[0], found[i].f[1], found[i].f[2], found[i].u[3]};

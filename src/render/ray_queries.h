@@ -22,6 +22,7 @@ struct FoundHit {
     // origin.
     uint32_t crossings = 0;
     bool doubtful = false;
+    bool certain = false;  // of Ask::Certain alone
 };
 
 // `fill` and `take` are called for blocks of at most kBlock rays, from several threads at a time.
@@ -31,8 +32,12 @@ struct RayTask {
     ReadRays fill;  // local rays; also called to look at some of them
     std::function<void(const RayNumbers& numbers, std::span<const FoundHit> hits)> take;
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
-    // FoundHit::crossings, of a scene packed without split triangles.
-    enum class Ask { Nearest, Any, Count } ask = Ask::Nearest;
+    // FoundHit::crossings, of a scene packed without split triangles; Certain: as Nearest, and whether exact
+    // arithmetic on the rays and the scene before they were rounded would say so.
+    enum class Ask { Nearest, Any, Count, Certain } ask = Ask::Nearest;
+    // Of Ask::Certain: how far off the origins of rays and the scene's points are, in the greatest coordinate
+    // and beside what rounding them to fp32 makes of them.
+    float slack = 0;
     bool coherent = false;                 // the caller says that neighbours go about the same way
     std::function<bool()> cancelled;       // asked between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty

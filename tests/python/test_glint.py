@@ -51,6 +51,16 @@ def test_only_what_is_wanted(cube):
         cube.cast([[0, 0, 5, 0, 0, -1]], want=("colour",))
 
 
+def test_certified_hits(cube):
+    # Through the diagonal of a face, past a corner by less than fp32 can tell, and through nothing.
+    hits = cube.cast([[0, 0, 5], [1 + 1e-15, 1, 5], [9, 9, 9]], [0, 0, -1], want=("t", "sure", "t_lower", "t_upper"))
+    assert hits.sure.dtype == bool and hits.sure.tolist() == [True, True, True]
+    assert hits.t.tolist() == [4, numpy.inf, numpy.inf]
+    assert hits.t_lower.tolist() == hits.t_upper.tolist() == hits.t.tolist()
+    with pytest.raises(glint.Error):
+        cube.all_hits([[0, 0, 5, 0, 0, -1]], want=("sure",))
+
+
 @pytest.mark.parametrize("dtype", [numpy.float32, numpy.float64, int])
 @pytest.mark.parametrize("shape", [(), (5,), (2, 3), (0,)])
 def test_shapes_and_types(cube, dtype, shape):

@@ -36,7 +36,8 @@ std::vector<std::pair<std::string, Words>> allKernels() {
                                                              {"count", code.count},
                                                              {"list", code.list},
                                                              {"whole", code.whole},
-                                                             {"packetCount", code.packetCount}};
+                                                             {"packetCount", code.packetCount},
+                                                             {"certify", code.certify}};
             static_assert(sizeof(KernelCode) == std::size(kernels) * sizeof(Words), "a kernel is missing");
             for (const auto& [name, words] : kernels) all.emplace_back(name + suffix, words);
         }

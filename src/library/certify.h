@@ -1,0 +1,29 @@
+// Nearest hits with what is certain about them: glint_hits::sure, t_lower and t_upper.
+#pragma once
+
+#include "library/ray_reader.h"
+
+namespace glint::library {
+
+// Where the three go.
+class CertaintyWriter {
+  public:
+    CertaintyWriter(const glint_hits& hits, uint64_t count);
+
+    bool wantsAny() const { return sure_.wanted() || wantsBounds(); }
+    bool wantsBounds() const { return lower_.wanted() || upper_.wanted(); }
+    void write(uint64_t i, const reference::certain::Answer& answer) const {
+        sure_.putFlag(i, answer.sure ? 1 : 0);
+        lower_.putBelow(i, answer.lower);
+        upper_.putAbove(i, answer.upper);
+    }
+
+  private:
+    Output sure_, lower_, upper_;
+};
+
+// Answers all rays. Throws Failure(GLINT_ERROR_CANCELLED).
+void certify(const Snapshot& snapshot, const RayReader& rays, const HitWriter& hits,
+             const CertaintyWriter& certainty, const Callbacks& callbacks);
+
+}  // namespace glint::library

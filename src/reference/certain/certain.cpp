@@ -1,0 +1,305 @@
+#include "reference/certain/certain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pack/primitives.h"
+
+namespace glint::reference::certain {
+
+using glm::dvec3;
+using shared::kNone;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFloatUnit = 0x1p-24;
+
+double greatest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+bool isFinite(const dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool asksForNothing(const WorldRay& ray) {
+    return !isFinite(ray.origin) || !isFinite(ray.direction) || !(greatest(ray.direction) > 0) ||
+           !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
+}
+
+// A ray in the coordinates of a tree, as boxes see it.
+struct BoxRay {
+    dvec3 origin, direction;
+    double pad = 0;     // what its origin is off, on each axis
+    double spread = 0;  // and its direction, as a part of the distance from the origin
+};
+
+double greatestSum(const dvec3& x, const dvec3& y, const dvec3& z) {
+    const auto sum = [](const dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    return std::max({sum(x), sum(y), sum(z)});
+}
+
+// Into an instance, whose matrix and place are rounded to fp32: W (x - place) errs by that.
+BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
+    const dvec3 x(instance.toObjectX), y(instance.toObjectY), z(instance.toObjectZ), place(instance.place);
+    const dvec3 away = ray.origin - place;
+    const auto times = [&](const dvec3& v) { return dvec3(glm::dot(x, v), glm::dot(y, v), glm::dot(z, v)); };
+    BoxRay inside{times(away), times(ray.direction)};
+    const double rows = greatestSum(x, y, z);
+    inside.pad = rows * (ray.pad + kFloatUnit * (4 * greatest(place) + 16 * greatest(away)));
+    const double size = greatest(inside.direction);
+    inside.spread = size > 0 ? 16 * kFloatUnit * rows * greatest(ray.direction) / size : 1;
+    return inside;
+}
+
+}  // namespace
+
+// One ray's.
+class Search {
+  public:
+    Search(const Tracer& tracer, const WorldRay& ray)
+        : tracer_(tracer), packed_(tracer.packed_), ray_(ray), end_(ray.tMax) {}
+
+    Answer run() {
+        for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
+        const dvec3 origin = ray_.ray().origin - packed_.origin;
+        BoxRay local{origin, ray_.ray().direction, 2 * tracer_.slack_ + 0x1p-50 * greatest(origin), 0x1p-50};
+        if (packed_.environment.root != kNone && !packed_.nodes.empty()) {
+            const double instances = static_cast<double>(packed_.environment.instancePad) * greatest(origin) +
+                                     static_cast<double>(packed_.environment.instancePadAtOrigin);
+            local.pad += instances;
+            walk(packed_.environment.root, local, kNone);
+        }
+        return decide();
+    }
+
+  private:
+    struct Contender {
+        Span span;
+        uint32_t primitive = kNone, instance = kNone, id = 0;
+        bool exact = false;  // nearestExactly can tell
+    };
+
+    void walk(uint32_t root, const BoxRay& ray, uint32_t instance) {
+        std::vector<uint32_t> waiting{root};
+        while (!waiting.empty()) {
+            const shared::Node& node = packed_.nodes[waiting.back()];
+            waiting.pop_back();
+            const double near0 = enter(ray, node.child0, node.lo0, node.hi0);
+            const double near1 = enter(ray, node.child1, node.lo1, node.hi1);
+            // The nearer one is taken first.
+            const bool swapped = near1 < near0;
+            const uint32_t children[2] = {swapped ? node.child0 : node.child1,
+                                          swapped ? node.child1 : node.child0};
+            const double nears[2] = {swapped ? near0 : near1, swapped ? near1 : near0};
+            for (const int i : {1, 0})
+                if (nears[i] <= end_ && nears[i] < kInfinity && (children[i] & shared::kLeafFlag) != 0)
+                    leaf(children[i], ray, instance, nears[i]);
+            for (const int i : {0, 1})
+                if (nears[i] <= end_ && nears[i] < kInfinity && (children[i] & shared::kLeafFlag) == 0)
+                    waiting.push_back(children[i]);
+        }
+    }
+
+    // Where the ray enters the box, which holds what was rounded to fp32 and may lie a unit of its
+    // coordinates outside; infinite if it does not.
+    double enter(const BoxRay& ray, uint32_t child, const glm::vec3& lo, const glm::vec3& hi) const {
+        if (child == kNone) return kInfinity;
+        const double size = std::max(greatest(dvec3(lo)), greatest(dvec3(hi)));
+        const double pad = ray.pad + ray.spread * (greatest(ray.origin) + size) + 2 * kFloatUnit * size;
+        double near = std::max(ray_.ray().tMin, 0.0) * (1 - 0x1p-48), far = end_ * (1 + 0x1p-48);
+        for (int i = 0; i < 3; ++i) {
+            const double inverse = 1 / ray.direction[i];
+            const double t0 = (static_cast<double>(lo[i]) - pad - ray.origin[i]) * inverse;
+            const double t1 = (static_cast<double>(hi[i]) + pad - ray.origin[i]) * inverse;
+            if (std::isnan(t0) || std::isnan(t1)) continue;
+            near = std::max(near, std::min(t0, t1) * (1 - 0x1p-48));
+            far = std::min(far, std::max(t0, t1) * (1 + 0x1p-48));
+        }
+        return near <= far ? near : kInfinity;
+    }
+
+    void leaf(uint32_t leaf, const BoxRay& ray, uint32_t instance, double near) {
+        const auto kind =
+            static_cast<shared::PrimitiveKind>(leaf >> shared::kLeafKindShift & shared::kLeafKindMask);
+        const uint32_t first = leaf & shared::kLeafFirstMask;
+        const uint32_t end = first + (leaf >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+        for (uint32_t i = first; i < end; ++i) {
+            const uint32_t primitive = static_cast<uint32_t>(kind) << shared::kPrimitiveKindShift | i;
+            if (kind == shared::PrimitiveKind::Instance) {
+                walk(packed_.instances[i].root, entered(ray, packed_.instances[i]), i);
+            } else if (kind == shared::PrimitiveKind::Triangle) {
+                const ExactSurface surface = tracer_.triangle(i, instance);
+                if (const auto span = ray_.span(surface.corners, surface.place))
+                    add({*span, primitive, instance, surface.id, true}, materialOf(i, instance));
+            } else if (kind == shared::PrimitiveKind::Sphere && instance == kNone) {
+                sphere(i, primitive);
+            } else {
+                add({{near, kInfinity}, primitive, instance, kNone, false}, kNone);
+            }
+        }
+    }
+
+    void sphere(uint32_t index, uint32_t primitive) {
+        const shared::Sphere& packed = packed_.spheres[index];
+        const auto* shape = std::get_if<SphereShape>(&tracer_.scene_.objects[packed.object].shape);
+        if (shape == nullptr) {
+            add({{0, kInfinity}, primitive, kNone, packed.id, false}, kNone);
+            return;
+        }
+        for (const auto& span : ray_.spans(*shape))
+            if (span) add({*span, primitive, kNone, packed.id, false}, packed.material);
+    }
+
+    void plane(uint32_t index) {
+        const shared::Plane& packed = packed_.planes[index];
+        const auto* shape = std::get_if<PlaneShape>(&tracer_.scene_.objects[packed.object].shape);
+        const uint32_t primitive = shared::kKindPlane << shared::kPrimitiveKindShift | index;
+        if (const auto span = ray_.span(*shape))
+            add({*span, primitive, kNone, packed.id, true}, packed.material);
+    }
+
+    uint32_t materialOf(uint32_t triangle, uint32_t instance) const {
+        const uint32_t own = packed_.triangleSurfaces[triangle].material;
+        return instance != kNone && packed_.instances[instance].material != kNone
+                   ? packed_.instances[instance].material
+                   : own;
+    }
+
+    void add(Contender contender, uint32_t material) {
+        const bool holes =
+            material != kNone && packed_.features.alphaMask && packed_.materials[material].alphaCutoff > 0;
+        if (holes) contender.exact = contender.span.met = false;
+        // Split triangles stand in the tree more than once.
+        const auto same = [&](const Contender& c) {
+            return c.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
+                   contender.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
+                   c.id == contender.id;
+        };
+        if (std::any_of(contenders_.begin(), contenders_.end(), same)) return;
+        if (contender.span.met) end_ = std::min(end_, contender.span.upper);
+        contenders_.push_back(contender);
+    }
+
+    Answer decide() {
+        std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
+        Answer answer;
+        answer.lower = answer.upper = kInfinity;
+        if (contenders_.empty()) {
+            answer.sure = true;
+            answer.hit.t = kInfinity;
+            return answer;
+        }
+        if (contenders_.size() == 1 && contenders_[0].span.met) return sure(contenders_[0]);
+        const bool exact =
+            std::all_of(contenders_.begin(), contenders_.end(), [](const Contender& c) { return c.exact; });
+        if (exact) return decideExactly();
+        for (const Contender& c : contenders_) {
+            answer.lower = std::min(answer.lower, c.span.lower);
+            if (c.span.met) answer.upper = std::min(answer.upper, c.span.upper);
+        }
+        return answer;
+    }
+
+    static Answer sure(const Contender& c) {
+        return {
+            true, {c.span.t, c.span.u, c.span.v, c.primitive, c.id, c.instance}, c.span.lower, c.span.upper};
+    }
+
+    Answer decideExactly() const {
+        std::vector<ExactSurface> surfaces;
+        for (const Contender& c : contenders_) {
+            const uint32_t index = c.primitive & shared::kPrimitiveIndexMask;
+            if (c.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
+                surfaces.push_back(tracer_.triangle(index, c.instance));
+            } else {
+                ExactSurface& surface = surfaces.emplace_back();
+                surface.plane =
+                    std::get_if<PlaneShape>(&tracer_.scene_.objects[packed_.planes[index].object].shape);
+                surface.id = c.id;
+            }
+        }
+        Answer answer;
+        answer.sure = true;
+        answer.hit.t = answer.lower = answer.upper = kInfinity;
+        const auto hit = nearestExactly(ray_.ray(), surfaces);
+        if (!hit) return answer;
+        const Contender& c = contenders_[hit->surface];
+        answer.hit = {hit->lower, hit->u, hit->v, c.primitive, c.id, c.instance};
+        answer.lower = hit->lower;
+        answer.upper = hit->upper;
+        return answer;
+    }
+
+    const Tracer& tracer_;
+    const PackedScene& packed_;
+    PreparedRay ray_;
+    double end_;  // something is met before that
+    std::vector<Contender> contenders_;
+};
+
+// Positions are rounded to double where the scene's origin is taken away, and where a transform moves them:
+// those of an instance to and fro.
+Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), packed_(packed) {
+    const PrimitiveNumbers numbers(scene);
+    double size = greatest(packed.origin);
+    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        firstIds_.push_back(numbers.firstId(i));
+        if (const auto* plane = std::get_if<PlaneShape>(&object.shape))
+            size = std::max(size, greatest(plane->point));
+        const auto* mesh = std::get_if<MeshShape>(&object.shape);
+        if (mesh == nullptr || !object.transform) continue;
+        double reach = 0;
+        for (const dvec3& p : mesh->mesh->positions) reach = std::max(reach, isFinite(p) ? greatest(p) : 0);
+        const glm::dmat3& m = object.transform->linear;
+        const double rows =
+            greatestSum({m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z});
+        size = std::max(size, rows * reach + greatest(object.transform->offset));
+    }
+    slack_ =
+        packed.origin == dvec3(0) && packed.instances.empty() && packed.planes.empty() ? 0 : 0x1p-48 * size;
+}
+
+Answer Tracer::closest(const WorldRay& ray) const {
+    if (!asksForNothing(ray)) return Search(*this, ray).run();
+    Answer miss;
+    miss.sure = true;
+    miss.hit.t = miss.lower = miss.upper = kInfinity;
+    return miss;
+}
+
+ExactSurface Tracer::triangle(uint32_t index, uint32_t instance) const {
+    const shared::Triangle& t = packed_.triangles[index];
+    const bool placed = instance != kNone;
+    const uint32_t object =
+        placed ? packed_.instances[instance].object : packed_.triangleSurfaces[index].object;
+    ExactSurface surface;
+    surface.id = t.id + (placed ? packed_.instances[instance].idBase : 0);
+    const Object& source = scene_.objects[object];
+    surface.corners = TriangleSource(source).vertices(surface.id - firstIds_[object]);
+    if (placed && source.transform) surface.place = &*source.transform;
+    return surface;
+}
+
+Answer Tracer::at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const {
+    const uint32_t index = primitive & shared::kPrimitiveIndexMask;
+    const PreparedRay prepared(ray);
+    std::optional<Span> span;
+    uint32_t id = 0;
+    if (primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
+        const ExactSurface surface = triangle(index, instance);
+        span = prepared.span(surface.corners, surface.place);
+        id = surface.id;
+    } else {
+        const shared::Plane& plane = packed_.planes[index];
+        span = prepared.span(std::get<PlaneShape>(scene_.objects[plane.object].shape));
+        id = plane.id;
+    }
+    if (!span || !span->met) return closest(ray);
+    return {true, {span->t, span->u, span->v, primitive, id, instance}, span->lower, span->upper};
+}
+
+}  // namespace glint::reference::certain

@@ -1,0 +1,53 @@
+// Nearest hits that are certain: of the scene before it is packed, of rays before they are rounded, as exact
+// arithmetic has them. First in double with bounds; where those leave more than one answer, in whole numbers
+// (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &
+// Computational Geometry 18(3), 1997, goes the same way with longer and longer numbers).
+//
+// Triangles and planes are decided in the end, spheres in double; what a ray may meet besides (other
+// surfaces, those with holes) leaves it uncertain. Triangles that packing left out, as rounding to fp32 takes
+// their area, are no part of the scene.
+#pragma once
+
+#include "pack/packed_scene.h"
+#include "reference/certain/exact.h"
+#include "reference/certain/spans.h"
+#include "reference/tracer.h"
+
+namespace glint::reference::certain {
+
+struct Answer {
+    bool sure = false;
+    // sure: the hit, its t (in units of the ray's direction), u and v as rounded; primitive kNone: a miss, t
+    // infinite. Of several surfaces met at the same t, the one with the lowest id.
+    Hit hit;
+    // The exact t lies between them. Not sure: what is met first is not met before `lower`; something is met
+    // no later than `upper`, infinite if that is not known either.
+    double lower = 0, upper = 0;
+};
+
+class Tracer {
+  public:
+    // `scene`: placed, and what `packed` was made of. Both must outlive the tracer.
+    Tracer(const Scene& scene, const PackedScene& packed);
+
+    // In world coordinates. A ray that is not finite or has no direction misses, for sure.
+    Answer closest(const WorldRay& ray) const;
+    // The same for a ray whose nearest hit is known to be that triangle or plane.
+    Answer at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const;
+
+    // How far off points of rays and of the scene are in local coordinates, beside what rounding them to fp32
+    // makes of them, in the greatest coordinate.
+    double slack() const { return slack_; }
+
+  private:
+    friend class Search;
+    // Wherever it is.
+    ExactSurface triangle(uint32_t index, uint32_t instance) const;
+
+    const Scene& scene_;
+    const PackedScene& packed_;
+    std::vector<uint32_t> firstIds_;  // by object
+    double slack_ = 0;
+};
+
+}  // namespace glint::reference::certain

@@ -1,0 +1,138 @@
+#include "reference/certain/spans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace glint::reference::certain {
+
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double kUnit = 0x1p-53;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Products below this are rounded by more than a unit of themselves.
+constexpr double kLeastDoubt = 1e-290;
+
+double greatest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+dvec3 turned(const dvec3& v, int axis) {
+    return axis == 0 ? dvec3(v.y, v.z, v.x) : axis == 1 ? dvec3(v.z, v.x, v.y) : v;
+}
+
+double cross(const dvec2& p, const dvec2& q) {
+    return p.x * q.y - p.y * q.x;
+}
+
+}  // namespace
+
+PreparedRay::PreparedRay(const WorldRay& ray) : ray_(ray) {
+    const dvec3 size = glm::abs(ray.direction);
+    axis_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    const dvec3 d = turned(ray.direction, axis_);
+    shear_ = {d.x / d.z, d.y / d.z, 1 / d.z};
+}
+
+std::optional<Span> PreparedRay::within(Span span, bool met) const {
+    const double from = std::max(ray_.tMin, 0.0);
+    // Comparisons that are false for NaN keep the span.
+    if (span.upper <= from || span.lower > ray_.tMax) return std::nullopt;
+    span.met = met && span.lower > from && span.upper <= ray_.tMax;
+    if (!(span.lower >= from)) span.lower = from;
+    if (!(span.upper <= ray_.tMax)) span.upper = ray_.tMax;
+    span.t = span.t >= span.lower && span.t <= span.upper ? span.t : span.lower;
+    return span;
+}
+
+// A corner's place across the ray errs by e = offset + 24 u depth + 8 u reach: the corner in the world, where
+// it is moved there, by `offset`; the difference with the origin by u of itself, at most depth + reach; the
+// shear, a quotient of two exact numbers, by u; product and difference by u each. An edge function then errs
+// by 4 e reach + 2 e^2 and three units of 2 reach^2 < 2 e reach.
+std::optional<Span> PreparedRay::span(const std::array<dvec3, 3>& corners, const Affine* place) const {
+    std::array<dvec2, 3> across;
+    dvec3 along;
+    double offset = 0, depth = 0, reach = 0;
+    for (int i = 0; i < 3; ++i) {
+        dvec3 corner = corners[i];
+        if (place != nullptr) {
+            const glm::dmat3 sizes{glm::abs(place->linear[0]), glm::abs(place->linear[1]),
+                                   glm::abs(place->linear[2])};
+            offset =
+                std::max(offset, 8 * kUnit * greatest(sizes * glm::abs(corner) + glm::abs(place->offset)));
+            corner = place->linear * corner + place->offset;
+        }
+        const dvec3 seen = turned(corner - ray_.origin, axis_);
+        across[i] = dvec2(seen) - dvec2(shear_) * seen.z;
+        along[i] = seen.z;
+        depth = std::max(depth, std::abs(seen.z));
+        reach = std::max({reach, std::abs(across[i].x), std::abs(across[i].y)});
+    }
+    const double e = 4 * offset + 24 * kUnit * depth + 8 * kUnit * reach;
+    const double doubt = e * (6 * reach + 2 * e) + kLeastDoubt;
+    const dvec3 edges = {cross(across[2], across[1]), cross(across[0], across[2]),
+                         cross(across[1], across[0])};
+    const double least = std::min({edges.x, edges.y, edges.z}), most = std::max({edges.x, edges.y, edges.z});
+    if (least < -doubt && most > doubt) return std::nullopt;
+    const bool met = least > doubt || most < -doubt;
+
+    const dvec3 ts = along * shear_.z;
+    const double nearest = std::min({ts.x, ts.y, ts.z}), farthest = std::max({ts.x, ts.y, ts.z});
+    const double cornerOff = std::abs(shear_.z) * (4 * offset + 24 * kUnit * depth);
+    Span span{nearest - cornerOff, farthest + cornerOff};
+    span.t = nearest;
+    if (met) {
+        const double inverse = 1 / (edges.x + edges.y + edges.z);
+        const dvec3 weights = edges * inverse;
+        const double t = glm::dot(weights, ts);
+        const double off = 7 * doubt * std::abs(inverse) * (farthest - nearest) + cornerOff +
+                           16 * kUnit * std::max(std::abs(nearest), std::abs(farthest));
+        span = {t - off, t + off, t, weights.y, weights.z};
+    }
+    return within(span, met && std::isfinite(span.lower) && std::isfinite(span.upper));
+}
+
+std::optional<Span> PreparedRay::span(const PlaneShape& plane) const {
+    const dvec3 away = plane.point - ray_.origin, n = plane.normal, d = ray_.direction;
+    const double height = glm::dot(n, away), speed = glm::dot(n, d);
+    const double heightOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(away)) + kLeastDoubt;
+    const double speedOff = 8 * kUnit * glm::dot(glm::abs(n), glm::abs(d)) + kLeastDoubt;
+    const bool met = std::abs(speed) > 2 * speedOff;
+    Span span{0, kInfinity};
+    if (met) {
+        const double t = height / speed;
+        const double off =
+            (heightOff + std::abs(t) * speedOff) / (std::abs(speed) - speedOff) + 4 * kUnit * std::abs(t);
+        span = {t - off, t + off, t, 0, 0};
+    }
+    return within(span, met);
+}
+
+// With c the centre, a = d.d and b = (c - o).d the roots are (b -+ sqrt(a D)) / a with D = r^2 - |p|^2, p the
+// way from the centre to the line's nearest point. p errs by 16 u |c - o| in each coordinate, so D by less
+// than 128 u (|c - o|^2 + r^2), the root of D by that over the root, b / a by 8 u |c - o| / |d|.
+std::array<std::optional<Span>, 2> PreparedRay::spans(const SphereShape& sphere) const {
+    const double length = std::sqrt(glm::dot(ray_.direction, ray_.direction));
+    const dvec3 away = sphere.center - ray_.origin, unit = ray_.direction / length;
+    const double b = glm::dot(away, unit), size = glm::length(away);
+    const dvec3 beside = away - b * unit;
+    const double radius = sphere.radius;
+    const double rest = radius * radius - glm::dot(beside, beside);
+    const double restOff = 128 * kUnit * (size * size + radius * radius) + kLeastDoubt;
+    if (rest < -restOff) return {};
+    const double least = std::sqrt(std::max(rest - restOff, 0.0)), most = std::sqrt(rest + restOff);
+    const double middleOff = 16 * kUnit * (size + radius);
+    const bool met = rest > restOff && std::isfinite(length) && std::isfinite(most);
+    const auto at = [&](double near, double far) {
+        Span span{(near - middleOff) / length, (far + middleOff) / length, 0.5 * (near + far) / length, 0, 0};
+        span.lower -= 4 * kUnit * std::abs(span.lower);
+        span.upper += 4 * kUnit * std::abs(span.upper);
+        return within(span, met);
+    };
+    return {at(b - most, b - least), at(b + least, b + most)};
+}
+
+}  // namespace glint::reference::certain

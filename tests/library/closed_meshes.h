@@ -1,0 +1,122 @@
+// Closed meshes, and rays aimed at their corners and edges and along their planes.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "support.h"
+#include "support/packed_scene_maker.h"
+
+namespace glint::library::test {
+
+// So many as usual, or as the environment says.
+inline size_t aimedRays(size_t usual) {
+    const char* wanted = std::getenv("GLINT_AIMED_RAYS");
+    return wanted == nullptr ? usual : std::strtoull(wanted, nullptr, 10);
+}
+
+struct Closed {
+    std::vector<D3> vertices;
+    std::vector<U3> corners;
+    double inner, outer;  // a ball about 0 that is inside, one that holds everything
+
+    std::vector<D3> movedBy(double offset) const {
+        std::vector<D3> moved = vertices;
+        for (D3& v : moved)
+            for (double& x : v) x += offset;
+        return moved;
+    }
+};
+
+// Star-shaped about 0, spikes and dents (tests/support/packed_scene_maker.h).
+inline Closed bumpy() {
+    const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7);
+    Closed closed{{}, {}, 0.2, 7};
+    for (const glm::vec3& v : mesh.vertices) closed.vertices.push_back({v.x, v.y, v.z});
+    for (const glm::uvec3& c : mesh.triangles) closed.corners.push_back({c.x, c.y, c.z});
+    return closed;
+}
+
+// The cube [-1, 1]^3 in squares of edge 2 / n, each cut in two: edges and planes along the axes, all places
+// exact.
+inline Closed gridCube(uint32_t n) {
+    Closed cube{{}, {}, 0.9, 2};
+    std::map<D3, uint32_t> known;
+    const auto vertex = [&](const D3& v) {
+        const auto [at, fresh] = known.emplace(v, static_cast<uint32_t>(cube.vertices.size()));
+        if (fresh) cube.vertices.push_back(v);
+        return at->second;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double side : {-1.0, 1.0}) {
+            for (uint32_t i = 0; i < n; ++i) {
+                for (uint32_t j = 0; j < n; ++j) {
+                    const auto at = [&](uint32_t a, uint32_t b) {
+                        D3 v;
+                        v[axis] = side;
+                        v[(axis + 1) % 3] = -1 + 2.0 * a / n;
+                        v[(axis + 2) % 3] = -1 + 2.0 * b / n;
+                        return vertex(v);
+                    };
+                    const uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+                    cube.corners.push_back(side > 0 ? U3{a, b, c} : U3{a, c, b});
+                    cube.corners.push_back(side > 0 ? U3{a, c, d} : U3{a, d, c});
+                }
+            }
+        }
+    }
+    return cube;
+}
+
+// Planes: parallel to an axis, level with a corner.
+enum class Aim { Corners, Edges, Planes };
+
+struct Random {
+    std::mt19937_64 engine;
+    explicit Random(uint64_t seed) : engine(seed) {}
+    double uniform() { return std::uniform_real_distribution<double>(0, 1)(engine); }
+    size_t index(size_t count) { return std::uniform_int_distribution<size_t>(0, count - 1)(engine); }
+    D3 direction() {
+        std::normal_distribution<double> normal;
+        const D3 v = {normal(engine), normal(engine), normal(engine)};
+        const double length = std::hypot(v[0], v[1], v[2]);
+        return {v[0] / length, v[1] / length, v[2] / length};
+    }
+    // From where to where.
+    std::pair<D3, D3> aimed(const Closed& mesh, Aim aim, bool inside);
+};
+
+// A point of the mesh to aim at.
+inline D3 targetOf(const Closed& mesh, Aim aim, Random& random) {
+    const U3& triangle = mesh.corners[random.index(mesh.corners.size())];
+    const D3 &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]];
+    if (aim == Aim::Corners) return a;
+    const double s = random.uniform();
+    return {a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])};
+}
+
+inline std::pair<D3, D3> Random::aimed(const Closed& mesh, Aim aim, bool inside) {
+    const D3 out = direction();
+    const double far = inside ? mesh.inner * uniform() : mesh.outer * (1 + uniform());
+    D3 from = {far * out[0], far * out[1], far * out[2]};
+    D3 to = targetOf(mesh, aim == Aim::Planes ? Aim::Corners : aim, *this);
+    if (aim != Aim::Planes) return {from, to};
+    const size_t axis = index(3);
+    if (!inside) {
+        from = to;
+        from[axis] = -3 * mesh.outer;
+        return {from, to};
+    }
+    // Level with it along one axis, and within the ball.
+    const size_t other = (axis + 1) % 3;
+    from[other] = std::abs(to[other]) < 0.5 * mesh.inner ? to[other] : 0;
+    for (size_t k = 0; k < 3; ++k) from[k] *= k == other ? 1 : 0.5;
+    to = from;
+    to[axis] += 1;
+    return {from, to};
+}
+
+}  // namespace glint::library::test
