@@ -101,7 +101,7 @@ Span spanBetween(Certainty c, Ray ray, float lower, float upper, float t, bool m
     float from = larger(ray.tMin, 0.0) * (1.0 - kAlike);
     float until = ray.tMax * (1.0 + kAlike);
     Span span;
-    span.lower = lower > from ? lower : from;  // for NaN too
+    span.lower = lower > from && lower < 1e38 ? lower : from;  // for NaN too
     span.upper = upper;
     span.t = t;
     span.u = 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "pack/primitives.h"
 
@@ -172,19 +173,26 @@ class Search {
         const bool holes =
             material != kNone && packed_.features.alphaMask && packed_.materials[material].alphaCutoff > 0;
         if (holes) contender.exact = contender.span.met = false;
-        // Split triangles stand in the tree more than once.
-        const auto same = [&](const Contender& c) {
-            return c.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-                   contender.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-                   c.id == contender.id;
-        };
-        if (std::any_of(contenders_.begin(), contenders_.end(), same)) return;
         if (contender.span.met) end_ = std::min(end_, contender.span.upper);
         contenders_.push_back(contender);
     }
 
+    // Split triangles stand in the tree more than once.
+    void dropTwins() {
+        const auto key = [](const Contender& c) {
+            return std::tuple(c.primitive >> shared::kPrimitiveKindShift, c.id);
+        };
+        std::sort(contenders_.begin(), contenders_.end(),
+                  [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
+        const auto twins = [&](const Contender& a, const Contender& b) {
+            return key(a) == key(b) && a.primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle;
+        };
+        contenders_.erase(std::unique(contenders_.begin(), contenders_.end(), twins), contenders_.end());
+    }
+
     Answer decide() {
         std::erase_if(contenders_, [&](const Contender& c) { return c.span.lower > end_; });
+        if (packed_.features.splitTriangles && contenders_.size() > 1) dropTwins();
         Answer answer;
         answer.lower = answer.upper = kInfinity;
         if (contenders_.empty()) {
@@ -245,6 +253,10 @@ class Search {
 Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), packed_(packed) {
     const PrimitiveNumbers numbers(scene);
     double size = greatest(packed.origin);
+    // A plane's point is moved to where the scene and the eye are.
+    if (!packed.planes.empty())
+        size = std::max({size + greatest(dvec3(packed.boundsLo)) + greatest(dvec3(packed.boundsHi)),
+                         greatest(scene.camera.eye)});
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         firstIds_.push_back(numbers.firstId(i));
