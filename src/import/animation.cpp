@@ -154,6 +154,7 @@ AnimationTrack parseTrack(const JsonCursor& root, const JsonCursor& cursor) {
 
 Animation parseAnimation(const JsonCursor& root) {
     Animation animation;
+    root.expectObject();  // a file is asked for its animation before anything else looks at it
     const auto cursor = root.find("animation");
     if (!cursor) return animation;
     cursor->expectKeys(keys::kAnimation);

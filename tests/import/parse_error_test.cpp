@@ -1,5 +1,6 @@
 // Wrong scenes and the exact line each gives.
 #include "import/load.h"
+#include "import/scene_reader.h"
 #include "support.h"
 
 namespace glint::test::parse_error_test {
@@ -304,6 +305,15 @@ TEST(ParseErrorInFiles, ABadMeshNamesTheMeshFile) {
                    "s.json", folder.path());
     });
     EXPECT_EQ(message, mesh.string() + ":2: face uses vertex 2, the file has 1");
+}
+
+TEST(ParseErrorInFiles, AFileThatHoldsNoObjectIsRefused) {
+    const TemporaryFolder folder;
+    for (const std::string text : {"[]", "[1]", "3", "\"a\"", "true", "null"}) {
+        const auto scene = folder.write("a.json", text);
+        EXPECT_EQ(errorOf([&] { SceneReader(scene, {}); }),
+                  scene.string() + ": must be an object {...} (got " + text + ")");
+    }
 }
 
 }  // namespace glint::test::parse_error_test
