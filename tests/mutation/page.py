@@ -119,14 +119,14 @@ def by(results, key, title):
     return [f"| {title} | " + COLUMNS] + [Score(group).row(name) for name, group in sorted(groups.items())] + [""]
 
 
-SEEN = {"same code": "no case runs it", "same bits": "all pictures have the bits of sound ones", "other bits": "pictures differ, within what is predicted"}
+SEEN = {"same code": "not run", "same bits": "same bits", "other bits": "other bits"}
 
 
 def survivors(score):
-    lines = ["## What is left", "", "What neither `verify` nor the tests that were asked find, and no reason explains. *Seen*: whether the pictures of any case had other bits. "
-             "*Tests*: which of render_test were run, besides pictures of the gallery that show the file's work.", "", "| where | was | is | seen | tests |", "|---|---|---|---|---|"]
+    lines = ["## What is left", "", "What neither `verify` nor the tests that were asked find, and no reason explains. *Seen*: whether any case ran it, and drew other bits, "
+             "within what is predicted. *Tests*: which of render_test were run, besides pictures of the gallery that show the file's work; - none.", "", "| where | was | is | seen | tests |", "|---|---|---|---|---|"]
     for r in sorted(score.left, key=lambda r: (r["file"], r["line"])):
-        asked = code(r["tests"]) if "suite" in r else "not asked"
+        asked = code(r["tests"]) if "suite" in r else "-"
         lines.append(f"| {r['file']}: {code(r['within'])} | {code(r['was'])} | {code(r['is'])} | {SEEN[r['pictures']]} | {asked} |")
     return lines
 
