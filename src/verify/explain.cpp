@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 namespace glint::verify {
@@ -16,6 +17,9 @@ constexpr double kHullStretch = 1;
 constexpr int kJittersPerLevel = 64;
 // Behind half a dozen bounces between curved mirrors and facets one jitter in hundreds takes the same path.
 constexpr int kJittersOfThePersistent = 4096;
+// Where one of so many of these, or more, took a path that no other took, as many of further ones would take
+// a new path (Good, Biometrika 40(3/4), 1953), which may be the device's: then so many are tried.
+constexpr int kSeldom = 512, kJittersOfTheChaotic = 1 << 17;
 // Of so many jitters of the camera ray alone the few that come nearest to the device's first hit are
 // followed, each with so many of what comes after it.
 constexpr uint64_t kAimed = 4096, kKept = 16, kJittersForOneKept = 64;
@@ -144,7 +148,8 @@ class Search {
         size_t members;
         Hull hull;
     };
-    bool tryOne(const reference::Jitter& jitter, bool beyondPlain);
+    bool tryLevel(double ulps, bool beyondPlain);
+    bool tryOne(const reference::Jitter& jitter, bool beyondPlain, uint32_t& path);
     bool tryAimed(double ulps, bool beyondPlain);
     Class& classOf(const reference::PixelRecord& moved, const Quantities& q);
 
@@ -168,8 +173,10 @@ Search::Class& Search::classOf(const reference::PixelRecord& moved, const Quanti
 }
 
 // beyondPlain: more than the bound of paths that meet no instance.
-bool Search::tryOne(const reference::Jitter& jitter, bool beyondPlain) {
+// path: receives the hash of the one taken.
+bool Search::tryOne(const reference::Jitter& jitter, bool beyondPlain, uint32_t& path) {
     const reference::PixelRecord moved = tracer_.trace(ray_, jitter, false);
+    path = moved.pathHash;
     if (moved.pathHash != pixel_.device.pathHash) return false;
     if (beyondPlain && !moved.meetsInstance && !pixel_.reference.meetsInstance) return false;
     const Quantities q = quantitiesOf(moved, scene_.origin);
@@ -205,8 +212,23 @@ bool Search::tryAimed(double ulps, bool beyondPlain) {
     for (auto at = nearest.begin(); at != kept; ++at) {
         for (uint64_t i = 0; i < kJittersForOneKept; ++i) {
             at->second.laterSeed = seed_++;
-            if (tryOne(at->second, beyondPlain)) return true;
+            uint32_t path = 0;
+            if (tryOne(at->second, beyondPlain, path)) return true;
         }
+    }
+    return false;
+}
+
+bool Search::tryLevel(double ulps, bool beyondPlain) {
+    std::unordered_map<uint32_t, int> taken;
+    int once = 0;
+    for (int i = 0; i < kJittersOfTheChaotic; ++i) {
+        if (i == jitters_ && (!persistently_ || once * kSeldom < jitters_)) return false;
+        uint32_t path = 0;
+        if (tryOne({seed_++, ulps, 0, 0, true}, beyondPlain, path)) return true;
+        if (!persistently_ || i >= jitters_) continue;
+        const int times = ++taken[path];
+        once += times == 1 ? 1 : (times == 2 ? -1 : 0);
     }
     return false;
 }
@@ -223,8 +245,7 @@ bool Search::upTo(const reference::PixelRecord& record, double from) {
     if (persistently_) levels.insert(levels.begin() + 1, {2.0, 4.0});
     for (const double ulps : levels) {
         if (ulps <= from) continue;
-        for (int i = 0; i < jitters_; ++i)
-            if (tryOne({seed_++, ulps, 0, 0, true}, ulps > plain)) return true;
+        if (tryLevel(ulps, ulps > plain)) return true;
         if (persistently_ && tryAimed(ulps, ulps > plain)) return true;
     }
     return false;
