@@ -18,8 +18,9 @@
 #include "storage.glsl"
 
 struct Certainty {
-    float slack;   // what the host's own rounding adds to places in the world: of the origin and the corners
-    float offset;  // see above, of the space that the ray is in
+    float slack;  // what the host's own rounding adds to places in the world: of the origin and the corners
+    float boxSlack;  // how far surfaces without corners may stand out of boxes around their rounded form
+    float offset;    // see above, of the space that the ray is in
     float spread;
     float tLow, tHigh;  // the ray's interval, within which a hit is for sure
     float lower;        // where the best hit's span begins; it ends at Ray::tMax
@@ -35,10 +36,11 @@ const float kLeastDoubt = 1e-36;
 // Differences too.
 const float kLeastOffset = 1e-36;
 
-Certainty beginCertainty(Ray ray, float slack) {
+Certainty beginCertainty(Ray ray, float slack, float boxSlack) {
     Certainty c;
     vec3 size = abs(ray.origin);
     c.slack = slack;
+    c.boxSlack = boxSlack;
     c.offset = 8.0 * kUnit * larger(size.x, larger(size.y, size.z)) + 4.0 * slack + kLeastOffset;
     c.spread = kSpread;
     float from = larger(ray.tMin, 0.0);
@@ -51,7 +53,7 @@ Certainty beginCertainty(Ray ray, float slack) {
 
 // By how much the world's boxes are wider than what was rounded: all errors of a point but those that go with
 // its distance along an axis, for which there is room in kFarPad.
-float boxPad(Certainty c) { return c.offset; }
+float boxPad(Certainty c) { return c.offset + c.boxSlack; }
 
 float greatestSum(vec3 x, vec3 y, vec3 z) {
     vec3 one = vec3(1.0);

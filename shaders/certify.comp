@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The nearest hit of each ray, and whether it is certain. kRowHit comes with tMax and Certainty::slack, and
-// goes as intersect.comp leaves it, with a sign before t where it is not certain: so also if the walk runs
-// out of trips.
+// The nearest hit of each ray, and whether it is certain. kRowHit comes with tMax, Certainty::slack and
+// Certainty::boxSlack, and goes as intersect.comp leaves it, with a sign before t where it is not certain: so
+// also if the walk runs out of trips.
 #define GLINT_CERTIFY
 #include "path.glsl"
 #include "traversal.glsl"
@@ -17,7 +17,7 @@ void main() {
     traversal.hit = Hit(traversal.ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
     traversal.trips = 0u;
     traversal.cost = 0u;
-    traversal.certainty = beginCertainty(traversal.ray, uintBitsToFloat(hitRow.y));
+    traversal.certainty = beginCertainty(traversal.ray, uintBitsToFloat(hitRow.y), uintBitsToFloat(hitRow.z));
     bool sound = prepare(traversal, environment);
     if (FEATURE_PLANES) judgePlanes(traversal, sound ? environment.planeCount : 0u);
     uint left = traverse(traversal, kHasTree && sound ? environment.root : kNone);

@@ -40,6 +40,7 @@ class Run {
         task.count = rays_.count();
         task.ask = render::RayTask::Ask::Certain;
         task.slack = static_cast<float>(2 * tracer_.slack());
+        task.boxSlack = static_cast<float>(2 * tracer_.boxSlack());
         task.cancelled = callbacks_.cancelled;
         task.progress = callbacks_.progress;
         task.coherent = rays_.coherent();

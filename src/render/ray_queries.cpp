@@ -233,6 +233,7 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
                 hit[i] = untouched;
                 hit[i].f[0] = ray.tMax;
                 hit[i].f[1] = task.slack;
+                hit[i].f[2] = task.boxSlack;
             }
             if (!features.instances) return;
             RowEntry none;

@@ -38,6 +38,8 @@ struct RayTask {
     // Of Ask::Certain: how far off the origins of rays and the scene's points are, in the greatest coordinate
     // and beside what rounding them to fp32 makes of them.
     float slack = 0;
+    // And how far surfaces other than triangles may stand out of the boxes around their rounded forms.
+    float boxSlack = 0;
     bool coherent = false;                 // the caller says that neighbours go about the same way
     std::function<bool()> cancelled;       // asked between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty

@@ -319,6 +319,31 @@ TEST_F(LibraryCertain, OtherSurfaces) {
     EXPECT_LE(rays.lower[3], 1.5);
 }
 
+// A ball whose size rounding to fp32 changes by more than the coordinates of the rays that graze it: boxes
+// are of what it was rounded to.
+TEST_F(LibraryCertain, LargeSpheresAreNotMissed) {
+    const double radius = 1e6, height = 999999.97;
+    const std::vector<D3> centers = {{0, height, 0}};
+    const std::vector<double> radii = {radius};
+    GLINT_INIT(glint_spheres, spheres);
+    spheres.centers = viewOf(centers);
+    spheres.radii = viewOf(radii);
+    ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_OK) << glint_last_error();
+    commit();
+    Asked rays;
+    for (int i = -500; i <= 500; ++i) rays.add({0, i * 1e-3, 0}, {0, 0, 1});
+    rays.ask(scene());
+    size_t sure = 0;
+    for (size_t i = 0; i < rays.origins.size(); ++i) {
+        const double lowest = height - radius, y = rays.origins[i][1];
+        sure += rays.sure[i];
+        if (rays.sure[i]) {
+            EXPECT_EQ(rays.hit[i] == 1, y > lowest) << "y " << y;
+        }
+    }
+    EXPECT_GE(sure, rays.origins.size() - 2);
+}
+
 // fp32 outputs are rounded outwards; what nobody wants is not needed; lists have none of it.
 TEST_F(LibraryCertain, Outputs) {
     addMesh(std::vector<D3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});

@@ -6,9 +6,11 @@
 #include <tuple>
 
 #include "pack/primitives.h"
+#include "scene/transform.h"
 
 namespace glint::reference::certain {
 
+using glm::dmat3;
 using glm::dvec3;
 using shared::kNone;
 
@@ -55,6 +57,28 @@ BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
     return inside;
 }
 
+dmat3 magnitudes(const dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
+}
+
+// What rounding to fp32 moves a surface by, twice for good measure: centres, corners, radii and what unit
+// vectors are times, by u of the scene's size each; the rows D R A^-1 of a quadric or a box that a transform
+// A has placed (R turned to its axis, D its sizes, which cancel) by u |A R^T| |R A^-1| of twice that size,
+// where the sums of |R^T| |R| are at most 3.
+double greatestMove(const Scene& scene, const PackedScene& packed) {
+    if (packed.spheres.empty() && packed.discs.empty() && packed.polygons.empty() &&
+        packed.quadrics.empty() && packed.cuboids.empty())
+        return 0;
+    double gain = 1;
+    for (const Object& object : scene.objects) {
+        if (!object.transform || std::holds_alternative<MeshShape>(object.shape)) continue;
+        const dmat3 m = magnitudes(object.transform->linear) * magnitudes(inverse(*object.transform).linear);
+        gain = std::max(gain, greatest(m * dvec3(1)));
+    }
+    const double size = std::max(greatest(dvec3(packed.boundsLo)), greatest(dvec3(packed.boundsHi)));
+    return 2 * kFloatUnit * (4 + 6 * gain) * size;
+}
+
 }  // namespace
 
 // One ray's.
@@ -66,7 +90,8 @@ class Search {
     Answer run() {
         for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
-        BoxRay local{origin, ray_.ray().direction, 2 * tracer_.slack_ + 0x1p-50 * greatest(origin), 0x1p-50};
+        BoxRay local{origin, ray_.ray().direction,
+                     2 * tracer_.slack_ + tracer_.boxSlack_ + 0x1p-50 * greatest(origin), 0x1p-50};
         if (packed_.environment.root != kNone && !packed_.nodes.empty()) {
             const double instances = static_cast<double>(packed_.environment.instancePad) * greatest(origin) +
                                      static_cast<double>(packed_.environment.instancePadAtOrigin);
@@ -271,6 +296,7 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
             greatestSum({m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z});
         size = std::max(size, rows * reach + greatest(object.transform->offset));
     }
+    boxSlack_ = greatestMove(scene, packed);
     slack_ =
         packed.origin == dvec3(0) && packed.instances.empty() && packed.planes.empty() ? 0 : 0x1p-48 * size;
 }

@@ -38,6 +38,9 @@ class Tracer {
     // How far off points of rays and of the scene are in local coordinates, beside what rounding them to fp32
     // makes of them, in the greatest coordinate.
     double slack() const { return slack_; }
+    // How far surfaces other than triangles and planes may stand out of the tree's boxes beside that: boxes
+    // enclose what packing made of them.
+    double boxSlack() const { return boxSlack_; }
 
   private:
     friend class Search;
@@ -47,7 +50,7 @@ class Tracer {
     const Scene& scene_;
     const PackedScene& packed_;
     std::vector<uint32_t> firstIds_;  // by object
-    double slack_ = 0;
+    double slack_ = 0, boxSlack_ = 0;
 };
 
 }  // namespace glint::reference::certain
