@@ -65,7 +65,7 @@ void AnimatedScene::warn() {
         if (warned_.insert(line).second) *err_ << "glint: warning: " << line << '\n';
     };
     for (const std::string& w : loaded_.scene.warnings) say(printable(w));
-    for (const std::string& w : loaded_.packed.warnings) say(options_.scene.string() + ": " + w);
+    for (const std::string& w : loaded_.packed.warnings) say(printable(options_.scene.string() + ": " + w));
 }
 
 AnimatedScene::Change AnimatedScene::moveTo(double time) {

@@ -13,6 +13,7 @@ namespace glint::app {
 
 namespace {
 
+constexpr size_t kLongestLine = 65536;  // of a device that never ends, or a file of another kind
 constexpr const char* kForm = "ox,oy,oz,dx,dy,dz[,tmin[,tmax]]";
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // what some spreadsheets start a CSV file with
 
@@ -57,14 +58,20 @@ WorldRay parseRay(const std::string& line, const std::string& where) {
 
 std::vector<WorldRay> parseRays(std::istream& in, const std::string& name) {
     std::vector<WorldRay> rays;
-    std::string line;
-    for (size_t number = 1; std::getline(in, line); ++number) {
+    std::vector<char> bytes(kLongestLine + 1);
+    size_t number = 1;
+    for (; in.getline(bytes.data(), static_cast<std::streamsize>(bytes.size())); ++number) {
+        // The last line may have no end, which is counted else.
+        std::string line(bytes.data(), static_cast<size_t>(in.gcount()) - (in.eof() ? 0 : 1));
         if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
         const std::string text = trimmed(line.substr(0, line.find('#')));
         const bool header = rays.empty() && text.starts_with("ox,");
         if (!text.empty() && !header) rays.push_back(parseRay(text, name + ":" + std::to_string(number)));
     }
     if (in.bad()) throw Error(ErrorKind::Scene, name + ": cannot read the rays");
+    if (!in.eof())
+        throw Error(ErrorKind::Scene, name + ":" + std::to_string(number) + ": a line of more than " +
+                                          std::to_string(kLongestLine) + " bytes");
     return rays;
 }
 

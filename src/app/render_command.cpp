@@ -141,6 +141,7 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
     checkPicturePath(output);
     Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
     const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
+    checkNotRead(command, loaded.scene);
     const Region region = checkedRegion(command, loaded.scene);
     const int bandRows = bandRowsOf(command, output, region, availableMemory());
 

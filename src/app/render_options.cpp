@@ -18,6 +18,16 @@ std::filesystem::path outputOf(const RenderCommand& command) {
     return command.scene.scene.filename().replace_extension(".png");
 }
 
+void checkNotRead(const RenderCommand& command, const Scene& scene) {
+    const std::filesystem::path output = outputOf(command);
+    for (const SourceFile& file : scene.sources) {
+        std::error_code ignored;  // where there is no such file there is nothing to lose
+        if (std::filesystem::equivalent(command.scene.scene.parent_path() / file.name, output, ignored))
+            throw Error(ErrorKind::Argument,
+                        output.string() + ": is read by the scene; name another file with --output");
+    }
+}
+
 Region checkedRegion(const RenderCommand& command, const Scene& scene) {
     if (!command.crop) return {0, 0, scene.image.width, scene.image.height};
     const Region& crop = *command.crop;

@@ -68,6 +68,7 @@ UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream
       drawing_(command.backend, command.device, command.quiet ? nullptr : &err),
       loaded_(loadAndPack(command.scene, err, command.quiet)) {
     constexpr int kLikelyParts = 64;  // to know how many before they are cut
+    if (!command.part) checkNotRead(command, loaded_.scene);
     const Region region = checkedRegion(command, loaded_.scene);
     Progress none("", ProgressMode::None, err, false);
     request_ = requestOf(command, loaded_, region, none);

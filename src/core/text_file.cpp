@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -15,6 +16,47 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
     throw Error(ErrorKind::Scene, path.string() + ": " + what);
+}
+
+constexpr size_t kLongestMessage = 4096;  // bytes
+
+// Characters that break lines, steer terminals or turn the direction of writing: U+0080 to U+009F are
+// controls too, of which U+009B begins a sequence as escape and [ do.
+bool steers(uint32_t code) {
+    return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+struct Character {
+    size_t bytes = 1;
+    bool shown = false;
+};
+
+// What the text begins with; a byte that is not shown if that is not UTF-8.
+Character firstCharacter(std::string_view text) {
+    constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // of a character of so many bytes
+    const auto lead = static_cast<unsigned char>(text[0]);
+    if (lead < 0x80) return {1, !steers(lead)};
+    const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+    if (lead < 0xc2 || lead > 0xf4 || bytes > text.size()) return {};
+    uint32_t code = lead & (0x7fu >> bytes);
+    for (const char c : text.substr(1, bytes - 1)) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte & 0xc0) != 0x80) return {};
+        code = code << 6 | (byte & 0x3f);
+    }
+    if (code < kLeast[bytes]) return {};
+    return {bytes, !steers(code)};
+}
+
+std::string shown(std::string_view text) {
+    std::string result;
+    while (!text.empty()) {
+        const Character character = firstCharacter(text);
+        result += character.shown ? text.substr(0, character.bytes) : std::string_view("?");
+        text.remove_prefix(character.bytes);
+    }
+    return result;
 }
 
 }  // namespace
@@ -39,10 +81,11 @@ std::string readWholeFile(const std::filesystem::path& path) {
     return bytes;
 }
 
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
+std::string printable(std::string_view text) {
+    if (text.size() <= kLongestMessage) return shown(text);
+    // What is said about a name stands behind it.
+    constexpr size_t kHalf = kLongestMessage / 2;
+    return shown(text.substr(0, kHalf)) + " ... " + shown(text.substr(text.size() - kHalf));
 }
 
 std::string describe(double number) {

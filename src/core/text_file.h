@@ -11,9 +11,9 @@ namespace glint {
 // file is empty" ...
 std::string readWholeFile(const std::filesystem::path& path);
 
-// Text of a file for use in a message: control characters, which would break the line or steer the terminal,
-// become '?'.
-std::string printable(std::string text);
+// Text of a file for use in a message: what would break the line, steer the terminal or turn the direction of
+// writing becomes '?', and so do bytes that are not UTF-8. Of more than 4 KiB the middle is left out.
+std::string printable(std::string_view text);
 
 // A number as it is shown in messages: the shortest text that reads back as the same.
 std::string describe(double number);

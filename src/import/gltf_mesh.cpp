@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/room.h"
 #include "import/gltf_accessor.h"
 
 namespace glint {
@@ -124,7 +125,7 @@ class MeshReader {
         const GltfNumbers numbers = readAccessor(file_, accessor, types);
         if (array.size() + numbers.count >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");
         const Range range{static_cast<uint32_t>(array.size()), numbers.count};
-        array.reserve(array.size() + numbers.count);
+        reserveMore(array, numbers.count);
         for (size_t i = 0; i < numbers.count; i++)
             array.push_back(convert(&numbers.values[i * numbers.components], numbers.components));
         return known[accessor] = range;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "core/error.h"
@@ -97,6 +98,7 @@ PlyHeader readPlyHeader(std::string_view bytes, const std::string& file) {
     TextScanner lines(bytes.substr(0, header.bodyOffset), file);
     if (!lines.nextLine() || lines.word() != "ply") lines.fail("not a PLY file: it must start with \"ply\"");
     bool hasFormat = false;
+    std::set<std::string> names;  // of elements
     while (lines.nextLine()) {
         const std::string_view keyword = lines.word();
         if (keyword == "end_header") {
@@ -109,9 +111,8 @@ PlyHeader readPlyHeader(std::string_view bytes, const std::string& file) {
             hasFormat = true;
         } else if (keyword == "element") {
             PlyElement element = readElement(lines);
-            for (const PlyElement& other : header.elements)
-                if (other.name == element.name)
-                    lines.fail("element \"" + element.name + "\" stands here twice");
+            if (!names.insert(element.name).second)
+                lines.fail("element \"" + element.name + "\" stands here twice");
             header.elements.push_back(std::move(element));
         } else if (keyword == "property") {
             if (header.elements.empty()) lines.fail("a property before the first element");

@@ -14,13 +14,14 @@ bool TextScanner::nextLine() {
     at_ = next_;
     line_ = nextLine_;
     joined_ = false;
+    const char* piece = at_;
     for (;;) {
         const char* feed =
             static_cast<const char*>(std::memchr(next_, '\n', static_cast<size_t>(end_ - next_)));
         lineEnd_ = feed ? feed : end_;
         next_ = feed ? feed + 1 : end_;
-        const auto length = static_cast<size_t>(lineEnd_ - at_);
-        const char* carriage = static_cast<const char*>(std::memchr(at_, '\r', length));
+        const auto length = static_cast<size_t>(lineEnd_ - piece);
+        const char* carriage = static_cast<const char*>(std::memchr(piece, '\r', length));
         if (carriage && carriage + 1 < lineEnd_ && !joined_) {  // a CR of its own ends a line, as on old Macs
             lineEnd_ = carriage;
             next_ = carriage + 1;
@@ -31,6 +32,7 @@ bool TextScanner::nextLine() {
         const bool joins = continuations_ && lineEnd_ > at_ && lineEnd_[-1] == '\\' && *at_ != '#';
         if (!joins || next_ >= end_) return true;
         joined_ = true;
+        piece = next_;
     }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/room.h"
 #include "pack/object_frame.h"
 #include "pack/primitives.h"
 #include "scene/limits.h"
@@ -96,7 +97,7 @@ class TexturePacker {
         const size_t count = size_t{out.width} * out.height;
         // The shaders' int that addresses a texel.
         checkLimit("texels", packed_.texels.size() + count, 0x7fffffffu);
-        packed_.texels.reserve(packed_.texels.size() + count);
+        reserveMore(packed_.texels, count);
         uint64_t mended = 0;
         const auto channels = static_cast<size_t>(image.channels);
         for (size_t i = 0; i < count; ++i) {

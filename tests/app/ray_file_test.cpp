@@ -52,6 +52,14 @@ TEST(RayFile, ByteOrderMark) {
     EXPECT_EQ(parse("\xef\xbb\xbfox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n").size(), 1u);
 }
 
+TEST(RayFile, LinesOfMoreThan65536BytesAreRefused) {
+    const std::string long1 = "1,2,3,4,5,6 #" + std::string(65536 - 13, 'x'), long2 = long1 + "x";
+    EXPECT_EQ(parse(long1).size(), 1u);
+    EXPECT_EQ(parse(long1 + "\n1,2,3,4,5,6\n" + long1 + "\n").size(), 3u);
+    EXPECT_EQ(errorOf(long2), "r.csv:1: a line of more than 65536 bytes");
+    EXPECT_EQ(errorOf("1,2,3,4,5,6\n" + long2 + "\n"), "r.csv:2: a line of more than 65536 bytes");
+}
+
 TEST(RayFile, EmptyFilesHoldNoRays) {
     for (const char* text : {"", "\n\n", "# nothing\n", "ox,oy,oz,dx,dy,dz,tmin,tmax\n", "\r\n"})
         EXPECT_TRUE(parse(text).empty());

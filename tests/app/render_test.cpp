@@ -178,5 +178,32 @@ TEST_F(Render, ReplacesAnOldPicture) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "a.png"}));
 }
 
+TEST_F(Render, ItsOwnTextureIsNotReplaced) {
+    std::filesystem::create_directory("sub");
+    writeText("sub/m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    writeText("sub/m.mtl", "newmtl a\nmap_Kd m.png\n");
+    writeImage("sub/m.png", Image(2, 2, 3));
+    const auto texture = readBytes("sub/m.png");
+    std::filesystem::create_symlink("sub/m.png", "link.png");
+    for (const char* output : {"sub/m.png", "sub/../sub/m.png", "link.png"}) {
+        for (const bool checkpoint : {false, true}) {
+            std::vector<std::string> words = {"render", "sub/m.obj", "--backend", "cpu", "-q",
+                                              "--size", "8x8",       "-o",        output};
+            if (checkpoint) words.insert(words.end(), {"--checkpoint", "c"});
+            const Ran ran = runGlint(words);
+            EXPECT_EQ(ran.code, 2);
+            EXPECT_EQ(ran.err, std::string("glint: ") + output +
+                                   ": is read by the scene; name another file with --output\n");
+        }
+    }
+    EXPECT_EQ(readBytes("sub/m.png"), texture);
+    EXPECT_EQ(runGlint({"render", "sub/m.obj", "--backend", "cpu", "-q", "--size", "8x8"}).code, 0);
+    std::filesystem::current_path("sub");
+    EXPECT_EQ(runGlint({"render", "m.obj", "--backend", "cpu", "-q", "--size", "8x8"}).code, 2);
+    std::filesystem::current_path("..");
+    EXPECT_EQ(readBytes("sub/m.png"), texture);
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "link.png", "m.png", "sub"}));
+}
+
 }  // namespace
 }  // namespace glint::app::test::render_test

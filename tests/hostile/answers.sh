@@ -12,6 +12,18 @@ cd "$work" || exit 1
 mkfifo fifo.png
 ln -s loop.mtl loop.mtl
 { for _ in {1..10000}; do printf 'mtllib m2.mtl\nmtllib ./m2.mtl\n'; done && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >libs.obj
+# Much of one thing, which took the square of the time: elements of a header, parts of a line, objects of a mesh.
+{ printf 'ply\nformat ascii 1.0\n' && seq -f 'element e%.0f 0' 100000 && printf 'end_header\n'; } >elements.ply
+{ printf 'v 0 0 0\nf' && seq -f ' 1 %.0f \' 400000; } >parts.obj
+# A name of 20 MB, and one that would take the terminal over.
+{ printf '{"' && head -c 20000000 /dev/zero | tr '\0' a && printf '": 1}'; } >name.json
+printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
+{
+    printf '{"meshes": {"m": {"file": "one.obj"}}, "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]}, "objects": ['
+    for _ in {1..39999}; do printf '{"type": "mesh", "mesh": "m"},'; done
+    printf '{"type": "mesh", "mesh": "m"}]}'
+} >objects.json
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
 # Legal, but for names that warnings repeat, or that are nowhere, or what many materials ask for again: drawn.
 drawn=" escape.obj obj-crash-a4f60e32ab.obj cover.obj "
 faults=0 count=0
@@ -35,7 +47,8 @@ answer() {
     fi
     lines=$(wc -l <err)
     if [ "$expected" != 0 ] && [ "$lines" != 1 ]; then fault "$*" "not one line"; fi
-    if tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'; then fault "$*" "control characters"; fi
+    if tr -d '\n' <err | LC_ALL=C grep -qP '[[:cntrl:]]|\xc2[\x80-\x9f]|\xe2\x80[\xa8-\xae]'; then fault "$*" "control characters"; fi
+    if [ "$(wc -c <err)" -gt 8192 ]; then fault "$*" "more than 8 KiB"; fi
     if [ -z "${no_limit:-}" ] && [ "${seconds%%.*}" -ge 1 ]; then fault "$*" "$seconds s"; fi
 }
 
@@ -58,6 +71,9 @@ for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)
         answer 3 info "$file"
     fi
 done
+for file in elements.ply parts.obj name.json steer.json; do answer 3 render $file --backend cpu --size 8x8 -o picture.png; done
+answer 3 trace one.obj --backend cpu --rays /dev/zero
+answer 0 render objects.json --backend cpu --size 8x8 -o picture.png
 answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"
 [ "$faults" = 0 ]

@@ -100,6 +100,8 @@ TEST(Obj, ContinuedLinesAndComments) {
     const Mesh mesh =
         import("# a path C:\\\nv 0 0 \\\n0 # end\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\nf 3 2 1").mesh;
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {2, 1, 0}}));
+    EXPECT_EQ(import("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\r\n2 \\\r\n3\r\nf 3 2 1\r\n").mesh.corners,
+              mesh.corners);  // lines of DOS, two of which go on
     EXPECT_EQ(importErrorOf("v 0 0 \\\n0\nv x 0 0\n"), "m.obj:3: \"x\" is not a number (a vertex needs one)");
 }
 

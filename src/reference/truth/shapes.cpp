@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/room.h"
 #include "reference/truth/part.h"
 #include "scene/polygon_plane.h"
 
@@ -227,9 +228,9 @@ void Part::addAttributes(const Mesh& mesh, uint32_t face) {
 // What has no finite corner, or no area at all, is not there.
 void Part::addMesh(const Mesh& mesh, const dvec3& origin, const Identity& first) {
     const size_t count = mesh.corners.size();
-    items.reserve(items.size() + count);
-    model.triangles.reserve(model.triangles.size() + count);
-    model.triangleSurfaces.reserve(model.triangleSurfaces.size() + count);
+    reserveMore(items, count);
+    reserveMore(model.triangles, count);
+    reserveMore(model.triangleSurfaces, count);
     for (uint32_t face = 0; face < count; ++face) {
         const glm::uvec3 c = mesh.corners[face];
         const dvec3 v[3] = {mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z]};
@@ -248,8 +249,8 @@ namespace {
 class LeafWriter {
   public:
     LeafWriter(Part& part, Model& model) : part_(part), model_(model) {
-        model.triangles.reserve(model.triangles.size() + part.model.triangles.size());
-        model.triangleSurfaces.reserve(model.triangles.capacity());
+        reserveMore(model.triangles, part.model.triangles.size());
+        reserveMore(model.triangleSurfaces, part.model.triangles.size());
         normals_ = moved(model.vertexNormals, part.model.vertexNormals);
         attributes_ = moved(model.vertexAttributes, part.model.vertexAttributes);
         vertices_ = moved(model.polygonVertices, part.model.polygonVertices);
@@ -318,7 +319,7 @@ uint32_t append(Part&& part, unsigned threads, std::vector<rows::Node>& nodes, M
     if (tree.empty()) return shared::kNone;
     LeafWriter writer(part, model);
     const auto root = static_cast<uint32_t>(nodes.size());
-    nodes.reserve(nodes.size() + tree.size() / 2 + 1);
+    reserveMore(nodes, tree.size() / 2 + 1);
     // Leaves are written in the order of the walk, so that what is near in space is near in memory.
     std::vector<uint32_t> place(tree.size(), 0), waiting{0};
     if (tree[0].count > 0) {
