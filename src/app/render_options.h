@@ -40,8 +40,8 @@ bool needsData(const RenderCommand& command);
 // The picture to write.
 std::filesystem::path outputOf(const RenderCommand& command);
 
-// Throws Error(Argument) if the picture would take the place of a file that the scene was read from: a texture
-// often has its model's name.
+// Throws Error(Argument) if the picture would take the place of a file that the scene was read from: a
+// texture often has its model's name.
 void checkNotRead(const RenderCommand& command, const Scene& scene);
 
 // The pixels to draw. Throws Error(Argument) for a --crop beyond the picture.

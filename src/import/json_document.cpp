@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <unordered_set>
+#include <set>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -130,7 +130,7 @@ class TreeBuilder {
   private:
     struct Open {
         JsonValue* value;
-        std::unordered_set<std::string> seen;
+        std::set<std::string> seen;  // no hashes: whoever writes the file may make all of them equal
     };
 
     size_t readSoFar() const { return static_cast<size_t>(furthest_ - text_.data()); }

@@ -4,8 +4,8 @@
 // none of this hurts, go through tinyobjloader.
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <set>
-#include <unordered_map>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -229,7 +229,7 @@ class ObjReader {
     std::vector<Texture> textures_;
     std::set<std::string> libraryNames_;         // each is looked for once
     std::set<std::filesystem::path> libraries_;  // and read once, under whatever name
-    std::unordered_map<std::string, uint32_t> materialIndices_;
+    std::map<std::string, uint32_t> materialIndices_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;
     std::vector<uint32_t> vertexScratch_, normalScratch_, uvScratch_;

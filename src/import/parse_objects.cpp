@@ -59,6 +59,7 @@ ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::fil
                            SceneFiles& files, MeshMemory& memory, const JsonCursor* meshes)
     : scene_(scene), file_(file), folder_(folder), files_(files), memory_(memory), meshes_(meshes) {
     for (uint32_t i = 0; i < scene.materials.size(); i++) materials_.emplace(scene.materials[i].name, i);
+    for (size_t i = 0; meshes && i < meshes->memberCount(); i++) meshNames_.emplace(meshes->memberName(i), i);
 }
 
 void ObjectParser::parseGroup(const JsonCursor& group, const Surrounding& around) {
@@ -157,16 +158,16 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
     const auto known = loaded_.find(name);
     if (known != loaded_.end()) return *known->second;
 
-    std::vector<std::string_view> names;
-    if (meshes_)
-        for (size_t i = 0; i < meshes_->memberCount(); i++) names.push_back(meshes_->memberName(i));
-    const auto entry = meshes_ ? meshes_->find(name) : std::nullopt;
-    if (!entry) {
+    const auto found = meshNames_.find(name);
+    if (found == meshNames_.end()) {
+        std::vector<std::string_view> names;
+        if (meshes_)
+            for (size_t i = 0; i < meshes_->memberCount(); i++) names.push_back(meshes_->memberName(i));
         const std::string hint = suggestion(name, names, "defined");
         nameCursor.fail("no mesh \"" + name + "\"" +
                         (hint.empty() ? " (the scene defines none)" : hintIn(hint)));
     }
-    const JsonCursor file = entry->require("file");
+    const JsonCursor entry = meshes_->member(found->second), file = entry.require("file");
     std::filesystem::path path;
     try {
         path = files_.resolve(folder_, file.string());

@@ -72,6 +72,7 @@ class ObjectParser {
     SceneFiles& files_;
     MeshMemory& memory_;
     const JsonCursor* meshes_;
+    std::map<std::string_view, size_t> meshNames_;  // and which members of that they are
     std::map<std::string, uint32_t, std::less<>> materials_;
     std::map<std::string, std::shared_ptr<LoadedMesh>, std::less<>> loaded_;  // by name
     std::map<std::filesystem::path, std::shared_ptr<LoadedMesh>> byFile_;     // several names may share one

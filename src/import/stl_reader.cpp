@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <random>
 #include <unordered_map>
 
 #include "core/error.h"
@@ -21,11 +22,19 @@ namespace {
 constexpr size_t kHeaderSize = 84;  // 80 bytes of anything and the number of triangles
 constexpr size_t kFacetSize = 50;   // normal, three vertices, two attribute bytes
 
+// Begins otherwise in each process, so that nobody can write a file whose points all have the same hash.
+// Mixed as by splitmix64 (Steele et al. 2014).
 struct PointHash {
     size_t operator()(const glm::dvec3& p) const {
-        uint64_t hash = 14695981039346656037u;  // FNV-1a over the words
-        for (const double x : {p.x, p.y, p.z}) hash = (hash ^ std::bit_cast<uint64_t>(x)) * 1099511628211u;
-        return static_cast<size_t>(hash ^ (hash >> 32));
+        static const uint64_t start = uint64_t{std::random_device()()} << 32 | std::random_device()();
+        uint64_t hash = start;
+        for (const double x : {p.x, p.y, p.z}) {
+            hash = (hash ^ std::bit_cast<uint64_t>(x)) + 0x9e3779b97f4a7c15u;
+            hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9u;
+            hash = (hash ^ hash >> 27) * 0x94d049bb133111ebu;
+            hash ^= hash >> 31;
+        }
+        return static_cast<size_t>(hash);
     }
 };
 
@@ -62,8 +71,13 @@ class FacetCollector {
 
   private:
     uint32_t indexOf(const glm::dvec3& vertex) {
-        const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0, which it is equal to; NaN equals nothing
-        const auto [at, isNew] = indices_.try_emplace(key, static_cast<uint32_t>(builder_.positions.size()));
+        const glm::dvec3 key = vertex + 0.0;  // -0 becomes 0, which it is equal to
+        const auto next = static_cast<uint32_t>(builder_.positions.size());
+        if (key != key) {  // NaN equals nothing, and all of them would be looked at
+            builder_.positions.push_back(key);
+            return next;
+        }
+        const auto [at, isNew] = indices_.try_emplace(key, next);
         if (isNew) builder_.positions.push_back(key);
         return at->second;
     }

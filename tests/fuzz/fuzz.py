@@ -32,7 +32,7 @@ LARGEST = 20000  # bytes of a seed: longer ones slow each execution down, and fi
 TARGETS = {
     "json": (4096, []),
     "obj": (2048, ["v ", "vt ", "vn ", "f ", "usemtl ", "mtllib ", "m.mtl", "//", "g ", "o ", "s ", "\\\n", "-1", "1e308", "nan"]),
-    "mtl": (2048, ["newmtl ", "Ka ", "Kd ", "Ks ", "Ns ", "Ni ", "illum ", "map_Kd ", "map_Ks ", "map_d ", "map_Ka ", "Tr ", "d ", "-s ",
+    "mtl": (1024, ["newmtl ", "Ka ", "Kd ", "Ks ", "Ns ", "Ni ", "illum ", "map_Kd ", "map_Ks ", "map_d ", "map_Ka ", "Tr ", "d ", "-s ",
                    "-o ", "-mm ", "-clamp on", "t.png", "spectral ", "xyz "]),
     "ply": (4096, ["ply\n", "format ascii 1.0\n", "format binary_little_endian 1.0\n", "format binary_big_endian 1.0\n", "element vertex ",
                    "element face ", "property ", "list ", "uchar ", "float ", "double ", "int ", "short ", "uint ", "vertex_indices",

@@ -12,8 +12,19 @@ cd "$work" || exit 1
 mkfifo fifo.png
 ln -s loop.mtl loop.mtl
 { for _ in {1..10000}; do printf 'mtllib m2.mtl\nmtllib ./m2.mtl\n'; done && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >libs.obj
-# Much of one thing, which took the square of the time: elements of a header, parts of a line, objects of a mesh.
+# Much of one thing, which took the square of the time: elements of a header, parts of a line, objects of a mesh, points that
+# equal nothing, names of meshes.
 { printf 'ply\nformat ascii 1.0\n' && seq -f 'element e%.0f 0' 100000 && printf 'end_header\n'; } >elements.ply
+{
+    printf 'solid\n'
+    yes $'facet normal 0 0 1\nouter loop\nvertex nan 0 0\nvertex nan 0 0\nvertex nan 0 0\nendloop\nendfacet' | head -n 210000
+    printf 'endsolid\n'
+} >nans.stl
+{
+    printf '{"meshes": {"m": {"file": "one.obj"}' && seq -f ', "m%.0f": {"file": "one.obj"}' 20000
+    printf '}, "camera": {"eye": [0, 0, 5], "target": [0, 0, 9]}, "objects": [{"type": "mesh", "mesh": "m"}'
+    seq -f ', {"type": "mesh", "mesh": "m%.0f"}' 20000 && printf ']}'
+} >names.json
 { printf 'v 0 0 0\nf' && seq -f ' 1 %.0f \' 400000; } >parts.obj
 # A name of 20 MB, and one that would take the terminal over.
 { printf '{"' && head -c 20000000 /dev/zero | tr '\0' a && printf '": 1}'; } >name.json
@@ -73,7 +84,7 @@ for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)
 done
 for file in elements.ply parts.obj name.json steer.json; do answer 3 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 3 trace one.obj --backend cpu --rays /dev/zero
-answer 0 render objects.json --backend cpu --size 8x8 -o picture.png
+for file in objects.json names.json nans.stl; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"
 [ "$faults" = 0 ]
