@@ -37,12 +37,15 @@ class Folder {
     fs::path path;
 };
 
+// Without the controls of ASCII and those that UTF-8 has in two bytes, and no longer than anybody reads.
 bool isOneLine(std::string_view text) {
+    unsigned char before = 0;
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7f) return false;
+        if (byte < 0x20 || byte == 0x7f || (before == 0xc2 && byte < 0xa0)) return false;
+        before = byte;
     }
-    return !text.empty();
+    return !text.empty() && text.size() < 8192;
 }
 
 [[noreturn]] void complain(const char* what, const char* message) {
