@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "import/scene_keys.h"
 #include "scene/limits.h"
@@ -163,12 +164,11 @@ Animation parseAnimation(const JsonCursor& root) {
         if (!(animation.framesPerSecond > 0)) rate->failWanted("must be > 0");
     }
     const JsonCursor tracks = cursor->require("tracks");
+    std::set<std::string> targets;
     for (size_t i = 0; i < tracks.size(); ++i) {
         animation.tracks.push_back(parseTrack(root, tracks.item(i)));
-        const std::string& target = animation.tracks.back().target;
-        for (size_t before = 0; before < i; ++before)
-            if (animation.tracks[before].target == target)
-                tracks.item(i).fail("a track before it has the same target");
+        if (!targets.insert(animation.tracks.back().target).second)
+            tracks.item(i).fail("a track before it has the same target");
     }
     return animation;
 }

@@ -13,7 +13,7 @@ mkfifo fifo.png
 ln -s loop.mtl loop.mtl
 { for _ in {1..10000}; do printf 'mtllib m2.mtl\nmtllib ./m2.mtl\n'; done && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >libs.obj
 # Much of one thing, which took the square of the time: elements of a header, parts of a line, objects of a mesh, points that
-# equal nothing, names of meshes.
+# equal nothing, names of meshes, tracks of an animation.
 { printf 'ply\nformat ascii 1.0\n' && seq -f 'element e%.0f 0' 100000 && printf 'end_header\n'; } >elements.ply
 {
     printf 'solid\n'
@@ -34,6 +34,12 @@ printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
     for _ in {1..39999}; do printf '{"type": "mesh", "mesh": "m"},'; done
     printf '{"type": "mesh", "mesh": "m"}]}'
 } >objects.json
+{
+    printf '{"camera": {"eye": [0, 0, 5], "target": [0, 0, 9]}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}'
+    seq -f ', {"type": "sphere", "center": [%.0f, 0, 0], "radius": 1}' 40000
+    printf '], "animation": {"tracks": [{"target": "/objects/0/radius", "times": [0], "values": [1]}'
+    seq -f ', {"target": "/objects/%.0f/radius", "times": [0], "values": [1]}' 40000 && printf ']}}'
+} >tracks.json
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
 # Legal, but for names that warnings repeat, or that are nowhere, or what many materials ask for again: drawn.
 drawn=" escape.obj obj-crash-a4f60e32ab.obj cover.obj "
@@ -84,7 +90,7 @@ for file in $(cd "$folder/scenes" && ls | grep -E '\.(json|gltf|obj|ply|stl|nff)
 done
 for file in elements.ply parts.obj name.json steer.json; do answer 3 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 3 trace one.obj --backend cpu --rays /dev/zero
-for file in objects.json names.json nans.stl; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
+for file in objects.json names.json tracks.json nans.stl; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"
 [ "$faults" = 0 ]
