@@ -118,6 +118,30 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     }
 }
 
+// Weights of a point that lies so far inside that neither its rounding nor that of an edge's test takes it
+// into a neighbour. In a plane through the coordinates' origin the error of a point has no part along the
+// normal, so rays start in the plane itself, where a neighbour's test finds t = 0 but for its rounding. That
+// distance is `margin`, 8 units of the corners' coordinates, the longest edge and what an instance's place
+// adds; the least height is twice the area by the longest edge. Pulling towards the centroid by s adds s / 3
+// to each weight; slivers are pulled by no more than moves the point by a few margins.
+vec3 awayFromEdges(vec3 weights, Triangle triangle, float placed) {
+    precise vec3 e1 = triangle.v1 - triangle.v0;
+    precise vec3 e2 = triangle.v2 - triangle.v0;
+    precise vec3 e3 = e2 - e1;
+    precise vec3 n = vec3(e1.y * e2.z - e1.z * e2.y, e1.z * e2.x - e1.x * e2.z, e1.x * e2.y - e1.y * e2.x);
+    float edge = larger(greatestComponent(e1), larger(greatestComponent(e2), greatestComponent(e3)));
+    float size = larger(greatestComponent(triangle.v0),
+                        larger(greatestComponent(triangle.v1), greatestComponent(triangle.v2)));
+    precise float margin = 8.0 * kUnit * (size + edge + placed);
+    precise float least = quotient(margin * edge, larger(greatestComponent(n), 0.5 * (edge * edge)));
+    float smallest = weights.x < weights.y ? weights.x : weights.y;
+    smallest = weights.z < smallest ? weights.z : smallest;
+    precise float pull = 3.0 * least;
+    pull = pull < 1.0 ? pull : 1.0;
+    precise vec3 moved = weights + pull * (vec3(1.0 / 3.0) - weights);
+    return smallest < least ? moved : weights;
+}
+
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
 // sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
 void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
@@ -130,9 +154,18 @@ void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
         hit.v = u;
     }
     precise float w = 1.0 - hit.u - hit.v;
-    precise vec3 p0 = w * triangle.v0;
-    precise vec3 p1 = hit.u * triangle.v1;
-    precise vec3 p2 = hit.v * triangle.v2;
+    float placed = 0.0;
+    if (FEATURE_INSTANCES && hit.instance != kNone) {
+        float row =
+            larger(greatestComponent(instance.toObjectX),
+                   larger(greatestComponent(instance.toObjectY), greatestComponent(instance.toObjectZ)));
+        precise float inObject = 3.0 * row * greatestComponent(instance.place);
+        placed = inObject;
+    }
+    vec3 inside = awayFromEdges(vec3(w, hit.u, hit.v), triangle, placed);
+    precise vec3 p0 = inside.x * triangle.v0;
+    precise vec3 p1 = inside.y * triangle.v1;
+    precise vec3 p2 = inside.z * triangle.v2;
     precise vec3 position = p0 + p1 + p2;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));

@@ -153,6 +153,10 @@ Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tM
     ray.direction = direction;
     ray.tMax = tMax;
     mover_.move(ray, std::max(at.originScale, at.scale));
+    // Rounding never takes the origin through the surface: that is what offsets are for.
+    const dvec3 out = glm::dot(direction, at.n) < 0 ? -at.n : at.n;
+    const double height = glm::dot(ray.origin - at.position, out);
+    if (height < 0) ray.origin -= 2 * height * out;
     return ray;
 }
 

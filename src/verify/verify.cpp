@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <span>
 
 #include "core/parallel.h"
 #include "reference/sampling.h"
@@ -179,16 +180,27 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
 }
 
 // Where no more pixels are unexplained than rounding may have changed, a longer search decides; the first
-// pixel that withstands it convicts the device, and ends it.
+// pixels that withstand it convict the device, and end it. So many are searched for at once, on any machine.
 void searchOn(const Comparison& comparison, Report& report, size_t sample) {
+    constexpr size_t kAtOnce = 16;
     if (report.unexplained > report.allowedOthers()) return;
-    for (DifferingPixel& pixel : report.worst) {
-        if (pixel.sample != sample || pixel.reason != Reason::Unexplained) continue;
-        comparison.explainPersistently(pixel);
-        if (pixel.reason == Reason::Unexplained) return;
-        --report.unexplained;
-        ++countOf(report, pixel.reason);
-        if (sample == 0) paint(report.difference, pixel);
+    std::vector<DifferingPixel*> doubtful;
+    for (DifferingPixel& pixel : report.worst)
+        if (pixel.sample == sample && pixel.reason == Reason::Unexplained) doubtful.push_back(&pixel);
+    bool convicted = false;
+    for (size_t first = 0; first < doubtful.size() && !convicted; first += kAtOnce) {
+        const std::span<DifferingPixel*> some =
+            std::span(doubtful).subspan(first, std::min(kAtOnce, doubtful.size() - first));
+        parallelFor(some.size(), [&](size_t i) { comparison.explainPersistently(*some[i]); });
+        for (const DifferingPixel* pixel : some) {
+            if (pixel->reason == Reason::Unexplained) {
+                convicted = true;
+                continue;
+            }
+            --report.unexplained;
+            ++countOf(report, pixel->reason);
+            if (sample == 0) paint(report.difference, *pixel);
+        }
     }
 }
 

@@ -21,6 +21,7 @@ mutant(instance_ray instance.glsl "origin - instance.place" "origin - 1.001 * in
 mutant(sphere_normal primitives/sphere.glsl "vec3 outward = quotient(offset, length(offset));"
        "vec3 outward = normalize(quotient(offset, length(offset)) + vec3(0.01, 0.0, 0.0));" light shade)
 mutant(far_offset ray.glsl "vec3 offset = d * n;" "vec3 offset = (d + 0.05) * n;" light shade)
+mutant(over_the_edge primitives/triangle.glsl "return smallest < least ? moved : weights;" "return weights;" light shade)
 mutant(short_shadows lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = 0.5 * kShadowEnd;" light)
 mutant(long_shadows lighting.glsl "s.tMax = kShadowEnd;" "s.tMax = kInfinity;" light)
 mutant(disc_rim primitives/disc.glsl "square <= limit" "square <= 0.98 * limit" intersect light)
