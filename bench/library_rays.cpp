@@ -4,6 +4,8 @@
 // kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
 // scene's box and of a camera's. fp32 origins and directions. Seconds of processor time, the best of so many
 // turns. Of certified hits also how many rays the device leaves to the host, and how many are left undecided.
+// Where the build knows tinybvh (GLINT_TINYBVH), its rates for the same rays on the same triangles; and how
+// many of the rays at vertices that hit, by certified hits, each of the two misses.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -19,6 +21,9 @@
 #include "pack/packed_scene.h"
 #include "rays.h"
 #include "render/ray_queries.h"
+#ifdef GLINT_TINYBVH
+#include "tinybvh_rays.h"
+#endif
 
 namespace glint::bench {
 namespace {
@@ -126,6 +131,62 @@ double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, size_t& 
     return seconds;
 }
 
+#ifdef GLINT_TINYBVH
+// From outside to vertices of the triangles.
+Rays aimedRays(const std::vector<glm::vec3>& corners, const glm::dvec3& lo, const glm::dvec3& hi) {
+    Rays rays = randomRays(lo, hi);
+    std::mt19937 random(2);
+    for (size_t i = 0; i < kRays; ++i)
+        rays.directions[i] = corners[random() % corners.size()] - rays.origins[i];
+    return rays;
+}
+
+std::vector<uint8_t> hitsOfCall(const glint_scene* scene, const Rays& rays, bool certified) {
+    std::vector<uint8_t> hit(kRays), sure(kRays);
+    GLINT_INIT(glint_rays, asked);
+    asked.origins = viewOf(rays.origins);
+    asked.directions = viewOf(rays.directions);
+    GLINT_INIT(glint_hits, hits);
+    hits.hit = {hit.data(), kRays, 0, GLINT_U8, 0};
+    if (certified) hits.sure = {sure.data(), kRays, 0, GLINT_U8, 0};
+    check(glint_query_closest(scene, &asked, &hits, nullptr));
+    return hit;
+}
+
+size_t missed(const std::vector<uint8_t>& hit, const std::vector<uint8_t>& exact) {
+    size_t count = 0;
+    for (size_t i = 0; i < hit.size(); ++i) count += exact[i] != 0 && hit[i] == 0;
+    return count;
+}
+
+// Triangles that instances show are left out.
+void measureTinyBvh(const char* path, const glint_scene* scene, const PackedScene& packed,
+                    const glm::dvec3& lo, const glm::dvec3& hi) {
+    std::vector<glm::vec3> corners;
+    for (const shared::Triangle& t : packed.triangles)
+        for (const glm::vec3& corner : {t.v0, t.v1, t.v2})
+            corners.emplace_back(packed.origin + glm::dvec3(corner));
+    const TinyBvh peer(corners);
+    std::vector<uint8_t> hit;
+    for (const Rays& rays : {randomRays(lo, hi), cameraRays(lo, hi)}) {
+        double closest = 1e9, any = 1e9;
+        for (int turn = 0; turn < kTurns; ++turn) {
+            closest = std::min(closest, peer.closest(rays.origins, rays.directions, hit));
+            any = std::min(any, peer.any(rays.origins, rays.directions, hit));
+        }
+        std::printf("%s, %s rays, tinybvh: closest %.2f, any %.2f million rays per processor second\n", path,
+                    rays.name, 1e-6 * kRays / closest, 1e-6 * kRays / any);
+    }
+    const Rays aimed = aimedRays(corners, lo, hi);
+    const std::vector<uint8_t> exact = hitsOfCall(scene, aimed, true);
+    peer.closest(aimed.origins, aimed.directions, hit);
+    std::printf("%s, of %zu rays at vertices that hit: missed by tinybvh %zu, by libglint %zu\n", path,
+                static_cast<size_t>(std::count(exact.begin(), exact.end(), uint8_t{1})), missed(hit, exact),
+                missed(hitsOfCall(scene, aimed, false), exact));
+    std::fflush(stdout);
+}
+#endif
+
 void measure(const char* path, glint_device* device, const gpu::Device& vulkan) {
     glint_scene* scene = nullptr;
     check(glint_scene_load(device, path, &scene));
@@ -153,6 +214,9 @@ void measure(const char* path, glint_device* device, const gpu::Device& vulkan) 
             std::fflush(stdout);
         }
     }
+#ifdef GLINT_TINYBVH
+    measureTinyBvh(path, scene, packed, lo, hi);
+#endif
     glint_scene_release(scene);
 }
 

@@ -66,12 +66,14 @@ Film::Further Film::furtherAt(size_t pixel) const {
 }
 
 // Each addition errs by a unit of the sum so far, on the way to each sample and to all of them; then come the
-// count's inverse and the product with it.
+// count's inverse and the product with it. Below the least normal number a unit is no part of the sum, and a
+// device may take such numbers for 0.
 bool Film::isMean(const Pixel& pixel, const float* color, uint32_t taken) const {
     const double units = kFloatUnit * (2 * pixel.additions + 4);
     for (int c = 0; c < 4; ++c) {
         const double error = std::abs(static_cast<double>(color[c]) * taken - pixel.sum[c]);
-        if (!(error <= units * (c < 3 ? pixel.magnitudes[c] : pixel.alphas))) return false;
+        const double room = units * (c < 3 ? pixel.magnitudes[c] : pixel.alphas) + 0x1p-120 * taken;
+        if (!(error <= room)) return false;
     }
     return true;
 }

@@ -35,5 +35,24 @@ TEST(FilmTest, AMeanErrsByItsAdditionsAlone) {
     EXPECT_EQ(differing(0), 1u);
 }
 
+// A thousandth of the least normal number, or what a device makes of that: light through thick dark glass.
+TEST(FilmTest, SubnormalMeansErrByMore) {
+    const PackedSamples samples = PackedSamples::fixed(std::vector<glm::dvec2>(5, {0.5, 0.5}));
+    Film film(samples, 1, 1, 1);
+    Picture sample;
+    sample.color = Image(1, 1, 4);
+    sample.data.resize(1);
+    for (int c = 0; c < 4; ++c) sample.color.at(0, 0, c) = 0x1p-147f;
+    for (uint32_t i = 0; i < 5; ++i) film.add(i, sample);
+    Picture whole = sample;
+    whole.samplesPerPixel = 5;
+    for (const float seen : {0x1p-147f, 0x1.4p-147f, 0.0f}) {
+        for (int c = 0; c < 4; ++c) whole.color.at(0, 0, c) = seen;
+        EXPECT_EQ(film.differing(whole), 0u) << seen;
+    }
+    for (int c = 0; c < 4; ++c) whole.color.at(0, 0, c) = 0x1p-119f;
+    EXPECT_EQ(film.differing(whole), 1u);
+}
+
 }  // namespace
 }  // namespace glint::verify
