@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/stopwatch.h"
+#include "core/wording.h"
 
 namespace glint::app {
 

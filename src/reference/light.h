@@ -3,7 +3,7 @@
 
 #include <glm/glm.hpp>
 
-#include "shared/layout.h"
+#include "reference/model.h"
 
 namespace glint::reference {
 

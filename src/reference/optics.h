@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "pack/packed_scene.h"
+#include "reference/model.h"
 
 namespace glint::reference {
 
