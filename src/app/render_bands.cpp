@@ -47,6 +47,18 @@ void add(Outcome& outcome, Picture& band) {
     blackenNotFinite(band);
 }
 
+// An interrupt left the rows from `y` on undrawn.
+void fillRest(const Request& request, const RenderCommand& command, int y, PictureRows& file,
+              PictureHash& hash) {
+    const Region region = regionOf(request);
+    if (y == region.y1) return;
+    Request row = request;
+    row.region = {region.x0, y, region.x1, y + 1};
+    const Picture blank = blankPicture(row);
+    hash.fill(region.y1 - y, blank.color);
+    file.fill(makeLayers(blank, command.aovs));
+}
+
 }  // namespace
 
 int bandRowsOf(const RenderCommand& command, const std::filesystem::path& output, const Region& region,
@@ -93,11 +105,7 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         const auto share = [&](int row) { return static_cast<double>(row - region.y0) / region.height(); };
         const double from = share(y), to = share(part.region.y1);
         part.progress = [&](double done) { request.progress(from + (to - from) * done); };
-        Picture band;
-        if (outcome.picture.complete)
-            band = drawing.whole([&] { return drawing.draw(part); });
-        else
-            band = blankPicture(part);
+        Picture band = drawing.whole([&] { return drawing.draw(part); });
         if (alike) {
             const auto advice = pictureAdvice(band, loaded.scene, loaded.packed, request);
             alike = advice && (y == region.y0 || advice == outcome.bands->advice);
@@ -109,6 +117,12 @@ void drawBands(Drawing& drawing, const RenderCommand& command, const LoadedScene
         hash.add(band.color);
         file.add(makeLayers(band, command.aovs));
         writeSeconds += writing.seconds();
+        if (!band.complete) {
+            const Stopwatch filling;
+            fillRest(request, command, part.region.y1, file, hash);
+            writeSeconds += filling.seconds();
+            break;
+        }
     }
     const Stopwatch writing;
     outcome.files = file.finish();

@@ -12,6 +12,8 @@
 namespace glint {
 namespace {
 
+constexpr size_t kMostBlockBytes = 1 << 20;  // of rows alike that are written at once
+
 static_assert(std::endian::native == std::endian::little, "encodePfm copies floats in the host's byte order");
 
 // Reads the header's words, which any white space separates; exactly one character of it follows the last
@@ -90,8 +92,28 @@ void PfmRows::add(const Image& rows) {
     Bytes bytes;
     for (int y = rows.height - 1; y >= 0; --y) appendRow(rows, y, kept_, bytes);
     left_ -= rows.height;
-    const uint64_t rowBytes = static_cast<uint64_t>(width_) * static_cast<uint64_t>(kept_) * sizeof(float);
-    sink_.write(bytes, first_ + static_cast<uint64_t>(left_) * rowBytes);
+    sink_.write(bytes, positionOf(left_));
+}
+
+uint64_t PfmRows::positionOf(int rowsBelow) const {
+    return first_ + static_cast<uint64_t>(rowsBelow) * static_cast<uint64_t>(width_) *
+                        static_cast<uint64_t>(kept_) * sizeof(float);
+}
+
+void PfmRows::fill(const Image& row) {
+    if (left_ == 0) return;
+    add(row);  // by which the file has its size, even if it is the first
+    Bytes bytes;
+    appendRow(row, 0, kept_, bytes);
+    if (std::all_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte == 0; })) left_ = 0;
+    const size_t rowBytes = bytes.size();
+    const int inBlock = std::min(left_, static_cast<int>(kMostBlockBytes / rowBytes) + 1);
+    for (int y = 1; y < inBlock; ++y) appendRow(row, 0, kept_, bytes);
+    while (left_ > 0) {
+        const int rows = std::min(left_, inBlock);
+        left_ -= rows;
+        sink_.write(ByteView(bytes).first(static_cast<size_t>(rows) * rowBytes), positionOf(left_));
+    }
 }
 
 Bytes encodePfm(const Image& image) {

@@ -22,6 +22,7 @@ class PictureHash {
     PictureHash& operator=(const PictureHash&) = delete;
 
     void add(const Image& rows);
+    void fill(int rows, const Image& row);  // so many, each like the one given
     std::string text() const;
 
   private:

@@ -28,6 +28,7 @@ class PictureRows::File : public ByteSink {
     File& operator=(const File&) = delete;
 
     virtual void add(const std::vector<Layer>& rows) = 0;
+    virtual void fill(int rows, const std::vector<Layer>& row) = 0;
     virtual void end() = 0;
     StagedFile& staged() { return staged_; }
     void write(ByteView bytes, uint64_t offset) override { staged_.write(bytes, offset); }
@@ -47,6 +48,10 @@ class ExrFile : public Base {
         std::vector<ExrChannel> channels = exrChannels(rows);
         rows_.add(rows.front().image.height, channels);
     }
+    void fill(int rows, const std::vector<Layer>& row) override {
+        std::vector<ExrChannel> channels = exrChannels(row);
+        rows_.fill(rows, channels);
+    }
     void end() override { rows_.finish(); }
 
   private:
@@ -64,15 +69,17 @@ class PngFile : public Base {
   public:
     PngFile(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
         : Base(path), rows_(*this, width, height, channelsOf(shape)) {}
-    void add(const std::vector<Layer>& rows) override {
-        const Layer* const color = findLayer(rows, "color");
-        const Layer* const alpha = findLayer(rows, "alpha");
-        rows_.add(color ? colorSamples(color->image, alpha ? &alpha->image : nullptr)
-                        : alphaSamples(alpha->image));
-    }
+    void add(const std::vector<Layer>& rows) override { rows_.add(samplesOf(rows)); }
+    void fill(int rows, const std::vector<Layer>& row) override { rows_.fill(rows, samplesOf(row)); }
     void end() override { rows_.finish(); }
 
   private:
+    static Bytes samplesOf(const std::vector<Layer>& rows) {
+        const Layer* const color = findLayer(rows, "color");
+        const Layer* const alpha = findLayer(rows, "alpha");
+        return color ? colorSamples(color->image, alpha ? &alpha->image : nullptr)
+                     : alphaSamples(alpha->image);
+    }
     static int channelsOf(const std::vector<Layer>& shape) {
         const Layer* const color = findLayer(shape, "color");
         const Layer* const alpha = findLayer(shape, "alpha");
@@ -86,13 +93,15 @@ class PfmFile : public Base {
   public:
     PfmFile(const fs::path& path, int width, int height, const Layer& layer)
         : Base(path), name_(layer.name), rows_(*this, width, height, layer.image.channels) {}
-    void add(const std::vector<Layer>& rows) override {
-        const Image& image = findLayer(rows, name_)->image;
-        rows_.add(image.channels == 2 ? withChannels(image, 3) : image);
-    }
+    void add(const std::vector<Layer>& rows) override { rows_.add(imageOf(rows)); }
+    void fill(int, const std::vector<Layer>& row) override { rows_.fill(imageOf(row)); }
     void end() override {}
 
   private:
+    Image imageOf(const std::vector<Layer>& rows) const {
+        const Image& image = findLayer(rows, name_)->image;
+        return image.channels == 2 ? withChannels(image, 3) : image;
+    }
     std::string name_;
     PfmRows rows_;
 };
@@ -113,7 +122,8 @@ bool canWriteRows(const fs::path& path, const std::vector<std::string>& layers) 
     return false;
 }
 
-PictureRows::PictureRows(const fs::path& path, int width, int height, const std::vector<Layer>& shape) {
+PictureRows::PictureRows(const fs::path& path, int width, int height, const std::vector<Layer>& shape)
+    : left_(height) {
     std::vector<std::string> names;
     for (const Layer& layer : shape) names.push_back(layer.name);
     const std::vector<fs::path> paths = layerPaths(path, names);
@@ -134,6 +144,12 @@ PictureRows::~PictureRows() = default;
 
 void PictureRows::add(const std::vector<Layer>& rows) {
     for (const auto& file : files_) withPath(file->staged().path(), [&] { file->add(rows); });
+    left_ -= rows.front().image.height;
+}
+
+void PictureRows::fill(const std::vector<Layer>& row) {
+    for (const auto& file : files_) withPath(file->staged().path(), [&] { file->fill(left_, row); });
+    left_ = 0;
 }
 
 std::vector<fs::path> PictureRows::finish() {

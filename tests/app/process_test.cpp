@@ -127,6 +127,20 @@ TEST_F(Process, AnInterruptedPictureInBandsHoldsWhatWasFinished) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
 }
 
+// Empty rows take no time worth waiting for: 65,536 x 65,536 pixels, of which a band is drawn.
+TEST_F(Process, AnInterruptedPictureOfAnySizeEndsSoon) {
+    for (const std::string name : {"out.png", "out.pfm"}) {
+        Child child({"render", "a.json", "-o", name, "--backend", "cpu", "--size", "65536x65536",
+                     "--progress", "plain", "--band-rows", "8"});
+        ASSERT_TRUE(child.waitForPercent(0)) << child.err();
+        child.send(SIGINT);
+        const Stopwatch watch;
+        EXPECT_EQ(child.wait(), 130);
+        EXPECT_LT(watch.seconds(), 60) << "9 s on an idle machine";
+        EXPECT_NE(child.err().find("holds the "), std::string::npos) << child.err();
+    }
+}
+
 TEST_F(Process, InterruptSavesTheFinishedPart) {
     for (const int signal : {SIGINT, SIGTERM}) {
         Child child(with(kLong, {"--progress", "plain"}));
