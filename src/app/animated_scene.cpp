@@ -64,6 +64,8 @@ void AnimatedScene::warn() {
     const auto say = [&](const std::string& line) {
         if (warned_.insert(line).second) *err_ << "glint: warning: " << line << '\n';
     };
+    if (options_.time && !loaded_.scene.animation)
+        say(printable(options_.scene.string() + ": has no animation; --time changes nothing"));
     for (const std::string& w : loaded_.scene.warnings) say(printable(w));
     for (const std::string& w : loaded_.packed.warnings) say(printable(options_.scene.string() + ": " + w));
 }

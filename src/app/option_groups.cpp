@@ -96,7 +96,10 @@ void addBackend(OptionTable& table, Backend& backend) {
 
 void addDevice(OptionTable& table, DeviceChoice& device) {
     table.value("--device", "NAME|INDEX", "index or part of the name, see glint devices (default: the best)",
-                [&](const Text& t) { device.selector = t; });
+                [&](const Text& t) {
+                    if (t.empty()) throw Error(ErrorKind::Argument, "the name is empty");
+                    device.selector = t;
+                });
     table.flag("--validation", "run the Vulkan validation layer; its messages are errors", device.validation);
 }
 

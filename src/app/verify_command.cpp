@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
+#include "core/text_file.h"
 #include "verify/film.h"
 #include "verify/verify.h"
 
@@ -97,6 +98,10 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
 
 int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
     checkOutputFolder(command.folder);
+    for (const auto& scene : command.scenes) {  // the last one's name may be misspelt
+        if (scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
+        checkFile(scene);
+    }
     const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
     if (!command.json) out << "device: " << device.info().name << ", " << device.info().driver << '\n';

@@ -61,7 +61,7 @@ std::string shown(std::string_view text) {
 
 }  // namespace
 
-std::string readWholeFile(const std::filesystem::path& path) {
+void checkFile(const std::filesystem::path& path) {
     std::error_code code;
     const auto status = std::filesystem::status(path, code);
     if (status.type() == std::filesystem::file_type::not_found) fail(path, "no such file");
@@ -69,7 +69,11 @@ std::string readWholeFile(const std::filesystem::path& path) {
     if (std::filesystem::is_directory(status)) fail(path, "is a folder, not a file");
     // A device or a pipe may never end.
     if (!std::filesystem::is_regular_file(status)) fail(path, "is not a regular file");
+}
 
+std::string readWholeFile(const std::filesystem::path& path) {
+    checkFile(path);
+    std::error_code code;
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) fail(path, std::string("cannot be read: ") + std::strerror(errno));
     const auto size = std::filesystem::file_size(path, code);

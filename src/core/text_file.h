@@ -11,6 +11,9 @@ namespace glint {
 // file is empty" ...
 std::string readWholeFile(const std::filesystem::path& path);
 
+// Throws what readWholeFile throws for a path that is no regular file, without reading it.
+void checkFile(const std::filesystem::path& path);
+
 // Text of a file for use in a message: what would break the line, steer the terminal or turn the direction of
 // writing becomes '?', and so do bytes that are not UTF-8. Of more than 4 KiB the middle is left out.
 std::string printable(std::string_view text);

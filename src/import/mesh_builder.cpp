@@ -65,7 +65,7 @@ void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
         points_.clear();
         triangles_.clear();
         for (const uint32_t corner : corners_) points_.push_back(positions[corner]);
-        splitPolygon(points_, triangles_);
+        if (!splitPolygon(points_, triangles_)) crossing_++;
         for (const auto& [a, b, c] : triangles_) addTriangle(a, b, c, material);
     }
     polygons_++;
@@ -123,6 +123,9 @@ ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> 
     if (degenerate_ > 0)
         warnings.push_back(file + ": " + counted(degenerate_, "face", "faces") +
                            " with fewer than three different vertices left out");
+    if (crossing_ > 0)
+        warnings.push_back(file + ": " + counted(crossing_, "face crosses itself", "faces cross themselves") +
+                           ": the triangles that they are split into overlap");
     if (badNormals_ > 0)
         warnings.push_back(file + ": the vertex normals of " + counted(badNormals_, "triangle", "triangles") +
                            " are not finite and are not used");

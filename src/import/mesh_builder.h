@@ -46,6 +46,7 @@ class MeshBuilder {
     Mesh mesh_;
     uint32_t polygons_ = 0;
     size_t degenerate_ = 0;
+    size_t crossing_ = 0;
     size_t badNormals_ = 0;
     // Scratch of addPolygon.
     std::vector<uint32_t> corners_, normalCorners_, uvCorners_, colorCorners_;

@@ -11,6 +11,8 @@ namespace {
 
 using Point = glm::dvec2;
 
+constexpr double kNoArea = 1e-9;  // of the square of a polygon's size
+
 // Twice the signed area of a, b, c.
 double area(const Point& a, const Point& b, const Point& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -34,6 +36,12 @@ std::vector<Point> project(std::span<const glm::dvec3> corners) {
     // Newell's normal (Sutherland, Sproull, Schumacker 1974): the sum over edges of (p x q).
     glm::dvec3 normal(0);
     for (size_t i = 0; i < local.size(); i++) normal += glm::cross(local[i], local[(i + 1) % local.size()]);
+    // A bow tie's halves cancel each other: then its plane is that of the corners that span most.
+    if (glm::dot(normal, normal) < kNoArea * kNoArea)
+        for (size_t i = 0; i < local.size(); i++) {
+            const glm::dvec3 spanned = glm::cross(local[i], local[(i + 1) % local.size()]);
+            if (glm::dot(spanned, spanned) > glm::dot(normal, normal)) normal = spanned;
+        }
     int axis = 0;
     for (int k = 1; k < 3; k++)
         if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
@@ -227,15 +235,19 @@ class EarClipper {
 
 }  // namespace
 
-void splitPolygon(std::span<const glm::dvec3> corners, std::vector<std::array<uint32_t, 3>>& triangles) {
+bool splitPolygon(std::span<const glm::dvec3> corners, std::vector<std::array<uint32_t, 3>>& triangles) {
     if (corners.size() > 3) {
         const std::vector<Point> points = project(corners);
         if (!points.empty() && !isConvex(points)) {
+            const auto before = static_cast<std::ptrdiff_t>(triangles.size());
             EarClipper(points).clip(triangles);
-            return;
+            return std::none_of(triangles.begin() + before, triangles.end(), [&](const auto& t) {
+                return area(points[t[0]], points[t[1]], points[t[2]]) < -kNoArea;
+            });
         }
     }
     for (uint32_t i = 1; i + 1 < corners.size(); i++) triangles.push_back({0, i, i + 1});
+    return true;
 }
 
 }  // namespace glint

@@ -145,6 +145,9 @@ TEST_F(Frames, ASceneWithoutAnimationIsSaidToHaveNone) {
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "glint: warning: a.json: has no animation; all frames are the same picture\n");
     EXPECT_EQ(readBytes("f.00.pfm"), readBytes("f.01.pfm"));
+    const Ran one = runGlint({"render", "a.json", "--backend", "cpu", "--size", "8x6", "--time", "1"});
+    EXPECT_EQ(one.code, 0);
+    EXPECT_EQ(one.err, "glint: warning: a.json: has no animation; --time changes nothing\n");
 }
 
 }  // namespace

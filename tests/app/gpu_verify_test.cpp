@@ -102,5 +102,15 @@ TEST_F(GpuVerify, SceneAtFaultEndsTheRunWithItsOwnCode) {
     EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "a.verify.png"}));
 }
 
+// Before the device is opened and hours are spent on the others.
+TEST_F(GpuVerify, AMissingSceneIsNoticedFirst) {
+    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    const Ran ran = runGlint({"verify", "a.json", "no.json"});
+    EXPECT_EQ(ran.code, 3);
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(ran.err, "glint: no.json: no such file\n");
+    EXPECT_EQ(names(), (std::set<std::string>{"a.json"}));
+}
+
 }  // namespace
 }  // namespace glint::app::test::gpu_verify_test

@@ -66,6 +66,8 @@ const Case kCommands[] = {
      "render: unexpected argument \"b.json\"; see glint render --help"},
     {"emptyScene", {"render", ""}, "SCENE is empty; give a file name"},
     {"emptySceneInfo", {"info", ""}, "SCENE is empty; give a file name"},
+    {"emptySceneVerify", {"verify", "a.json", ""}, "SCENE is empty; give a file name"},
+    {"emptyDevice", {"render", "a.json", "--device", ""}, "--device: the name is empty"},
 };
 INSTANTIATE_TEST_SUITE_P(Commands, Usage, ::testing::ValuesIn(kCommands),
                          [](const auto& test) { return test.param.name; });

@@ -157,6 +157,16 @@ TEST(Obj, NormalsThatAreNotFiniteLeaveTheTriangleFlat) {
               std::string::npos);
 }
 
+TEST(Obj, FacesThatCrossThemselvesAreCounted) {
+    const ImportedMesh imported =
+        import("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\nf 1 3 2 4\nf 1 4 2 3\nf 2 1 4 3\n");
+    EXPECT_EQ(imported.mesh.corners.size(), 8u);
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_TRUE(imported.warnings[0].ends_with(
+        "m.obj: 2 faces cross themselves: the triangles that they are split into overlap"))
+        << imported.warnings[0];
+}
+
 TEST(Obj, DegenerateFacesAreCountedAndFacesKeepTheirNumbers) {
     const ImportedMesh imported =
         import(kFour + "f 1 1 2\nf 1 2 3\nf 1 2\nf 1 2 1 2\nf 1 2 2 3\nf 4 3 2 1\n");

@@ -23,6 +23,11 @@ Triangles split(const Points& points) {
     return triangles;
 }
 
+bool isWhole(const Points& points) {
+    Triangles triangles;
+    return splitPolygon(points, triangles);
+}
+
 double areaOf(const Points& p, const std::array<uint32_t, 3>& t) {
     return 0.5 * glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]).z;
 }
@@ -39,6 +44,7 @@ double shoelace(const Points& p) {
 // For polygons in the xy plane, counter-clockwise.
 void expectTiling(const Points& points) {
     const Triangles triangles = split(points);
+    EXPECT_TRUE(isWhole(points));
     ASSERT_EQ(triangles.size(), points.size() - 2);
     double sum = 0;
     for (const auto& t : triangles) {
@@ -169,6 +175,31 @@ TEST(PolygonSplit, BadPolygonsEndAndCoverSomething) {
         for (const auto& t : triangles)
             for (const uint32_t corner : t) EXPECT_LT(corner, points.size());
     }
+    EXPECT_TRUE(isWhole(line));
+    EXPECT_TRUE(isWhole(point));
+    EXPECT_TRUE(isWhole(notFinite));
+}
+
+// Bow ties with halves of equal area, of which Newell's sum is zero, and of others; in any plane.
+TEST(PolygonSplit, PolygonsThatCrossThemselvesAreNoticed) {
+    const Points pentagram = {
+        {0, 1, 0}, {-0.59, -0.81, 0}, {0.95, 0.31, 0}, {-0.95, 0.31, 0}, {0.59, -0.81, 0}};
+    const Points bowTie = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+    const Points uneven = {{0, 0, 0}, {3, 1, 0}, {3, 0, 0}, {0, 0.1, 0}};
+    for (const Points& flat : {pentagram, bowTie, uneven})
+        for (int axis = 0; axis < 3; axis++) {
+            Points points;
+            for (const glm::dvec3& p : flat) {
+                glm::dvec3 q;
+                q[axis] = 0.3 * p.x - 0.7 * p.y;
+                q[(axis + 1) % 3] = p.x;
+                q[(axis + 2) % 3] = p.y;
+                points.push_back(q);
+            }
+            EXPECT_FALSE(isWhole(points)) << flat.size() << axis;
+            std::reverse(points.begin(), points.end());
+            EXPECT_FALSE(isWhole(points)) << flat.size() << axis;
+        }
 }
 
 TEST(PolygonSplit, LargePolygonsTakeLittleMoreThanTheirSize) {
