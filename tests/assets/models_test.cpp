@@ -1,4 +1,6 @@
 // Well-known models: triangle counts and boxes as their sources state them.
+#include <gmock/gmock.h>
+
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -17,6 +19,7 @@ struct Model {
     const char* file;
     size_t triangles;
     dvec3 low, high;  // printed with five digits
+    const char* warning = "";
 };
 
 void PrintTo(const Model& model, std::ostream* out) {
@@ -33,7 +36,11 @@ const Model kModels[] = {
     {"meshes/suzanne.ply", 968, {-1.3672, 0.28356, -0.895}, {1.3672, 2.2523, 0.80812}},
     {"meshes/spot/spot_triangulated.obj", 5856, {-0.47155, -0.73678, -0.66891}, {0.47155, 0.95365, 1.049}},
     {"meshes/spot/spot_quadrangulated.obj", 5856, {-0.47155, -0.73678, -0.66891}, {0.47155, 0.95365, 1.049}},
-    {"meshes/spot/spot_control_mesh.obj", 372, {-0.58597, -0.75913, -0.69622}, {0.58597, 0.98403, 1.0778}},
+    {"meshes/spot/spot_control_mesh.obj",
+     372,
+     {-0.58597, -0.75913, -0.69622},
+     {0.58597, 0.98403, 1.0778},
+     "4 faces cross themselves"},  // none of them is flat, and seen along an axis they do
     {"cornell/cornell_box.obj", 36, {0, 0, 0}, {556, 548.8, 559.2}},
     {"cornell/cornellbox_suzanne.obj", 980, {-5.1449, -0.031673, -4.9553}, {4.6588, 9.7728, 4.7865}},
     {"meshes/spd_mount_sf9.ply", 524288, {-1, -1, -0.60973}, {1, 1, 0.30485}},
@@ -57,7 +64,10 @@ TEST_P(Asset, HasTheStatedTrianglesAndBox) {
         EXPECT_NEAR(low[k], GetParam().low[k], unit);
         EXPECT_NEAR(high[k], GetParam().high[k], unit);
     }
-    EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+    const std::string warning = scene.warnings.empty() ? "" : scene.warnings[0];
+    EXPECT_LE(scene.warnings.size(), 1u);
+    EXPECT_EQ(warning.empty(), *GetParam().warning == 0) << warning;
+    EXPECT_THAT(warning, testing::HasSubstr(GetParam().warning));
 }
 
 std::string modelName(const testing::TestParamInfo<Model>& tested) {
