@@ -189,6 +189,11 @@ typedef struct glint_scene glint_scene;
 GLINT_API glint_status glint_scene_create(glint_device* device, glint_scene** scene);
 /* A scene (.json, .gltf, .glb, .nff) or model (.obj, .ply, .stl) from a file, committed. UTF-8. */
 GLINT_API glint_status glint_scene_load(glint_device* device, const char* path, glint_scene** scene);
+/* The same, and it may be cancelled, at any time until its end, and tells how far it is: in the first half
+ * the file is read, in the second its tree is built, which may take times of any ratio. Cancelled, *scene is
+ * NULL, all memory is given back, and the device is as it was. */
+GLINT_API glint_status glint_scene_load_with(glint_device* device, const char* path,
+                                             const glint_options* options, glint_scene** scene);
 /* Adds an owner; NULL is allowed. From any thread. */
 GLINT_API void glint_scene_retain(glint_scene* scene);
 /* Takes an owner away; the last frees the scene, once no query runs. NULL is allowed. From any thread. */
@@ -254,7 +259,7 @@ GLINT_API glint_status glint_scene_find_material(const glint_scene* scene, const
  * hold it no more, the second commit after it uses its memory again, so a scene that changes takes twice the
  * room. A call that fails leaves what queries see as it was. */
 GLINT_API glint_status glint_scene_commit(glint_scene* scene);
-/* The same, and it may be cancelled, at any time until its end. `options->progress` is not told of it. */
+/* The same, and it may be cancelled, at any time until its end, and tells how far it is. */
 GLINT_API glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* options);
 
 /* What is known of a committed scene. */

@@ -305,10 +305,11 @@ class Scene {
         check(glint_scene_create(device.get(), &made));
         owner_ = decltype(owner_)(made);
     }
-    // From a file, committed.
-    static Scene load(const Device& device, const std::string& path) {
+    // From a file, committed. See glint_scene_load_with.
+    static Scene load(const Device& device, const std::string& path, const Control& control = {}) {
+        const detail::RawOptions options(control);
         glint_scene* loaded = nullptr;
-        check(glint_scene_load(device.get(), path.c_str(), &loaded));
+        check(glint_scene_load_with(device.get(), path.c_str(), &options.options, &loaded));
         return Scene(loaded);
     }
 

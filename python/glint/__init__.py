@@ -14,6 +14,7 @@ import collections
 import ctypes
 import math
 import os
+import traceback
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Optional, Protocol, Union
@@ -91,12 +92,25 @@ class Device:
     """An open device; scenes keep theirs alive.
 
     threads: that a call uses at most, 0 for one a processor. max_bytes: what the device and its scenes may hold, 0 for no limit;
-    a call that needs more raises Error. log: called with lines about what was opened, committed, ignored and mended.
+    a call that needs more raises Error. memory: called with the bytes that are to be taken, and refuses them if it returns false
+    or raises, which is printed: the call ends with Error; called with less than 0 for bytes that were given back. From any
+    thread. log: called with lines about what was opened, committed, ignored and mended.
     """
 
-    def __init__(self, selector: str | int = "", threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None) -> None:
+    def __init__(self, selector: str | int = "", threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None,
+                 memory: Callable[[int], object] | None = None) -> None:
         self._handle = ctypes.c_void_p()
         settings = _native.make(_native.Settings)
+
+        def asked(_: int | None, count: int) -> int:
+            try:
+                return int(bool(memory and memory(count)))
+            except BaseException:  # pylint: disable=broad-except
+                traceback.print_exc()
+                return 0
+        self._memory = _native.MEMORY_CALLBACK(asked)
+        if memory:
+            settings.memory = self._memory
         settings.threads, settings.max_bytes = threads, max_bytes
         self._log = _native.LOG_CALLBACK(lambda user, level, text: log(text.decode()) if log else None)
         if log:
@@ -146,9 +160,9 @@ class _Options:
             told = progress
             self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: told(part), None))
 
-    def call(self, name: str, *arguments: Any) -> None:
+    def call(self, name: str, *arguments: Any, result: tuple[Any, ...] = ()) -> None:
         try:
-            _native.call(name, *arguments, ctypes.byref(self.struct))
+            _native.call(name, *arguments, ctypes.byref(self.struct), *result)
         finally:
             if self.raised is not None:
                 raise self.raised
@@ -231,12 +245,14 @@ class Scene:
             self.commit()
 
     @classmethod
-    def load(cls, path: Path, device: Selector = None) -> Scene:
-        """A scene or model from a file, committed."""
+    def load(cls, path: Path, device: Selector = None, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
+        """A scene or model from a file, committed. cancelled: asked now and then, ends the call if true; progress: told the part
+        that is done."""
         scene = cls.__new__(cls)
         scene._handle = ctypes.c_void_p()
         scene._device = _device(device)
-        _native.call("glint_scene_load", scene._device._handle, os.fsencode(path), ctypes.byref(scene._handle))
+        options = _Options(cancelled, progress)
+        options.call("glint_scene_load_with", scene._device._handle, os.fsencode(path), result=(ctypes.byref(scene._handle),))
         return scene
 
     def __del__(self) -> None:
@@ -300,10 +316,11 @@ class Scene:
         _native.call("glint_scene_find_material", self._handle, name.encode(), ctypes.byref(found))
         return found.value
 
-    def commit(self) -> Scene:
+    def commit(self, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
         """Makes what was added and changed what queries see. Where vertices and transforms alone changed, the trees stay and their
-        boxes follow, see `refits`; the answers are those of a scene made anew."""
-        _native.call("glint_scene_commit", self._handle)
+        boxes follow, see `refits`; the answers are those of a scene made anew. Cancelled, the scene stays as it was committed
+        before."""
+        _Options(cancelled, progress).call("glint_scene_commit_with", self._handle)
         return self
 
     def _added(self, name: str, *arguments: Any) -> int:

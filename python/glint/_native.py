@@ -52,9 +52,10 @@ Picture = _struct("Picture", [("width", ctypes.c_uint32), ("height", ctypes.c_ui
                               ("max_depth", ctypes.c_int32), ("camera", ctypes.POINTER(Camera))] + [(name, View) for name in LAYERS]
                   + [("camera_name", ctypes.c_char_p), ("error", ctypes.c_double), ("confidence", ctypes.c_double),
                      ("max_samples", ctypes.c_uint32), ("reserved", ctypes.c_uint32), ("bound", ctypes.POINTER(ctypes.c_double))])
+MEMORY_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int64)
 LOG_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int32, ctypes.c_char_p)
 Settings = _struct("Settings", [("threads", ctypes.c_uint32), ("reserved", ctypes.c_uint32), ("max_bytes", ctypes.c_uint64),
-                                ("memory", ctypes.c_void_p), ("log", LOG_CALLBACK), ("user", ctypes.c_void_p)])
+                                ("memory", MEMORY_CALLBACK), ("log", LOG_CALLBACK), ("user", ctypes.c_void_p)])
 CANCELLED_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
 PROGRESS_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double)
 Options = _struct("Options", [("cancelled", CANCELLED_CALLBACK), ("progress", PROGRESS_CALLBACK), ("user", ctypes.c_void_p)])
@@ -88,7 +89,7 @@ _SIGNATURES = {
     "glint_device_open_with": [ctypes.c_char_p, _pointer(Settings), _pointer(_handle)],
     "glint_device_info_of": [_handle, _pointer(DeviceInfo)],
     "glint_scene_create": [_handle, _pointer(_handle)],
-    "glint_scene_load": [_handle, ctypes.c_char_p, _pointer(_handle)],
+    "glint_scene_load_with": [_handle, ctypes.c_char_p, _pointer(Options), _pointer(_handle)],
     "glint_scene_add_triangles": [_handle, _pointer(Triangles), _pointer(ctypes.c_uint32)],
     "glint_scene_add_spheres": [_handle, _pointer(Spheres), _pointer(ctypes.c_uint32)],
     "glint_scene_add_json": [_handle, ctypes.c_char_p, ctypes.c_char_p, _pointer(ctypes.c_uint32), _pointer(ctypes.c_uint32)],
@@ -96,7 +97,7 @@ _SIGNATURES = {
     "glint_scene_set_transform": [_handle, ctypes.c_uint32, _pointer(ctypes.c_double)],
     "glint_scene_set_vertices": [_handle, ctypes.c_uint32, _pointer(View)],
     "glint_scene_find_material": [_handle, ctypes.c_char_p, _pointer(ctypes.c_uint32)],
-    "glint_scene_commit": [_handle],
+    "glint_scene_commit_with": [_handle, _pointer(Options)],
     "glint_scene_info_of": [_handle, _pointer(SceneInfo)],
     "glint_scene_warning": [_handle, ctypes.c_uint32, _pointer(ctypes.c_char_p)],
     "glint_query_closest": [_handle, _pointer(Rays), _pointer(Hits), _pointer(Options)],

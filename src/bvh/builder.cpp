@@ -1,11 +1,13 @@
 #include "bvh/builder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <bitset>
 #include <stdexcept>
 
 #include "bvh/sah.h"
+#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "shared/layout.h"
 
@@ -27,6 +29,8 @@ constexpr uint32_t kChunk = 65536;
 // A range of at most this many boxes, or of a 64th of them all, is built by one thread; none of this depends
 // on the number of threads, so neither does the tree.
 constexpr uint32_t kMinSubtree = 16384;
+// Of the time that a large tree takes, the levels above these ranges.
+constexpr double kTopPart = 0.3;
 
 struct Range {
     uint32_t begin = 0, end = 0;
@@ -137,8 +141,13 @@ void Builder::readBoxes(const std::vector<Box>& boxes) {
 Bvh Builder::build() {
     std::vector<Subtree> subtrees;
     buildTop(root_, std::max(kMinSubtree, root_.count() / 64), subtrees);
-    parallelFor(
-        subtrees.size(), [&](size_t i) { buildSubtree(subtrees[i]); }, options_.threads);
+    std::atomic<size_t> done{0};
+    const auto build = [&](size_t i) {
+        buildSubtree(subtrees[i]);
+        tellProgress(kTopPart +
+                     (1 - kTopPart) * static_cast<double>(++done) / static_cast<double>(subtrees.size()));
+    };
+    parallelFor(subtrees.size(), build, options_.threads);
     join(subtrees);
     return std::move(bvh_);
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/call_terms.h"
+
 namespace glint {
 namespace {
 
@@ -75,6 +77,7 @@ std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>&
     }
     addChildren(root, 0);
     while (!pending.empty()) {
+        paceLoop(nodes.size());
         const Pending next = pending.back();
         pending.pop_back();
         const BvhNode& child = bvh.nodes[next.bvhNode];

@@ -42,4 +42,29 @@ const CallTerms* CallScope::current() {
     return termsInForce;
 }
 
+bool callCancelled() {
+    const CallTerms* const terms = CallScope::current();
+    return terms != nullptr && terms->cancelled && terms->cancelled();
+}
+
+void tellProgress(double fraction) {
+    const CallTerms* const terms = CallScope::current();
+    if (terms != nullptr && terms->progress) terms->progress(fraction);
+}
+
+void ReadingPace::pause(const char* at) {
+    pause_ = at + kBytes;
+    checkCancelled();
+    tellProgress(static_cast<double>(at - begin_) / static_cast<double>(end_ - begin_));
+}
+
+ProgressPart::ProgressPart(double from, double to) {
+    const CallTerms* const outer = CallScope::current();
+    if (outer == nullptr || !outer->progress) return;
+    outer->progress(from);
+    terms_ = *outer;
+    terms_->progress = [outer, from, to](double fraction) { outer->progress(from + fraction * (to - from)); };
+    scope_.emplace(&*terms_);
+}
+
 }  // namespace glint

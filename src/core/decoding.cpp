@@ -1,4 +1,5 @@
 // What the decoders share.
+#include "core/call_terms.h"
 #include "core/codecs.h"
 #include "core/quantize.h"
 
@@ -26,6 +27,7 @@ RowCollector::RowCollector(int width, int height, int channels)
 }
 
 float* RowCollector::next(int count) {
+    checkCancelled();
     const size_t before = image_.pixels.size();
     image_.pixels.resize(before + rowSamples_ * static_cast<size_t>(count));
     return image_.pixels.data() + before;

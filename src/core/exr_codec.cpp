@@ -19,6 +19,7 @@
 #include <exception>
 #include <optional>
 
+#include "core/call_terms.h"
 #include "core/codecs.h"
 #include "core/exr_header.h"
 
@@ -373,6 +374,8 @@ Image decodeExr(ByteView file, uint64_t mostPixels) {
         Imf::InputPart part(parts, 0);
         return readPart(part);
     } catch (const CodecError&) {
+        throw;
+    } catch (const Cancelled&) {
         throw;
     } catch (const std::bad_alloc&) {
         throw;

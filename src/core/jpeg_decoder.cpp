@@ -11,6 +11,7 @@
 #include <array>
 #include <optional>
 
+#include "core/call_terms.h"
 #include "core/codecs.h"
 
 namespace glint {
@@ -27,6 +28,7 @@ struct Failure {
     std::jmp_buf back;
     std::array<char, JMSG_LENGTH_MAX> message{};
     bool truncated = false;
+    bool cancelled = false;
 };
 
 Failure& failureOf(j_common_ptr info) {
@@ -56,7 +58,9 @@ void onMessage(j_common_ptr info, int level) {
     }
 }
 
+// Progressive files are read as a whole before the first row. No exception may pass libjpeg's frames.
 void onProgress(j_common_ptr info) {
+    if ((failureOf(info).cancelled = callCancelled())) std::longjmp(failureOf(info).back, 1);
     if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= kMostScans) return;
     info->err->msg_code = JERR_BAD_PROGRESSION;
     fail(info);
@@ -130,6 +134,7 @@ void run(Decoder& decoder, Step step) {
         step();
         return;
     }
+    if (decoder.failure.cancelled) throw Cancelled();
     if (decoder.failure.truncated) throw CodecError("the file is truncated");
     throw CodecError("the file is damaged or of a kind that is not supported (" +
                      std::string(decoder.failure.message.data()) + ")");

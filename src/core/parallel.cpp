@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/call_terms.h"
-#include "core/error.h"
 
 namespace glint {
 namespace {
@@ -35,9 +34,7 @@ class IndexLoop {
                 return;
             }
             try {
-                const CallTerms* const terms = CallScope::current();
-                if (terms != nullptr && terms->cancelled && terms->cancelled())
-                    throw Error(ErrorKind::Interrupted, "cancelled by the caller");
+                checkCancelled();
                 body_(index);
             } catch (...) {
                 const std::lock_guard lock(mutex_);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <optional>
 
+#include "core/call_terms.h"
 #include "core/codecs.h"
 
 namespace glint {
@@ -32,6 +33,7 @@ struct Decoder {
     png_structp png = nullptr;
     png_infop info = nullptr;
     bool truncated = false;
+    bool cancelled = false;
     std::array<char, 128> message{};
     // Of the samples as libpng hands them over.
     size_t width = 0, height = 0, channels = 0, rowBytes = 0;
@@ -54,6 +56,8 @@ void readBytes(png_structp png, png_bytep data, size_t size) {
         decoder.truncated = true;
         png_error(png, "truncated");
     }
+    // Rows of an interlaced picture come all at once. No exception may pass libpng's frames.
+    if (decoder.interlaced && (decoder.cancelled = callCancelled())) png_error(png, "cancelled");
     std::memcpy(data, decoder.file.data() + decoder.position, size);
     decoder.position += size;
 }
@@ -65,6 +69,7 @@ void run(Decoder& decoder, Step step) {
         step();
         return;
     }
+    if (decoder.cancelled) throw Cancelled();
     if (decoder.truncated) throw CodecError("the file is truncated");
     throw CodecError("the file is damaged or of a kind that is not supported (" +
                      std::string(decoder.message.data()) + ")");

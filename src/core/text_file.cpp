@@ -1,5 +1,6 @@
 #include "core/text_file.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <charconv>
@@ -8,6 +9,7 @@
 #include <cstring>
 #include <memory>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 
 namespace glint {
@@ -78,8 +80,15 @@ std::string readWholeFile(const std::filesystem::path& path) {
     if (!file) fail(path, std::string("cannot be read: ") + std::strerror(errno));
     const auto size = std::filesystem::file_size(path, code);
     if (code) fail(path, "cannot be read: " + code.message());
-    std::string bytes(size, '\0');
-    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
+    constexpr size_t kPiece = size_t{16} << 20;  // some milliseconds
+    std::string bytes;
+    bytes.reserve(size);
+    for (size_t got = kPiece, done = 0; got == kPiece && done < size; done += got) {
+        checkCancelled();
+        bytes.resize(std::min<size_t>(size, done + kPiece));
+        got = std::fread(bytes.data() + done, 1, bytes.size() - done, file.get());
+        bytes.resize(done + got);
+    }
     if (bytes.size() != size) fail(path, "cannot be read: the file changed or the disk failed");
     if (bytes.empty()) fail(path, "the file is empty");
     return bytes;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/call_terms.h"
+
 namespace glint {
 
 namespace {
@@ -152,9 +154,11 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
         const Source source = openSource(file, accessor, component, numbers.components, count, true);
         takeMemory(file, accessor, count, numbers.components);
         numbers.values.resize(count * numbers.components);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
+            paceLoop(i);
             for (size_t k = 0; k < numbers.components; k++)
                 numbers.values[i * numbers.components + k] = source.at(i, k);
+        }
     } else {
         if (count > kMostZeros)
             accessor.fail(std::to_string(count) + " elements without a buffer view, the limit is " +

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 
@@ -50,8 +51,9 @@ std::optional<std::string> decodeBase64(std::string_view text) {
     bytes.reserve(text.size() / 4 * 3 + 2);
     uint32_t bits = 0;
     int held = 0;
-    for (const char c : text) {
-        const int digit = base64Digit(c);
+    for (size_t i = 0; i < text.size(); i++) {
+        paceLoop(i);
+        const int digit = base64Digit(text[i]);
         if (digit < 0) return std::nullopt;
         bits = (bits << 6) | static_cast<uint32_t>(digit);
         held += 6;
@@ -86,7 +88,10 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
       bytes_(files.read(path)),
       text_(bytes_) {
     if (bytes_.starts_with("glTF")) openBinary();
-    document_ = parseJson(text_, name_);
+    {
+        const ProgressPart part(0, 0.2);
+        document_ = parseJson(text_, name_);
+    }
     root_.emplace(document_, name_);
     root_->expectObject();
     checkHeader();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/call_terms.h"
 #include "core/room.h"
 #include "import/gltf_accessor.h"
 
@@ -30,6 +31,7 @@ class MeshReader {
         for (size_t i = 0; i < primitives.size(); i++) {
             const JsonCursor primitive = primitives.item(i);
             primitive.expectObject();
+            const ProgressPart part = ProgressPart::step(i, primitives.size());
             readPrimitive(primitive);
         }
         if (mesh_.corners.empty()) return nullptr;
@@ -58,12 +60,14 @@ class MeshReader {
         const auto material = primitive.find("material");
         const GltfMaterials::Use use = materials_.use(material);
         const Range positions = readPositions(*position);
+        tellProgress(0.3);
         const auto normal = attributes.find("NORMAL");
         const Range normals = normal ? readNormals(*normal) : Range{};
         const std::string uvName = "TEXCOORD_" + std::to_string(use.texCoord);
         const auto uv = use.needsTexCoord ? attributes.find(uvName) : std::nullopt;
         if (use.needsTexCoord && !uv)
             file_.warn(attributes.pointer() + ": no " + uvName + ", which its material's texture goes by");
+        tellProgress(0.5);
         const Range uvs = uv ? readUvs(*uv) : Range{};
         const auto color = attributes.find("COLOR_0");
         const Range colors = color ? readColors(*color) : Range{};
@@ -82,7 +86,10 @@ class MeshReader {
             mesh_.colorCorners.push_back(cornersOf(colors));
             mesh_.materials.push_back(use.material);
         };
-        assemble(mode, vertexOrder(primitive, positions.count), add);
+        tellProgress(0.6);
+        const std::vector<uint32_t> order = vertexOrder(primitive, positions.count);
+        tellProgress(0.8);
+        assemble(mode, order, add);
     }
 
     std::vector<uint32_t> vertexOrder(const JsonCursor& primitive, size_t count) {
@@ -105,10 +112,14 @@ class MeshReader {
     template <typename Add>
     static void assemble(int mode, const std::vector<uint32_t>& v, const Add& add) {
         if (mode == kTriangles) {
-            for (size_t i = 0; i + 2 < v.size(); i += 3) add({v[i], v[i + 1], v[i + 2]});
+            for (size_t i = 0; i + 2 < v.size(); i += 3) {
+                paceLoop(i / 3);
+                add({v[i], v[i + 1], v[i + 2]});
+            }
             return;
         }
         for (size_t i = 0; i + 2 < v.size(); i++) {
+            paceLoop(i);
             const glm::uvec3 corners = mode == kTriangleFan
                                            ? glm::uvec3(v[i + 1], v[i + 2], v[0])
                                            : glm::uvec3(v[i], v[i + 1 + i % 2], v[i + 2 - i % 2]);
@@ -126,8 +137,10 @@ class MeshReader {
         if (array.size() + numbers.count >= Mesh::kNoIndex) reference.fail("more than 2^32 - 2 vertices");
         const Range range{static_cast<uint32_t>(array.size()), numbers.count};
         reserveMore(array, numbers.count);
-        for (size_t i = 0; i < numbers.count; i++)
+        for (size_t i = 0; i < numbers.count; i++) {
+            paceLoop(i);
             array.push_back(convert(&numbers.values[i * numbers.components], numbers.components));
+        }
         return known[accessor] = range;
     }
 

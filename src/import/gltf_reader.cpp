@@ -285,9 +285,13 @@ class GltfScene::Reader {
 
     // What is flattened may grow in an animation.
     void readMeshes(GltfMaterials& materials) {
-        for (const Instance& instance : instances_)
+        const ProgressPart all(0.2, 1);  // the JSON text is done
+        for (size_t i = 0; i < instances_.size(); i++) {
+            const ProgressPart part = ProgressPart::step(i, instances_.size());
+            const Instance& instance = instances_[i];
             if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !flattened(instance)))
                 meshes_[instance.mesh] = readGltfMesh(file_, materials, instance.mesh);
+        }
     }
 
     void addObjects() {

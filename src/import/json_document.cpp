@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "scene/limits.h"
@@ -24,10 +25,12 @@ struct TrackedChar {
 
     const char* at = nullptr;
     const char** furthest = nullptr;
+    ReadingPace* pace = nullptr;
 
     reference operator*() const { return *at; }
     TrackedChar& operator++() {
         *furthest = ++at;
+        pace->reached(at);
         return *this;
     }
     TrackedChar operator++(int) {
@@ -214,8 +217,9 @@ JsonValue parseJson(std::string_view text, const std::string& file) {
         throw Error(ErrorKind::Scene, file + ": the file is empty");
     const char* furthest = text.data();
     TreeBuilder builder(text, file, furthest);
-    nlohmann::json::sax_parse(TrackedChar{text.data(), &furthest},
-                              TrackedChar{text.data() + text.size(), &furthest}, &builder,
+    ReadingPace pace(text.data(), text.data() + text.size());
+    nlohmann::json::sax_parse(TrackedChar{text.data(), &furthest, &pace},
+                              TrackedChar{text.data() + text.size(), &furthest, &pace}, &builder,
                               nlohmann::json::input_format_t::json, true, true);
     return builder.takeRoot();
 }

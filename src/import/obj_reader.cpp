@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
@@ -40,17 +41,31 @@ class ObjReader {
         : path_(path), files_(files), text_(files.read(path)), scanner_(text_, path.string(), 1, true) {}
 
     ImportedMesh read() {
-        while (scanner_.nextLine()) readLine();
+        readLines();
         checkIndices();
         if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), Color(1));
-        builder_.reserve(faces_.size());
-        for (const Face& face : faces_) addFace(face);
+        addFaces();
         ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
         imported.textures = std::move(textures_);
         return imported;
     }
 
   private:
+    static constexpr double kRead = 0.8;  // of the time, for lines
+
+    void readLines() {
+        const ProgressPart part(0, kRead);
+        while (scanner_.nextLine()) readLine();
+    }
+    void addFaces() {
+        const ProgressPart part(kRead, 1);
+        builder_.reserve(faces_.size());
+        for (size_t i = 0; i < faces_.size(); i++) {
+            paceLoop(i, faces_.size());
+            addFace(faces_[i]);
+        }
+    }
+
     void readLine() {
         const std::string_view keyword = scanner_.word();
         if (keyword == "v") {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/call_terms.h"
 #include "import/animation.h"
 #include "import/json_cursor.h"
 #include "import/load.h"
@@ -205,9 +206,16 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
     }
     ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
     if (const auto objects = root.find("objects"))
-        for (size_t i = 0; i < objects->size(); i++) parser.parse(objects->item(i));
+        for (size_t i = 0; i < objects->size(); i++) {
+            const ProgressPart part = ProgressPart::step(i, objects->size());
+            checkCancelled();
+            parser.parse(objects->item(i));
+        }
     parser.warnOfUnusedMeshes();
 }
+
+// Of the time that a scene file takes, its text; the rest are its objects.
+constexpr double kJsonPart = 0.1;
 
 }  // namespace
 
@@ -220,7 +228,11 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files) {
     MeshMemory memory;
-    return parseScene(parseJson(text, name), name, folder, files, memory);
+    std::optional<ProgressPart> part(std::in_place, 0, kJsonPart);
+    const JsonValue json = parseJson(text, name);
+    part.reset();
+    part.emplace(kJsonPart, 1);
+    return parseScene(json, name, folder, files, memory);
 }
 
 void parseCameras(const JsonCursor& root, Scene& scene) {

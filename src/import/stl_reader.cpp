@@ -9,6 +9,7 @@
 #include <random>
 #include <unordered_map>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
@@ -169,6 +170,7 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
     facets.reserve(count);
     size_t attributes = 0;
     for (uint64_t i = 0; i < count; i++) {
+        paceLoop(i, count);
         const char* facet = bytes.data() + kHeaderSize + i * kFacetSize;
         std::array<glm::dvec3, 4> vectors;
         for (size_t k = 0; k < 12; k++)

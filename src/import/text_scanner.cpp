@@ -11,6 +11,7 @@ namespace glint {
 
 bool TextScanner::nextLine() {
     if (next_ >= end_) return false;
+    pace_.reached(next_);
     at_ = next_;
     line_ = nextLine_;
     joined_ = false;

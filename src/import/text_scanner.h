@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/call_terms.h"
+
 namespace glint {
 
 class TextScanner {
@@ -14,6 +16,7 @@ class TextScanner {
     TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false)
         : next_(text.data()),
           end_(next_ + text.size()),
+          pace_(next_, end_),
           nextLine_(line),
           continuations_(continuations),
           file_(std::move(file)) {}
@@ -49,6 +52,7 @@ class TextScanner {
 
     const char* next_;  // the line after the present one
     const char* end_;
+    ReadingPace pace_;
     const char* at_ = nullptr;
     const char* lineEnd_ = nullptr;
     size_t line_ = 0;

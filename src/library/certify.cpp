@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/call_terms.h"
 #include "library/status.h"
 
 namespace glint::library {
@@ -60,7 +61,7 @@ class Run {
                 certain ? takeCertain(ray, found[i]) : decide(ray);
             }
         };
-        if (!snapshot_.part().queries->run(task)) reportCancelled();
+        if (!snapshot_.part().queries->run(task)) throw Cancelled();
     }
     void onHost() const {
         forBlocks(rays_.count(), callbacks_, [&](uint64_t first, uint64_t end) {

@@ -1,6 +1,7 @@
 // Queries that count: crossings, all hits, insides.
 #include <algorithm>
 
+#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
@@ -49,7 +50,7 @@ struct CountRun {
                 take(numbers[i], crossings, found[i].doubtful);
             }
         };
-        if (!part.queries->run(task)) reportCancelled();
+        if (!part.queries->run(task)) throw Cancelled();
     }
     void onHost() const {
         forBlocks(count, callbacks, [&](uint64_t first, uint64_t end) {
@@ -168,7 +169,7 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
         });
         written += found;
         first = end;
-        if (callbacks.cancelled && callbacks.cancelled()) reportCancelled();
+        if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
     }
 }
 

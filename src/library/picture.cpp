@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "converge/converge.h"
+#include "core/call_terms.h"
 #include "core/text_file.h"
 #include "library/ray_reader.h"
 #include "library/snapshot.h"
@@ -169,7 +170,7 @@ void draw(const Snapshot& snapshot, const glint_picture& wanted, const glint_opt
     const Picture picture = wanted.error == 0 ? snapshot.render(packed, request)
                                               : drawToError(snapshot, packed, wanted, image, request);
     layers.write(picture);
-    if (!picture.complete) reportCancelled();
+    if (!picture.complete) throw Cancelled();
 }
 
 }  // namespace

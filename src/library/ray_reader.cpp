@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 
+#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "library/status.h"
 
@@ -208,10 +209,6 @@ Callbacks::Callbacks(const glint_options* options) {
         progress = [given](double fraction) { given.progress(given.user, fraction); };
 }
 
-void reportCancelled() {
-    throw Failure(GLINT_ERROR_CANCELLED, "cancelled by the caller");
-}
-
 void forBlocks(uint64_t count, const Callbacks& callbacks,
                const std::function<void(uint64_t first, uint64_t end)>& body) {
     constexpr uint64_t kTurn = 1024;
@@ -229,7 +226,7 @@ void forBlocks(uint64_t count, const Callbacks& callbacks,
         const std::lock_guard lock(mutex);
         callbacks.progress(static_cast<double>(++done) / static_cast<double>(turns));
     });
-    if (stopped) reportCancelled();
+    if (stopped) throw Cancelled();
 }
 
 }  // namespace glint::library

@@ -70,9 +70,7 @@ struct Callbacks {
     std::function<void(double)> progress;
 };
 
-[[noreturn]] void reportCancelled();
-
-// Blocks of what there is `count` of, on all processors. Throws as reportCancelled does.
+// Blocks of what there is `count` of, on all processors. Throws Cancelled.
 void forBlocks(uint64_t count, const Callbacks& callbacks,
                const std::function<void(uint64_t first, uint64_t end)>& body);
 

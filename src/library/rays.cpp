@@ -1,6 +1,7 @@
 // Queries that a ray has one answer to.
 #include <atomic>
 
+#include "core/call_terms.h"
 #include "library/certify.h"
 #include "library/ray_reader.h"
 #include "library/status.h"
@@ -28,7 +29,7 @@ void askDevice(const RayReader& rays, bool any, const Callbacks& callbacks, rend
     task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
         take(numbers, found, rescaled.load(std::memory_order_relaxed));
     };
-    if (!queries.run(task)) reportCancelled();
+    if (!queries.run(task)) throw Cancelled();
 }
 
 reference::Hit answer(const reference::Tracer& tracer, const LocalRay& ray, bool any) {

@@ -19,19 +19,67 @@ glint_status glint_scene_create(glint_device* device, glint_scene** scene) {
     });
 }
 
+namespace {
+
+// Of the time that a file takes: it is read; then it is packed and its tree built.
+constexpr double kRead = 0.5, kCommitted = 0.99;
+
+// One call at a time, and never less than before.
+std::function<void(double)> rising(const std::function<void(double)>& progress) {
+    if (!progress) return {};
+    struct Told {
+        std::mutex mutex;
+        double most = -1;
+    };
+    return [progress, told = std::make_shared<Told>()](double fraction) {
+        const std::lock_guard lock(told->mutex);
+        if (!(fraction > told->most)) return;
+        told->most = fraction;
+        progress(fraction);
+    };
+}
+
+// The terms of a device, and what a call's options say besides.
+glint::CallTerms termsFor(const glint_device& device, const glint_options* options) {
+    glint::CallTerms terms = device.terms;
+    const Callbacks callbacks(options);
+    terms.cancelled = callbacks.cancelled;
+    terms.progress = rising(callbacks.progress);
+    return terms;
+}
+
+void load(const std::filesystem::path& path, glint_scene& made) {
+    glint::checkCancelled();
+    {
+        const glint::ProgressPart part(0, kRead);
+        made.draft = glint::loadScene(path);
+    }
+    made.framed = false;
+    made.loaded.push_back(glint::chargeMemory(meshBytes(made.draft)));
+    for (const glint::Object& object : made.draft.objects)
+        made.added.push_back(object.transform.value_or(glint::Affine{}));
+    const glint::ProgressPart part(kRead, kCommitted);
+    commit(made);
+}
+
+}  // namespace
+
 glint_status glint_scene_load(glint_device* device, const char* path, glint_scene** scene) {
+    return glint_scene_load_with(device, path, nullptr, scene);
+}
+
+glint_status glint_scene_load_with(glint_device* device, const char* path, const glint_options* options,
+                                   glint_scene** scene) {
     if (scene != nullptr) *scene = nullptr;
     glint_scene* made = nullptr;
     const glint_status created = glint_scene_create(device, scene == nullptr ? nullptr : &made);
     if (created != GLINT_OK) return created;
-    const glint_status loaded = guarded(termsOf(made), [&] {
+    const glint_status loaded = guarded([&] {
         require(path != nullptr, "glint_scene_load: path is NULL");
-        made->draft = glint::loadScene(std::filesystem::path(path));
-        made->framed = false;
-        made->loaded.push_back(glint::chargeMemory(meshBytes(made->draft)));
-        for (const glint::Object& object : made->draft.objects)
-            made->added.push_back(object.transform.value_or(glint::Affine{}));
-        commit(*made);
+        const glint::CallTerms terms = termsFor(*device, options);
+        const glint::CallScope scope(&terms);
+        load(path, *made);
+        glint::tellProgress(1);
     });
     if (loaded != GLINT_OK) {
         glint_scene_release(made);
@@ -63,10 +111,10 @@ glint_status glint_scene_commit_with(glint_scene* scene, const glint_options* op
     if (options == nullptr) return glint_scene_commit(scene);
     return guarded([&] {
         require(scene != nullptr, "glint_scene_commit_with: scene is NULL");
-        glint::CallTerms terms = scene->device->terms;
-        terms.cancelled = Callbacks(options).cancelled;
+        const glint::CallTerms terms = termsFor(*scene->device, options);
         const glint::CallScope scope(&terms);
         commit(*scene);
+        glint::tellProgress(1);
     });
 }
 

@@ -49,6 +49,9 @@ glint_status statusOfException() noexcept {
     } catch (const Error& error) {
         remember(error.what());
         return statusOf(error.kind());
+    } catch (const Cancelled& cancelled) {
+        remember(cancelled.what());
+        return GLINT_ERROR_CANCELLED;
     } catch (const std::bad_alloc&) {
         remember("out of memory");
         return GLINT_ERROR_MEMORY;

@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "core/call_terms.h"
 #include "core/parallel.h"
 #include "pack/extent.h"
 #include "pack/pack_geometry.h"
@@ -204,8 +205,11 @@ Instances::Instances(const Scene& scene, const PrimitiveNumbers& numbers, const 
     if (shown.empty()) return;
     const uint32_t needed = static_cast<uint32_t>(std::bit_width(numbers.total())) + 4;
     depthOfPrototypes_ = kDepth - std::max(needed, kDepth / 2);
-    for (const Object* object : shown)
-        prototypes_.push_back(packPrototype(*object, scene, depthOfPrototypes_, options));
+    const ProgressPart part(0, kPrototypesPart);
+    for (size_t i = 0; i < shown.size(); ++i) {
+        const ProgressPart one = ProgressPart::step(i, shown.size());
+        prototypes_.push_back(packPrototype(*shown[i], scene, depthOfPrototypes_, options));
+    }
 }
 
 std::vector<glm::dvec3> Instances::corners(const Scene& scene, uint32_t object) const {

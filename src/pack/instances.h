@@ -29,6 +29,9 @@ class Instances {
     // left to the instances for each factor of two in their number and 4 more.
     Instances(const Scene& scene, const PrimitiveNumbers& numbers, const PackOptions& options);
 
+    // Of the time that packing takes where there are prototypes.
+    static constexpr double kPrototypesPart = 0.5;
+
     bool any() const { return !prototypes_.empty(); }
     uint32_t depthOfTop() const { return kDepth - depthOfPrototypes_; }
 

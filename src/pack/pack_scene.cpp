@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "bvh/flatten.h"
+#include "core/call_terms.h"
 #include "core/stopwatch.h"
 #include "pack/build_tree.h"
 #include "pack/camera_change.h"
@@ -51,6 +52,9 @@ void limitPolygonTrips(const Scene& scene, BvhOptions& options, PackedScene& pac
     packed.polygonTripsPerLeaf = options.maxLeafSize * (trips + 2);
 }
 
+// Of the time that packing takes, until the primitives are collected, and until their tree is built.
+constexpr double kCollected = 0.1, kBuilt = 0.9;
+
 void fillStatistics(const Tree& tree, PackStatistics& statistics) {
     statistics.depth = tree.bvh.depth;
     statistics.sahCost = tree.cost;
@@ -81,7 +85,10 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     }
     limitPolygonTrips(scene, options, packed);
     const Stopwatch stopwatch;
-    Tree built = buildTree(primitives, scene, frame, tree);
+    Tree built = [&] {
+        const ProgressPart part(kCollected, kBuilt);
+        return buildTree(primitives, scene, frame, tree);
+    }();
     packed.statistics.buildSeconds = stopwatch.seconds();
     Bvh& bvh = built.bvh;
     primitives.boxes = {};
@@ -102,6 +109,7 @@ bool anyTransmits(const Scene& scene) {
 
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
                        const PackOptions& options) {
+    const ProgressPart part(instances.any() ? Instances::kPrototypesPart : 0, 1);
     const Extent geometry = geometryExtent(scene, numbers, &instances, options.threads);
     const Extent extent = withCamera(geometry, scene);
     PackedScene packed;

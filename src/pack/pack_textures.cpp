@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/call_terms.h"
 #include "core/room.h"
 #include "pack/object_frame.h"
 #include "pack/primitives.h"
@@ -101,6 +102,7 @@ class TexturePacker {
         uint64_t mended = 0;
         const auto channels = static_cast<size_t>(image.channels);
         for (size_t i = 0; i < count; ++i) {
+            paceLoop(i);
             const float* sample = &image.pixels[i * channels];
             shared::Texel texel;
             for (int c = 0; c < 3; ++c) texel.color[c] = sound(sample[channels < 3 ? 0 : c], mended);

@@ -266,5 +266,86 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
     EXPECT_EQ(told_.held, 0);
 }
 
+// What a loading call asks and tells.
+struct Loading {
+    int asked = 0, cancelAt = 0;  // cancelAt: the number of the question to say yes to, from 1; 0: none
+    std::vector<double> told;
+    glint_options options() {
+        GLINT_INIT(glint_options, made);
+        made.user = this;
+        made.cancelled = [](void* user) {
+            auto& loading = *static_cast<Loading*>(user);
+            return ++loading.asked == loading.cancelAt ? 1 : 0;
+        };
+        made.progress = [](void* user, double part) { static_cast<Loading*>(user)->told.push_back(part); };
+        return made;
+    }
+};
+
+// Meshes of each kind of file, textures, instances and JSON alone: nothing is left behind, wherever it ends.
+TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
+    glint_settings given = settings();
+    given.threads = 1;
+    given.memory = memory;
+    ASSERT_EQ(open(given), GLINT_OK) << glint_last_error();
+    const int64_t before = told_.held;
+    for (const char* name : {"textures.json", "instances.json", "vertex_colors.json", "imports/table.gltf",
+                             "imports/gem.stl", "meshes/knot.obj", "meshes/rgb_cube.ply"}) {
+        const std::string file = sceneFile(name).string();
+        Loading whole;
+        const glint_options watch = whole.options();
+        ASSERT_EQ(glint_scene_load_with(device_, file.c_str(), &watch, &scene_), GLINT_OK)
+            << glint_last_error();
+        glint_scene_release(scene_);
+        EXPECT_EQ(told_.held, before) << name;
+        EXPECT_GT(whole.asked, 4) << name;
+        for (int at = 1; at <= whole.asked; at += 1 + at / 8) {
+            Loading loading;
+            loading.cancelAt = at;
+            const glint_options options = loading.options();
+            EXPECT_EQ(glint_scene_load_with(device_, file.c_str(), &options, &scene_), GLINT_ERROR_CANCELLED)
+                << name << ": question " << at;
+            EXPECT_STREQ(glint_last_error(), "cancelled by the caller");
+            EXPECT_EQ(scene_, nullptr);
+            EXPECT_EQ(loading.asked, at) << "asked again after the answer";
+            EXPECT_EQ(told_.held, before) << name << ": question " << at;
+        }
+    }
+}
+
+TEST_F(LibrarySettings, LoadsAndCommitsTellHowFarTheyAre) {
+    ASSERT_EQ(open(settings()), GLINT_OK) << glint_last_error();
+    Loading loading;
+    const glint_options options = loading.options();
+    const auto expectRising = [&] {
+        ASSERT_GT(loading.told.size(), 2u);
+        for (size_t i = 1; i < loading.told.size(); ++i) EXPECT_GT(loading.told[i], loading.told[i - 1]);
+        EXPECT_GE(loading.told.front(), 0);
+        EXPECT_EQ(loading.told.back(), 1);
+    };
+    ASSERT_EQ(glint_scene_load_with(device_, sceneFile("instances.json").string().c_str(), &options, &scene_),
+              GLINT_OK);
+    expectRising();
+    loading.told.clear();
+    ASSERT_EQ(fill(), GLINT_OK);
+    ASSERT_EQ(glint_scene_commit_with(scene_, &options), GLINT_OK);
+    expectRising();
+}
+
+TEST_F(LibrarySettings, LoadsThatFailSayWhatLoadsSay) {
+    ASSERT_EQ(open(settings()), GLINT_OK) << glint_last_error();
+    Loading loading;
+    const glint_options options = loading.options();
+    EXPECT_EQ(glint_scene_load_with(device_, "/no/such.json", &options, &scene_), GLINT_ERROR_SCENE);
+    const std::string watched = glint_last_error();
+    EXPECT_EQ(glint_scene_load(device_, "/no/such.json", &scene_), GLINT_ERROR_SCENE);
+    EXPECT_EQ(watched, glint_last_error());
+    EXPECT_EQ(glint_scene_load_with(device_, nullptr, &options, &scene_), GLINT_ERROR_ARGUMENT);
+    GLINT_INIT(glint_options, unset);
+    unset.size = 0;
+    EXPECT_EQ(glint_scene_load_with(device_, "/no/such.json", &unset, &scene_), GLINT_ERROR_ARGUMENT);
+    EXPECT_EQ(scene_, nullptr);
+}
+
 }  // namespace
 }  // namespace glint::library::test

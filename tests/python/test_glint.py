@@ -2,7 +2,9 @@
 
 GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
 """
+import base64
 import inspect
+import json
 import os
 import pathlib
 import threading
@@ -170,6 +172,90 @@ def test_a_device_has_settings():
     assert scene.occluded([[0, 0, 9, 0, 0, -1]]).all()
     with pytest.raises(glint.Error, match="max_bytes is 20000"):
         scene.add_triangles(numpy.zeros((3000, 3)))
+
+
+def test_memory_may_be_refused(capfd):
+    held, most = 0, 0
+
+    def ask(count):
+        nonlocal held, most
+        if count > 10_000_000:
+            return False
+        held += count
+        most = max(most, held)
+        return True
+    device = glint.Device("cpu", memory=ask)
+    scene = glint.Scene(CUBE, FACES, device=device)
+    assert 0 < held <= most
+    with pytest.raises(glint.Error, match="memory callback refused") as error:
+        scene.add_triangles(numpy.zeros((3_000_000, 3)))
+    assert error.value.status == "memory"
+    assert scene.commit().occluded([[0, 0, 9, 0, 0, -1]]).all()
+    del scene, device, error  # whose frames hold the scene
+    assert held == 0
+    assert capfd.readouterr().err == ""
+    with pytest.raises(glint.Error, match="memory callback refused"):  # what it raises is printed
+        glint.Scene(CUBE, FACES, device=glint.Device("cpu", memory=lambda count: 1 / 0))
+    assert "ZeroDivisionError" in capfd.readouterr().err
+
+
+def _mesh_files(folder):
+    """A wavy sheet of 2 * 150^2 triangles in each kind of file."""
+    n = 150
+    y, x = numpy.mgrid[0:n + 1, 0:n + 1]
+    points = numpy.stack([x, y, numpy.sin(x / 9) * numpy.cos(y / 7)], -1).reshape(-1, 3).astype("<f4")
+    corner = (y * (n + 1) + x)[:-1, :-1].reshape(-1, 1)
+    faces = numpy.concatenate([corner + [0, 1, n + 2], corner + [0, n + 2, n + 1]]).astype("<u4")
+    lines = ["v %r %r %r" % tuple(p) for p in points.tolist()] + ["f %d %d %d" % tuple(f + 1) for f in faces]
+    (folder / "a.obj").write_text("\n".join(lines) + "\n")
+    header = ("ply\nformat %s 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n"
+              "property list uchar uint vertex_indices\nend_header\n").format(len(points), len(faces))
+    rows = [" ".join(map(repr, p)) for p in points.tolist()] + ["3 %d %d %d" % tuple(f) for f in faces]
+    (folder / "ascii.ply").write_text(header % "ascii" + "\n".join(rows) + "\n")
+    records = numpy.zeros(len(faces), [("n", "u1"), ("f", "<u4", 3)])
+    records["n"], records["f"] = 3, faces
+    (folder / "binary.ply").write_bytes((header % "binary_little_endian").encode() + points.tobytes() + records.tobytes())
+    facets = numpy.zeros(len(faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    facets["corners"] = points[faces]
+    (folder / "a.stl").write_bytes(bytes(80) + numpy.uint32(len(faces)).tobytes() + facets.tobytes())
+    data = "data:application/octet-stream;base64," + base64.b64encode(points.tobytes() + faces.tobytes()).decode()
+    (folder / "a.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": points.nbytes + faces.nbytes, "uri": data}],
+        "bufferViews": [{"buffer": 0, "byteLength": points.nbytes},
+                        {"buffer": 0, "byteOffset": points.nbytes, "byteLength": faces.nbytes}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3",
+                       "min": points.min(0).tolist(), "max": points.max(0).tolist()},
+                      {"bufferView": 1, "componentType": 5125, "count": faces.size, "type": "SCALAR"}]}))
+    (folder / "scene.json").write_text(json.dumps({"meshes": {"a": {"file": "a.obj"}}, "objects": [{"type": "mesh", "mesh": "a"}]}))
+
+
+@pytest.mark.parametrize("name", ["a.obj", "ascii.ply", "binary.ply", "a.stl", "a.gltf", "scene.json"])
+def test_loads_are_watched_and_cancelled(device, tmp_path, name):
+    _mesh_files(tmp_path)
+    parts, asked = [], 0
+
+    def count():
+        nonlocal asked
+        asked += 1
+        return False
+    scene = glint.Scene.load(tmp_path / name, device, cancelled=count, progress=parts.append)
+    assert scene.triangles == 2 * 150 ** 2
+    assert parts == sorted(set(parts)) and parts[-1] == 1
+    assert sum(part < 0.5 for part in parts) > 2 and sum(0.5 < part < 1 for part in parts) > 2  # while read, and while built
+    for at in {1, asked // 3, 2 * asked // 3}:
+        left = iter(range(at))
+        with pytest.raises(glint.Error) as error:
+            glint.Scene.load(tmp_path / name, device, cancelled=lambda: next(left, None) is None)
+        assert error.value.status == "cancelled"
+    with pytest.raises(ZeroDivisionError):
+        glint.Scene.load(tmp_path / name, device, progress=lambda part: part > 0.3 and 1 / 0)
+    with pytest.raises(glint.Error, match="cancelled"):
+        scene.commit(cancelled=lambda: True)
+    parts.clear()
+    assert scene.commit(progress=parts.append).occluded([[70, 70, 9, 0, 0, -1]]).all()
+    assert parts == sorted(set(parts)) and parts[-1] == 1
 
 
 def test_pictures(device):
