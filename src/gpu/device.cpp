@@ -34,6 +34,9 @@ void openDevice(DeviceState& state) {
     if (state.physical.portabilitySubset) extensions.push_back("VK_KHR_portability_subset");
     if (state.surface != VK_NULL_HANDLE) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     VkPhysicalDeviceFeatures features{};
+    // Lanes without work read what an index that nobody wrote points to, and drop it. Every Vulkan device has
+    // this feature, and with it such a read is one of some number instead of undefined.
+    features.robustBufferAccess = VK_TRUE;
     features.shaderFloat64 = state.physical.info.limits.float64 ? VK_TRUE : VK_FALSE;
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
