@@ -19,11 +19,7 @@ using oracle::Dyadic;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-#ifdef GLINT_TEST_ON_DEVICE
-constexpr size_t kCertifiedRays = 2'000;  // rays of each aim at each mesh
-#else
-constexpr size_t kCertifiedRays = 200;
-#endif
+const size_t kCertifiedRays = kOnDevice ? 2'000 : 200;  // rays of each aim at each mesh
 
 glm::dvec3 vectorOf(const D3& v) {
     return {v[0], v[1], v[2]};

@@ -15,11 +15,8 @@
 namespace glint::library::test {
 namespace {
 
-#ifdef GLINT_TEST_ON_DEVICE
-constexpr size_t kCountedRays = 30'000;  // rays of each aim at each mesh: 10^6 in all
-#else
-constexpr size_t kCountedRays = 400;
-#endif
+const size_t kCountedRays =
+    kOnDevice ? 30'000 : 400;  // rays of each aim at each mesh: 10^6 in all on the device
 
 class LibraryCrossings : public LibraryTest {
   protected:

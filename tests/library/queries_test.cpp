@@ -12,11 +12,7 @@ namespace glint::library::test {
 namespace {
 
 // More than a piece of the device's holds; the reference is asked for less, which it answers in blocks.
-#ifdef GLINT_TEST_ON_DEVICE
-constexpr size_t kMany = 150'001;
-#else
-constexpr size_t kMany = 5'001;
-#endif
+const size_t kMany = kOnDevice ? 150'001 : 5'001;
 
 struct Cast {
     std::vector<D3> origins, directions;

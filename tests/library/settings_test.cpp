@@ -49,7 +49,7 @@ class LibrarySettings : public testing::Test {
         return made;
     }
     glint_status open(const glint_settings& settings) {
-        return glint_device_open_with(kSelector, &settings, &device_);
+        return glint_device_open_with(selector(), &settings, &device_);
     }
     static std::vector<F3> sheet(float height) {
         std::vector<F3> vertices;

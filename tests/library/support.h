@@ -13,12 +13,12 @@
 
 namespace glint::library::test {
 
-// A suite for each device: `Cpu` needs no Vulkan, `Vulkan` is lavapipe in tests.
-#ifdef GLINT_TEST_ON_DEVICE
-inline const char* const kSelector = "";
-#else
-inline const char* const kSelector = "cpu";
-#endif
+// A program for each, by on_reference.cpp and on_device.cpp: the reference needs no Vulkan, the device is
+// lavapipe in tests.
+extern const bool kOnDevice;
+inline const char* selector() {
+    return kOnDevice ? "" : "cpu";
+}
 
 using F3 = std::array<float, 3>;
 using D3 = std::array<double, 3>;
@@ -57,7 +57,7 @@ inline std::filesystem::path sceneFile(const std::string& name) {
 class LibraryTest : public testing::Test {
   protected:
     static void SetUpTestSuite() {
-        ASSERT_EQ(glint_device_open(kSelector, &device_), GLINT_OK) << glint_last_error();
+        ASSERT_EQ(glint_device_open(selector(), &device_), GLINT_OK) << glint_last_error();
     }
     static void TearDownTestSuite() {
         glint_device_release(device_);

@@ -20,7 +20,7 @@ TEST_F(LibraryTogether, ScenesAreDrawnAtOnce) {
         picture.height = 36;
         picture.samples = 1;
         picture.color = outOf(color);
-        const bool drawn = glint_device_open(kSelector, &own) == GLINT_OK &&
+        const bool drawn = glint_device_open(selector(), &own) == GLINT_OK &&
                            glint_scene_load(own, sceneFile(name).c_str(), &scene) == GLINT_OK &&
                            glint_render(scene, &picture, nullptr) == GLINT_OK;
         const std::string error = drawn ? "" : glint_last_error();

@@ -1,0 +1,3 @@
+#include "library/support.h"
+
+const bool glint::library::test::kOnDevice = false;
