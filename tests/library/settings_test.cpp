@@ -268,7 +268,8 @@ TEST_F(LibrarySettings, CommitsAreCancelledAnywhere) {
 
 // What a loading call asks and tells.
 struct Loading {
-    int asked = 0, cancelAt = 0;  // cancelAt: the number of the question to say yes to, from 1; 0: none
+    std::atomic<int> asked = 0;  // from any thread
+    int cancelAt = 0;            // the number of the question to say yes to, from 1; 0: none
     std::vector<double> told;
     glint_options options() {
         GLINT_INIT(glint_options, made);
@@ -298,8 +299,8 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
             << glint_last_error();
         glint_scene_release(scene_);
         EXPECT_EQ(told_.held, before) << name;
-        EXPECT_GT(whole.asked, 4) << name;
-        for (int at = 1; at <= whole.asked; at += 1 + at / 8) {
+        EXPECT_GT(whole.asked.load(), 4) << name;
+        for (int at = 1; at <= whole.asked.load(); at += 1 + at / 8) {
             Loading loading;
             loading.cancelAt = at;
             const glint_options options = loading.options();
@@ -307,7 +308,7 @@ TEST_F(LibrarySettings, LoadsAreCancelledAnywhere) {
                 << name << ": question " << at;
             EXPECT_STREQ(glint_last_error(), "cancelled by the caller");
             EXPECT_EQ(scene_, nullptr);
-            EXPECT_EQ(loading.asked, at) << "asked again after the answer";
+            EXPECT_EQ(loading.asked.load(), at) << "asked again after the answer";
             EXPECT_EQ(told_.held, before) << name << ": question " << at;
         }
     }
