@@ -2,21 +2,6 @@
 #ifndef GLINT_LEAF_GLSL
 #define GLINT_LEAF_GLSL
 
-// True if it is a hit, and not in a hole of the surface.
-bool isSolid(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive) {
-    if (!FEATURE_ALPHA_MASK) return isHit;
-    return isThere(traversal.ray, isHit, kind, t, u, v, primitive,
-                   FEATURE_INSTANCES ? traversal.instance : kNone);
-}
-
-bool isShadowRay(Traversal traversal) {
-#ifdef GLINT_BOTH_HITS
-    return traversal.any;
-#else
-    return true;
-#endif
-}
-
 #ifdef GLINT_CROSSINGS
 // Counts it, and writes it down where a list is wanted: behind the rows of the paths, two rows a hit.
 void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint primitive) {
@@ -35,17 +20,41 @@ void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint
 }
 #endif
 
-// Takes the hit if it is one, it is no hole of the surface, and it beats the best. What lets a shadow ray
-// through does not end it.
+bool isShadowRay(Traversal traversal) {
+#ifdef GLINT_BOTH_HITS
+    return traversal.any;
+#else
+    return true;
+#endif
+}
+
+// A ray may go through a hole of the surface, and as a shadow ray through dielectrics.
+#ifdef GLINT_SHADOW_RAYS
+const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
+#else
+const bool kMayGoThrough = FEATURE_ALPHA_MASK;
+#endif
+
+// Whether the ray goes on through its hit: a hole of the surface, or as a shadow ray a dielectric, which then
+// takes of the light.
+bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
+    Met met = metAt(traversal.ray, kind, hit);
+    bool through = FEATURE_ALPHA_MASK && holeAt(met.surface);
+#ifdef GLINT_SHADOW_RAYS
+    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through)
+        through = passes(traversal.passage, met, kind, hit.t);
+#endif
+    return through;
+}
+
+// Takes the hit if it is one, does not let the ray through, and beats the best.
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
-    bool counts = isSolid(traversal, kind, isHit, t, u, v, primitive);
-#ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && counts &&
-        passes(traversal.passage, traversal.ray, kind,
-               Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id)))
-        return;
-#endif
+    bool counts = isHit;
+    if (kMayGoThrough && isHit) {
+        Hit hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
+        counts = !goesThrough(traversal, kind, hit);
+    }
 #ifdef GLINT_CROSSINGS
     if (counts) cross(traversal, kind, t, u, v, primitive);
 #else
@@ -188,12 +197,14 @@ GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
     GLINT_LOOP_##ROLE(Kind, FEATURE)
 
 #ifndef GLINT_CROSSINGS
-// Through a hole of the surface, and as a shadow ray through dielectrics.
-#ifdef GLINT_SHADOW_RAYS
-const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
-#else
-const bool kMayGoThrough = FEATURE_ALPHA_MASK;
-#endif
+
+bool hitPlaneAt(Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
+    Plane plane = loadPlane(index);
+    float t;
+    bool isHit = meetPlane(ray, plane, t) && primitive != traversal.ray.source;
+    hit = Hit(t, 0.0, 0.0, primitive, kNone, plane.id);
+    return isHit;
+}
 
 // Where the ray may go through what it hits, what decides about that is much code, in which the drivers'
 // compilers spend seconds if each kind has it for itself. So one loop tests all kinds: a trip asks for the
@@ -209,26 +220,40 @@ const bool kMayGoThrough = FEATURE_ALPHA_MASK;
         isHit = hitTriangleAt(traversal, rest, index, primitive, hit);
 #define GLINT_MEET_PACKETS(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_LEAVES(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
-#define GLINT_MEET_UNBOUNDED(Kind, FEATURE)
+#define GLINT_MEET_UNBOUNDED(Kind, FEATURE)                        \
+    if (FEATURE_##FEATURE && kPlanesInWalk && kind == kKind##Kind) \
+        isHit = hit##Kind##At(traversal, rest, index, primitive, hit);
 #define GLINT_MEET_INSTANCES(Kind, FEATURE)
 
 #define GLINT_MEET_AGAIN(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                          loops, uv)                                                                      \
     || (crossings > 1 && kind == kKind##Kind)
 
+// The hit of primitive `index` of a kind after `after`.
+bool meetThrough(inout Traversal traversal, uint kind, uint index, float after, out Hit hit) {
+    Ray rest = traversal.ray;
+    rest.tMin = after;
+    uint primitive = (kind << kPrimitiveKindShift) | index;
+    hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
+    bool isHit = false;
+    GLINT_PRIMITIVES(GLINT_MEET_OF_KIND, 0)
+    return isHit;
+}
+
+// Whether the same primitive may be met again behind its hit.
+bool mayMeetAgain(uint kind, float t, float after) {
+    return t > after && (false GLINT_PRIMITIVES(GLINT_MEET_AGAIN, 0));
+}
+
 void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end) {
     uint index = first;
     float after = traversal.ray.tMin;
     do {
         if (index < end) {
-            Ray rest = traversal.ray;
-            rest.tMin = after;
-            uint primitive = (kind << kPrimitiveKindShift) | index;
-            Hit hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
-            bool isHit = false;
-            GLINT_PRIMITIVES(GLINT_MEET_OF_KIND, 0)
+            Hit hit;
+            bool isHit = meetThrough(traversal, kind, index, after, hit);
             offer(traversal, kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);
-            bool further = isHit && hit.t > after && (false GLINT_PRIMITIVES(GLINT_MEET_AGAIN, 0));
+            bool further = isHit && mayMeetAgain(kind, hit.t, after);
             after = further ? hit.t : traversal.ray.tMin;
             index += further ? 0u : 1u;
             // One trip of this loop, and that of a polygon's edges which is entered in each.
@@ -237,6 +262,42 @@ void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end)
         }
     } while (index < end);
 }
+
+// The same until a hit is found: it waits in `asked` until the rays of the subgroup wait or are through
+// (answer), so that what decides about hits is not paid for with each primitive that is tested.
+void testLeafAsking(inout Traversal traversal, uint kind, uint first, uint end) {
+    uint index = first + leafTested;
+    do {
+        if (index < end && !asking) {
+            Hit hit;
+            asking = meetThrough(traversal, kind, index, leafAfter, hit);
+            if (asking) asked = hit;
+            if (!asking) {
+                leafAfter = traversal.ray.tMin;
+                ++index;
+                if (MODE_COST) ++traversal.cost;
+            }
+            traversal.trips += 2u;
+        }
+    } while (index < end && !asking);
+    leafTested = index - first;
+}
+
+// Decides about the hit that waits.
+void answer(inout Traversal traversal) {
+    if (asking) {
+        Hit hit = asked;
+        uint kind = hit.primitive >> kPrimitiveKindShift;
+        offer(traversal, kind, true, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+        bool further = mayMeetAgain(kind, hit.t, leafAfter);
+        leafAfter = further ? hit.t : traversal.ray.tMin;
+        leafTested += further ? 0u : 1u;
+        if (MODE_COST && !further) ++traversal.cost;
+        asking = false;
+    }
+}
+#else
+void answer(inout Traversal traversal) {}
 #endif
 
 #ifdef GLINT_CERTIFY
@@ -280,15 +341,22 @@ void judgePlanes(inout Traversal traversal, uint planeCount) {
 }
 #endif
 
+uint sizeOfLeaf(uint leaf) {
+    if (kPlanesInWalk && leaf == kLeafOfPlanes) return planesInLeaf;
+    return ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+}
+
 // Tests the primitives of a leaf.
 void testLeaf(inout Traversal traversal, uint leaf) {
     uint kind = (leaf >> kLeafKindShift) & kLeafKindMask;
     uint first = leaf & kLeafFirstMask;
-    uint end = first + ((leaf >> kLeafCountShift) & kLeafCountMask) + 1u;
+    uint end = first + sizeOfLeaf(leaf);
 #if defined(GLINT_CERTIFY)
     judgeLeaf(traversal, kind, first, end);
 #elif !defined(GLINT_CROSSINGS)
-    if (kMayGoThrough) {
+    if (kAsks) {
+        testLeafAsking(traversal, kind, first, end);
+    } else if (kMayGoThrough) {
         testLeafThrough(traversal, kind, first, end);
     } else {
         GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)

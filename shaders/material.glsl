@@ -62,24 +62,29 @@ bool holeAt(Surface surface) {
     return textureAt(number, surface).w < material.alphaCutoff;
 }
 
-// `ray` is in the coordinates of the primitive, which is of this kind (a constant, so that the code for
-// others is left out). True if the hit is one, and not where the surface has a hole.
-bool isThere(Ray ray, bool isHit, uint kind, float t, float u, float v, uint primitive, uint instanceIndex) {
-    bool hole = false;
-    if (isHit) {
-        Instance instance;
-        bool inInstance = FEATURE_INSTANCES && instanceIndex != kNone;
-        if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? instanceIndex : 0u);
-        // What the traversal has is not exchanged yet, see surfaceOfTriangle: so as of no instance.
-        Surface surface = surfaceOfKind(kind, ray, Hit(t, u, v, primitive, kNone, 0u), instance);
-        if (inInstance && instance.material != kNone) surface.material = instance.material;
-        if (inInstance) surface.object = instance.object;
-        if (inInstance) leaveInstance(instance, surface.position, surface.error);
-        if (inInstance) surface.geometricNormal = normalInWorld(instance, surface.geometricNormal);
-        fillObjectUv(kind, surface);
-        hole = holeAt(surface);
+// What a walk meets and may go through.
+struct Met {
+    Surface surface;  // with its material and, with textures, where it is in the world
+    bool leaving;     // the ray comes from the inner side
+};
+
+// `ray` is in the coordinates of the primitive. What the walk has of the hit is not exchanged yet, see
+// surfaceOfTriangle: so the surface is looked at as of no instance.
+Met metAt(Ray ray, uint kind, Hit hit) {
+    Instance instance;
+    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
+    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
+    Met met;
+    met.surface = surfaceOfKind(kind, ray, Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u), instance);
+    met.leaving = dot(met.surface.geometricNormal, ray.direction) > 0.0;
+    if (inInstance) {
+        if (instance.material != kNone) met.surface.material = instance.material;
+        met.surface.object = instance.object;
+        leaveInstance(instance, met.surface.position, met.surface.error);
+        met.surface.geometricNormal = normalInWorld(instance, met.surface.geometricNormal);
     }
-    return isHit && !hole;
+    fillObjectUv(kind, met.surface);
+    return met;
 }
 
 #endif

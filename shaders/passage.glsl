@@ -27,25 +27,16 @@ Passage startPassage(uvec4 media, float reach, float scale) {
     return passage;
 }
 
-// False if the surface is opaque. The ray is in the coordinates of the hit primitive, which side it is on is
-// the same in all.
-bool passes(inout Passage passage, Ray ray, uint kind, Hit hit) {
-    Instance instance;
-    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
-    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
-    Surface surface = surfaceOfKind(kind, ray, hit, instance);
-    if (inInstance && instance.material != kNone) surface.material = instance.material;
-    uint medium = loadMaterial(surface.material).medium;
+// False if the surface is opaque. kind, t: of the hit.
+bool passes(inout Passage passage, Met met, uint kind, float t) {
+    uint medium = loadMaterial(met.surface.material).medium;
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
-    if (kHasTextures && optics.transmissionTexture != 0u) {
-        // Only triangles have texture coordinates of their own, within instances too.
-        if (!inInstance) fillObjectUv(kind, surface);
-        depth -= logarithm(max(textureAt(optics.transmissionTexture, surface).xyz, vec3(1e-30)));
-    }
+    if (kHasTextures && optics.transmissionTexture != 0u)
+        depth -= logarithm(max(textureAt(optics.transmissionTexture, met.surface).xyz, vec3(1e-30)));
     if (FEATURE_ATTENUATION) {
-        float way = (passage.reach - hit.t) * passage.scale;
-        depth += optics.attenuation * (dot(surface.geometricNormal, ray.direction) > 0.0 ? -way : way);
+        float way = (passage.reach - t) * passage.scale;
+        depth += optics.attenuation * (met.leaving ? -way : way);
     }
     if (medium != 0u && (kind != kKindTriangle || passage.counts)) passage.depth += depth;
     return medium != 0u;

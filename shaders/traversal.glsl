@@ -24,6 +24,31 @@
 // In the place of a slot: a ray that has not begun.
 const uint kSlotFresh = 0xfffffffeu;
 
+// Whether hits wait until it is decided whether the ray goes through them (answer): in scenes with holes, by
+// walks with a stack of words.
+#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY)
+const bool kAsks = false;
+#else
+const bool kAsks = FEATURE_ALPHA_MASK && NODE_FORMAT != kNodesCompressed && !MODE_RESUME;
+#endif
+// The planes are then the first leaf of a walk that nobody goes on with, so that there is one place alone
+// that decides.
+#ifdef GLINT_WHOLE_PATHS
+const bool kPlanesInWalk = FEATURE_PLANES && kAsks;
+#else
+const bool kPlanesInWalk = false;
+#endif
+const uint kLeafOfPlanes = kLeafFlag | (kKindPlane << kLeafKindShift);
+
+// With kAsks, of the leaf at hand: how many of its primitives have been tested, from which t on the next is,
+// and a hit that waits; with kPlanesInWalk, the planes. No part of Traversal, which is copied with every
+// call.
+uint leafTested;
+float leafAfter;
+bool asking;
+Hit asked;
+uint planesInLeaf;
+
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
@@ -172,7 +197,16 @@ uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, o
 
 // A ray that comes to an instance, or to the end of one, waits there until all rays of the subgroup do: on
 // lavapipe the way in would else be paid for in every trip, by rays that are elsewhere.
-bool isAtHand(uint child) { return child != kNone && !isInstance(child); }
+bool isAtHand(uint child) { return child != kNone && !isInstance(child) && !(kAsks && asking); }
+
+// What comes next after a leaf: the last word of the stack, or kNone where there is none or the ray is
+// settled.
+uint takeNext(bool isSettled, inout uint top, uint base) {
+    bool done = top == base || isSettled;
+    uint next = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
+    top -= done ? 0u : 1u;
+    return next;
+}
 
 // Goes on from node to node, to a leaf, an instance or kNone, the end of the stack from `base` on.
 uint descend(inout Traversal traversal, uint current, uint base, uint budget, inout uint top) {
@@ -204,6 +238,19 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
     return current;
 }
 
+// Rays that wait, before instances or for an answer, do so outside of a middle loop.
+const bool kMiddleLoop = FEATURE_INSTANCES || kAsks;
+#define GLINT_LOOPS_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                            loops, uv)                                                                      \
+    trips += FEATURE_##FEATURE ? uint(loops) : 0u;
+// What a trip of the middle loop counts for: itself, and each loop that stands in it, which lavapipe enters
+// even if no ray has anything to do there (as src/render/path_limits.cpp).
+uint tripsOfPass() {
+    uint trips = 3u;
+    GLINT_PRIMITIVES(GLINT_LOOPS_OF_KIND, 0)
+    return trips;
+}
+
 // From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
 // 0, the beginning; what is known by then keeps the second pass short.
 uint traverse(inout Traversal traversal, uint root) {
@@ -211,6 +258,12 @@ uint traverse(inout Traversal traversal, uint root) {
     uint base = 0u;  // what of the stack is the world's while the ray is in an instance
     uint current = root;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
+    uint tripsOfMiddle = kMiddleLoop ? tripsOfPass() : 0u;
+    if (kPlanesInWalk && planesInLeaf > 0u) {
+        stackPut(0u, root);
+        top = root == kNone ? 0u : 1u;
+        current = kLeafOfPlanes;
+    }
     // One round, or with kPutsAside as often as there is no more room.
     do {
         do {
@@ -220,13 +273,21 @@ uint traverse(inout Traversal traversal, uint root) {
                         current = descend(traversal, current, base, budget, top);
                         if (isAtHand(current) && !isNode(current)) {
                             testLeaf(traversal, current);
-                            bool done = top == base || settled(traversal);
-                            current = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
-                            top -= done ? 0u : 1u;
+                            if (!kAsks || !asking) {
+                                current = takeNext(settled(traversal), top, base);
+                                if (kAsks) leafTested = 0u;
+                            }
                         }
-                        if (FEATURE_INSTANCES) ++traversal.trips;
+                        traversal.trips += tripsOfMiddle;
                     }
-                } while (FEATURE_INSTANCES && isAtHand(current) && traversal.trips < budget);
+                } while (kMiddleLoop && isAtHand(current) && traversal.trips < budget);
+                if (kAsks && asking) {
+                    answer(traversal);
+                    if (settled(traversal) || leafTested >= sizeOfLeaf(current)) {
+                        current = takeNext(settled(traversal), top, base);
+                        leafTested = 0u;
+                    }
+                }
                 if (FEATURE_INSTANCES) {
                     // The way out of an instance may lead straight into the next.
                     bool leaves =
@@ -239,7 +300,7 @@ uint traverse(inout Traversal traversal, uint root) {
                     if (enters) current = root;
                     base = enters ? top : (leaves ? 0u : base);
                 }
-                ++traversal.trips;
+                traversal.trips += tripsOfMiddle + 1u;
             }
         } while (current != kNone && traversal.trips < budget && !asideIsFull(traversal));
         settleAside(traversal);
@@ -294,6 +355,11 @@ bool prepare(inout Traversal traversal, Environment environment) {
     traversal.idBase = 0u;
     traversal.mirrored = false;
     traversal.worldSlot = kNone;
+    if (kAsks) {
+        leafTested = 0u;
+        leafAfter = traversal.ray.tMin;
+        asking = false;
+    }
     traversal.pad = 0.0;
     if (FEATURE_INSTANCES) {
         traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) +
@@ -346,7 +412,8 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
         }
         return walk(traversal, sound ? slot : kNone);
     }
-    if (FEATURE_PLANES) testPlanes(traversal, sound ? environment.planeCount : 0u);
+    if (kPlanesInWalk) planesInLeaf = sound ? environment.planeCount : 0u;
+    if (FEATURE_PLANES && !kPlanesInWalk) testPlanes(traversal, sound ? environment.planeCount : 0u);
 #ifdef GLINT_SHADOW_RAYS
     // A walk from slot 0 comes by all leaves again, but not by the planes.
     Passage afterPlanes = traversal.passage;

@@ -3,6 +3,7 @@
 // A sample from its camera ray to the end of its path, in one kernel: what generate.comp, intersect.comp,
 // light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
+#define GLINT_WHOLE_PATHS
 #define GLINT_BOTH_HITS
 #define GLINT_SHADOW_RAYS
 #include "camera.glsl"

@@ -17,8 +17,8 @@ constexpr uint32_t kLlvmpipeTrips = 65535;
 // keep.
 constexpr uint64_t kMaxPathBytes = 256ull << 20;
 
-// See deriveTripBudget: the loop of the nodes, those of the kinds that a pipeline knows, and one for the
-// compiler's own.
+// See budgetOf: the loop of the nodes, those of the kinds that a pipeline knows, and one for the compiler's
+// own.
 uint32_t loopsOf(const SceneFeatures& features) {
 #define GLINT_LOOPS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
                     uv)                                                                                    \
@@ -27,27 +27,44 @@ uint32_t loopsOf(const SceneFeatures& features) {
 #undef GLINT_LOOPS
 }
 
-// Trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which some
-// lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack = 2 (1 +
-// kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add after the
-// last check, and the way back into an instance before the first. Besides, lavapipe enters each inner loop
-// once in every trip of the one around it even with no lane live. In scenes without instances the loops of
-// the nodes and of each kind in leaves stand in the outer loop, whose trips are those of its longest lane: L
-// (B + 2) more, where L counts them (of polygons also their edges', of quadrics their further hits'). With
-// instances they stand in a middle loop, whose trips, each with a live lane, may be S (B + 2) in all; these
-// enter all of them. The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once
-// more for each of its trips. What no lane counts comes on top: the planes' loop, for all rays together
-// `uncounted`. So S (B + slack) + L (B + 2 + rays) + rays + uncounted <= 65535, with S (B + 2) for B + 2
-// where there are instances, and one more beside L leaves room for the compiler's own.
-uint32_t budgetOf(const gpu::DeviceInfo& device, const SceneFeatures& features, uint32_t polygonTripsPerLeaf,
-                  uint64_t rays, uint64_t uncounted) {
+// What the middle loop counts for each of its trips, as tripsOfPass in shaders/traversal.glsl.
+uint32_t tripsOfPass(const SceneFeatures& features) {
+    return loopsOf(features) + 1;
+}
+
+// Of walks with a stack of words: all those of whole.comp.
+bool haveMiddleLoop(const SceneFeatures& features) {
+    return features.instances || features.alphaMask;
+}
+
+// Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
+// some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack =
+// 2 (1 + kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add
+// after the last check, and the way back into an instance before the first. Besides, lavapipe enters each
+// inner loop once in every trip of the one around it even with no lane live.
+// - Where the loops of the nodes and of each kind in leaves stand in the outer loop, its trips are those of
+//   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
+//   further hits').
+// - Where rays wait for each other, before instances or until it is decided about a hit, they stand in a
+//   middle loop, whose trips, each with a live lane, enter all of them. These count tripsOfPass each, and
+//   those of the outer loop one more, so that all is in the lanes' own B; slack is larger by two and one.
+//   Other walks of the same scene, over compressed nodes and without a stack, are of the first sort: the
+//   lesser of both budgets.
+// The loop of the rays, to all lights (and in whole.comp of all bounces), enters each once more for each of
+// its trips. What no lane counts comes on top: the planes' loop, for all rays together `uncounted`.
+enum class Kernels { Any, Whole };
+uint32_t budgetOf(Kernels kernels, const gpu::DeviceInfo& device, const SceneFeatures& features,
+                  uint32_t polygonTripsPerLeaf, uint64_t rays, uint64_t uncounted) {
     const uint64_t lanes = std::max(device.limits.subgroupSize, 8u);
     const uint64_t slack = 2 * (1 + shared::kQuadricHits) * shared::kMaxLeafSize + 4 + polygonTripsPerLeaf;
-    const uint64_t entering = features.instances ? lanes : 1, loops = loopsOf(features);
-    const uint64_t fixed = uncounted + lanes * slack + (2 * entering + rays) * loops + rays;
-    return fixed < kLlvmpipeTrips
-               ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / (lanes + entering * loops))
-               : 1;
+    const uint64_t loops = loopsOf(features), pass = tripsOfPass(features);
+    const auto left = [](uint64_t fixed, uint64_t each) {
+        return fixed < kLlvmpipeTrips ? static_cast<uint32_t>((kLlvmpipeTrips - fixed) / each) : 1;
+    };
+    const uint32_t waiting = left(uncounted + lanes * (slack + 2 * pass + 1) + rays * (pass + 2), lanes);
+    if (kernels == Kernels::Whole && haveMiddleLoop(features)) return waiting;
+    const uint32_t outer = left(uncounted + lanes * slack + (2 + rays) * loops + rays, lanes + loops);
+    return haveMiddleLoop(features) ? std::min(outer, waiting) : outer;
 }
 
 constexpr uint32_t kTripsElsewhere = 1u << 16;
@@ -93,8 +110,9 @@ Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access) {
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
                           uint32_t polygonTripsPerLeaf) {
     if (!device.llvmpipe) return kTripsElsewhere;
-    return std::min(budgetOf(device, features, polygonTripsPerLeaf, kMostLightsAtOnce, shared::kMaxPlanes),
-                    kMostTrips);
+    return std::min(
+        budgetOf(Kernels::Any, device, features, polygonTripsPerLeaf, kMostLightsAtOnce, shared::kMaxPlanes),
+        kMostTrips);
 }
 
 uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
@@ -102,7 +120,9 @@ uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& fea
     if (!device.llvmpipe) return kTripsElsewhere;
     const uint64_t rays = mostRaysOfPath(features, environment);
     const uint64_t beside = rays * std::max(environment.planeCount, 1u) + rays * kTripsOfShading;
-    return budgetOf(device, features, polygonTripsPerLeaf, rays, beside + kTripsOfSample);
+    // The planes may be a leaf (kPlanesInWalk in shaders/traversal.glsl).
+    return budgetOf(Kernels::Whole, device, features, polygonTripsPerLeaf + 2 * environment.planeCount, rays,
+                    beside + kTripsOfSample);
 }
 
 uint32_t lightsAtOnce(uint32_t tripBudget, uint32_t planeCount) {

@@ -275,6 +275,43 @@ TEST_F(InstanceTest, FlattenedCopyLooksTheSame) {
     }
 }
 
+// The corners of triangles are exchanged in a mirrored instance, and with them the place in a texture: light
+// that passes coloured glass on its way to a lamp is asked for it in another place than light on its way to
+// the eye.
+TEST_F(InstanceTest, ShadowsOfMirroredGlassHaveItsPicture) {
+    Scene scene = emptyScene();
+    auto sheet = std::make_shared<Mesh>(*bumpyBall());
+    for (const dvec3& p : sheet->positions) sheet->uvs.emplace_back(0.5 + 0.4 * p.x, 0.5 + 0.4 * p.z);
+    sheet->uvCorners = sheet->corners;
+    auto image = std::make_shared<Image>(8, 8, 3, 0.0f);
+    for (int i = 0; i < 8 * 8 * 3; ++i)
+        image->at(i / 3 % 8, i / 24, i % 3) = 0.1f + 0.012f * static_cast<float>(i * 7 % 70);
+    scene.textures.push_back({ImageTexture{"", image}});
+    scene.materials.push_back({});
+    Material& glass = scene.materials.back();
+    glass.ambient = glass.diffuse = Color(0);
+    glass.transmission = Color(1);
+    glass.transmissionTexture = 0;
+    glass.ior = 1;
+    const auto material = static_cast<uint32_t>(scene.materials.size() - 1);
+    for (const double side : {-1.0, 1.0})
+        addObject(scene, MeshShape{sheet}, turned({0, 0, 1}, 10, {side, 1, 1}, {1.4 * side, 0, 0}), material);
+    addPlane(scene, {0, -2, 0}, {0, 1, 0});
+    PointLight lamp;
+    lamp.position = {0.2, 9, 0.3};
+    scene.lights.push_back(lamp);
+    scene.camera.eye = {0, 5, 9};
+    scene.camera.target = {0, -1, 0};
+    const Case c = makeCase(scene, 96, 72);
+    ASSERT_EQ(c.packed.instances.size(), 2u);
+    ASSERT_TRUE(c.packed.features.coloredShadows && c.packed.features.uvs);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    EXPECT_EQ(verify::verify(renderer, c.packed, c.camera, options).unexplained, 0u);
+}
+
 TEST_F(InstanceTest, AnyBudgetDrawsTheSamePicture) {
     const Case c = makeCase(crowd(), 40, 30);
     Options plenty;

@@ -67,4 +67,4 @@ mutant(wide_leaf_word wide_nodes.glsl "return (place & 2u) == 0u ?" "return (pla
 mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "across * across" shade)
 mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first tree.glsl "both ? at.entering : reflects;" "both ? !at.entering : reflects;" shade)
-mutant(one_way_beer passage.glsl "surface.geometricNormal, ray.direction) > 0.0 ? -way : way" "surface.geometricNormal, ray.direction) > 0.0 ? 0.0 : way" light)
+mutant(one_way_beer passage.glsl "met.leaving ? -way : way" "met.leaving ? 0.0 : way" light)
