@@ -3,7 +3,7 @@
 
     bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--page docs/lab/povray.md] [--quick]
 
-Each program reads its own file (POV-Ray a mesh2 that this script writes, glint the mesh's own file) and writes a PNG; runs take turns, and the
+Each program reads its own file (POV-Ray a translation, tests/povray/translate.py, glint the mesh's own file) and writes a PNG; runs take turns, and the
 median of N (default 5) counts. `cold`: the driver's shader cache switched off. Needs povray (Debian package) and the meshes of --assets
 (default ../shared/assets/meshes); those that are not there are left out. --keep: the pictures and scenes, to look at. About four minutes on
 two idle cores.
@@ -15,11 +15,14 @@ import pathlib
 import re
 import shutil
 import statistics
-import struct
 import sys
 import tempfile
 
 import measure
+
+sys.path.insert(0, str(measure.ROOT / "tests/povray"))
+import meshes  # noqa: E402
+import translate  # noqa: E402
 
 SIZE = 1024
 COLD = {"MESA_SHADER_CACHE_DISABLE": "true"}
@@ -32,61 +35,13 @@ MESHES = {
 }
 
 
-def read_ply(path):
-    """Vertices and triangles of a PLY file, ascii or little-endian, whose vertices start with float x y z."""
-    with open(path, "rb") as file:
-        counts, widths, element, binary = {}, {"vertex": 0}, None, False
-        while (line := file.readline().decode("ascii", "replace").split()) != ["end_header"]:
-            if line[:1] == ["format"]:
-                binary = line[1] == "binary_little_endian"
-            elif line[:1] == ["element"]:
-                element = line[1]
-                counts[element] = int(line[2])
-            elif line[:1] == ["property"] and element == "vertex":
-                widths["vertex"] += 1
-        if binary:
-            vertices = list(struct.iter_unpack("<3f", file.read(12 * counts["vertex"])))
-            faces = [f[1:] for f in struct.iter_unpack("<B3i", file.read(13 * counts["face"]))]
-        else:
-            vertices = [tuple(map(float, file.readline().split()[:3])) for _ in range(counts["vertex"])]
-            faces = [tuple(map(int, file.readline().split()[1:4])) for _ in range(counts["face"])]
-    return vertices, faces
-
-
-def vector(v):
-    return "<" + ",".join(f"{x:.9g}" for x in v) + ">"
-
-
-def povray_scene(path, eye, target, up, fov, light, objects):
-    finish = f"texture {{ pigment {{ rgb {vector(GREY)} }} finish {{ ambient {AMBIENT} diffuse {DIFFUSE} specular 0 }} }}"
-    with open(path, "w") as file:
-        # right -x: a right-handed world. The angle is the horizontal one, the same as fovY in a square picture.
-        file.write(f"#version 3.7;\nglobal_settings {{ assumed_gamma 1 max_trace_level 1 }}\nbackground {{ rgb {vector(SKY)} }}\n"
-                   f"camera {{ location {vector(eye)} sky {vector(up)} up y right -x angle {fov} look_at {vector(target)} }}\n"
-                   f"light_source {{ {vector(light)} rgb 1 }}\n")
-        objects(file, finish)
-
-
-def mesh2(vertices, faces):
-    def write(file, finish):
-        file.write(f"mesh2 {{ vertex_vectors {{ {len(vertices)},\n" + ",\n".join(map(vector, vertices)) + "}\n")
-        file.write(f"face_indices {{ {len(faces)},\n" + ",\n".join(f"<{a},{b},{c}>" for a, b, c in faces) + "}\n" + finish + "}\n")
-    return write
-
-
-def spheres(list_of):
-    def write(file, finish):
-        for center, radius in list_of:
-            file.write(f"sphere {{ {vector(center)}, {radius} {finish} }}\n")
-    return write
-
-
-def glint_scene(path, eye, target, up, fov, light, objects, meshes):
+def scene_of(view, objects, names):
+    eye, target, up, fov, light = view
     colour = [DIFFUSE * c for c in GREY]
-    path.write_text(json.dumps({
+    return {
         "image": {"width": SIZE, "height": SIZE}, "camera": {"eye": eye, "target": target, "up": up, "fovY": fov}, "background": SKY, "ambient": 1,
         "maxDepth": 0, "lights": [{"type": "point", "position": light, "intensity": 1}],
-        "materials": {"m": {"diffuse": colour, "ambient": [AMBIENT * c for c in GREY]}}, "meshes": meshes, "objects": objects}))
+        "materials": {"m": {"diffuse": colour, "ambient": [AMBIENT * c for c in GREY]}}, "meshes": names, "objects": objects}
 
 
 def prepare(name, folder, assets):
@@ -94,17 +49,16 @@ def prepare(name, folder, assets):
     ours, theirs = folder / f"{name}.json", folder / f"{name}.pov"
     if name == "spheres":
         balls = [([2 * math.cos(0.628 * i), 0.5 * math.sin(1.885 * i), 2 * math.sin(0.628 * i)], 0.5) for i in range(10)]
-        view = ([0, 2, 7], [0, 0, 0], [0, 1, 0], 40, [2, 5, 3])
-        glint_scene(ours, *view, [{"type": "sphere", "center": c, "radius": r, "material": "m"} for c, r in balls], {})
-        povray_scene(theirs, *view, spheres(balls))
-        return ours, theirs, 10
-    file, *view = MESHES[name]
-    if not (assets / file).exists():
-        return None
-    vertices, faces = read_ply(assets / file)
-    glint_scene(ours, *view, [{"type": "mesh", "mesh": "m", "material": "m"}], {"m": {"file": os.path.relpath(assets / file, folder)}})
-    povray_scene(theirs, *view, mesh2(vertices, faces))
-    return ours, theirs, len(faces)
+        count, scene = 10, scene_of(([0, 2, 7], [0, 0, 0], [0, 1, 0], 40, [2, 5, 3]), [{"type": "sphere", "center": c, "radius": r, "material": "m"} for c, r in balls], {})
+    else:
+        file, *view = MESHES[name]
+        if not (assets / file).exists():
+            return None
+        count = len(meshes.read(assets / file).faces)
+        scene = scene_of(view, [{"type": "mesh", "mesh": "m", "material": "m"}], {"m": {"file": os.path.relpath(assets / file, folder)}})
+    ours.write_text(json.dumps(scene))
+    theirs.write_text(translate.translate(scene, folder, (SIZE, SIZE)))
+    return ours, theirs, count
 
 
 class Contestant:

@@ -1,0 +1,296 @@
+#!/usr/bin/env python3
+"""POV-Ray, a renderer that nobody here wrote, draws scenes of ours, and the pictures agree: GLINT [--backend gpu|cpu]... [--only NAME]... [--page FILE]
+
+Layers: which object each pixel shows; where each light's shadows lie; the colours. Bounds are derived (judge.py). --page writes the table.
+"""
+import argparse
+import concurrent.futures
+import math
+import pathlib
+import shutil
+import sys
+
+import numpy
+
+import broken
+import draw
+import judge
+import meshes
+import translate
+from language import OBJECT_CODE, Refused, array, colour, transform
+from surfaces import NeedsChannels
+
+HERE = pathlib.Path(__file__).resolve().parent
+SCENES = HERE.parent.parent / "scenes"
+SIZE = (160, 120)
+CASES = [SCENES / f"{name}.json" for name in ("spheres", "quadrics", "lights", "orthographic", "polygons", "spots", "checker", "triangles", "discs",
+                                                "groups", "knot", "cabinet")]
+CASES += [HERE / "scenes" / f"{name}.json" for name in ("glass", "textures", "veils")]
+
+
+def flat_objects(listed, outer=numpy.eye(4)):
+    for o in listed:
+        placed = outer @ transform(o.get("transform", []))
+        if o["type"] == "group":
+            yield from flat_objects(o["objects"], placed)
+        else:
+            yield o, placed
+
+
+def pushed(scene):
+    """The scene with each light moved sideways by judge.PUSH of its distance from what is looked at, or turned by as much."""
+    moved = []
+    for light in scene.get("lights", []):
+        key = "direction" if light["type"] == "directional" else "position"
+        away = array(light[key]) - (0 if key == "direction" else array(scene["camera"].get("target", [0, 0, 0])))
+        aside = numpy.cross(away, [0.6, 0.0, 0.8])
+        aside = aside / numpy.linalg.norm(aside) * numpy.linalg.norm(away) * judge.PUSH
+        moved.append({**light, key: [float(x) for x in array(light[key]) + aside]})
+    return {**scene, "lights": moved}
+
+
+class Theirs:
+    """POV-Ray's pictures of a scene: objects, shadows of each light, colours; and all of them moved a little."""
+
+    def __init__(self, path, scene, pool):
+        folder = path.parent
+        self.scene, self.folder, self.pool = scene, folder, pool
+        self.lights = len(scene.get("lights", []))
+        aside = (judge.MOVE, judge.MOVE)
+        self.asked = {"colour": self.colour((0.0, 0.0)), "right": self.colour((judge.MOVE, 0.0)), "down": self.colour((0.0, judge.MOVE)),
+                      "objects": self.draw(kind="objects"), "objects moved": self.draw(kind="objects", shift=aside),
+                      "shadows": self.masks(scene, (0.0, 0.0)), "shadows moved": self.masks(scene, aside), "shadows pushed": self.masks(pushed(scene), (0.0, 0.0))}
+        wrong = list(broken.of(path.stem, scene))
+        self.broken = {name: self.colour((0.0, 0.0), s) for name, s in wrong}
+        self.broken_objects = {name: self.draw(s, kind="objects") for name, s in wrong if name in broken.OBJECTS}
+        self.broken_shadows = {name: self.masks(s, (0.0, 0.0)) for name, s in wrong if name in broken.SHADOWS}
+
+    def draw(self, scene=None, **options):
+        return self.pool.submit(draw.povray, translate.translate(scene or self.scene, self.folder, SIZE, **options), SIZE)
+
+    def masks(self, scene, shift):
+        return [self.draw(scene, kind="shadows", shift=shift, lights=range(first, min(first + 3, self.lights))) for first in range(0, self.lights, 3)]
+
+    def colour(self, shift, scene=None):
+        try:
+            return [self.draw(scene, shift=shift)] * 3
+        except NeedsChannels:
+            return [self.draw(scene, shift=shift, channel=c) for c in range(3)]
+
+    def shadows(self, pictures):
+        """One picture for each light, 1 where it shines."""
+        return [(picture.result()[:, :, channel] > 0).astype(float) for first, picture in enumerate(pictures)
+                for channel in range(min(3, self.lights - 3 * first))]
+
+    def moved(self):
+        """What moving the film to the right and down changes of each channel, at most."""
+        still, right, down = (together(self.asked[name]) for name in ("colour", "right", "down"))
+        return numpy.maximum(abs(right - still), abs(down - still))
+
+
+def numbers(picture):
+    """The objects that a flat picture shows."""
+    return picture.result()[:, :, 0] / OBJECT_CODE - 1
+
+
+def together(channels):
+    return numpy.stack([picture.result()[:, :, c] for c, picture in enumerate(channels)], axis=2) / 65535
+
+
+def masks(scene, first):
+    """The scene whose picture is where up to three lights shine: a highlight of exponent 0, which is 1 wherever light comes."""
+    lights = [{"type": "directional" if light["type"] == "directional" else "point", "intensity": [float(i == c) for c in range(3)],
+               **{key: light[key] for key in ("direction", "position") if key in light and (key == "position") == (light["type"] != "directional")}}
+              for i, light in enumerate(scene["lights"][first:first + 3])]
+    clear = {name for name, m in scene.get("materials", {}).items() if m.get("transmission")}
+
+    def opaque(listed):
+        return [{**{k: v for k, v in o.items() if k != "material"}, "material": "mask", **({"objects": opaque(o["objects"])} if o["type"] == "group" else {})}
+                for o in listed if o.get("material") not in clear]
+    return {**scene, "background": 0, "ambient": 0, "maxDepth": 0, "lights": lights, "objects": opaque(scene["objects"]),
+            "materials": {"mask": {"diffuse": 0, "specular": 1, "shininess": 0}}}
+
+
+def view(scene):
+    """The eye, and a pixel's angle, or for parallel rays minus its size."""
+    c = scene.get("camera", {})
+    eye = array(c.get("eye", [0, 0, 5]))
+    if c.get("type") == "orthographic":
+        return eye, -c.get("height", 4) / SIZE[1]
+    return eye, 2 * math.tan(math.radians(c.get("fovY", 40)) / 2) / SIZE[1]
+
+
+def facet_sides(scene, folder, layers):
+    """Pixels of smooth meshes whose triangle faces the eye or a light otherwise than its interpolated normal does: glint goes by both, POV-Ray by the
+    interpolated one alone, so there they mean different things."""
+    leave = numpy.zeros(SIZE[::-1], bool)
+    ids, faces, points = layers["object"][:, :, 0], layers["primitive"][:, :, 0], layers["position"]
+    for number, (o, placed) in enumerate(flat_objects(scene["objects"])):
+        if o["type"] != "mesh":
+            continue
+        mesh = meshes.read(folder / scene["meshes"][o["mesh"]]["file"])
+        if not mesh.normals:
+            continue
+        of_face = {}
+        for number_of_face, corners in mesh.outlines:
+            a, b, c = (placed[:3, :3] @ array(mesh.vertices[i]) for i in corners)
+            of_face.setdefault(number_of_face, []).append(numpy.cross(b - a, c - a))
+        for y, x in zip(*numpy.nonzero(ids == number)):
+            s, p = layers["normal"][y, x], points[y, x]
+            towards = [view(scene)[0] - p] + [-array(l["direction"]) if l["type"] == "directional" else array(l["position"]) - p for l in scene["lights"]]
+            leave[y, x] = any((n @ way > 0) != (s @ way > 0) for n in of_face[faces[y, x]] for way in towards)
+    return leave
+
+
+def mesh_rounding(scene, folder):
+    """What keeping meshes in fp32 does: the greatest shift of a vertex, relative, and turn of a flat triangle's normal."""
+    shift = turn = 0.0
+    for o, _ in flat_objects(scene["objects"]):
+        if o["type"] == "mesh":
+            mesh = meshes.read(folder / scene["meshes"][o["mesh"]]["file"])
+            exact = array(mesh.vertices)
+            rounded = exact.astype(numpy.float32).astype(float)
+            if (exact == rounded).all():
+                continue
+            shift = judge.U
+            corners = array([f[0] for f in mesh.faces]).astype(int)
+            normals = [numpy.cross(v[corners[:, 1]] - v[corners[:, 0]], v[corners[:, 2]] - v[corners[:, 0]]) for v in (exact, rounded)]
+            sines = numpy.linalg.norm(numpy.cross(*normals), axis=1) / numpy.maximum(1e-300, numpy.prod([numpy.linalg.norm(n, axis=1) for n in normals], axis=0))
+            # An interpolated normal is rounded three times over, its own numbers and its weights.
+            turn = max(turn, 3 * judge.U if mesh.normals else float(sines.max()))
+    return shift, turn
+
+
+def lighting(scene, folder):
+    sums = sum((array(colour(light.get("intensity", 1))) for light in scene.get("lights", [])), numpy.zeros(3))
+    used = list(scene.get("materials", {}).values())
+    for m in scene.get("meshes", {}).values():
+        used += meshes.read(folder / m["file"]).materials.values()
+    shiny = [m for m in used if any(colour(m.get("specular", 0)))]
+    return judge.Light(depth=scene.get("maxDepth", 5), lights=len(scene.get("lights", [])), total=float(sums.max()),
+                       shine=max([max(colour(m["specular"])) for m in shiny], default=0.0) * float(sums.max()),
+                       exponent=max([m.get("shininess", 32) for m in shiny], default=0.0))
+
+
+class Ours:
+    """glint's pictures of a scene, one backend."""
+
+    def __init__(self, program, scene, folder, backend, pool):
+        layers = ("color", "object", "primitive", "position", "normal", "depth")
+        self.asked = pool.submit(draw.glint, program, scene, folder, SIZE, backend, layers)
+        count = len(scene.get("lights", []))
+        self.lights = [pool.submit(draw.glint, program, masks(scene, first), folder, SIZE, backend) for first in range(0, count, 3)]
+        self.count = count
+
+    def layers(self):
+        return self.asked.result()
+
+    def shadows(self):
+        return [(picture.result()["color"][:, :, c] > 0).astype(float) for first, picture in enumerate(self.lights)
+                for c in range(min(3, self.count - 3 * first))]
+
+
+def compare(scene, folder, theirs, ours, backend):
+    """What is wrong, and the row of the table."""
+    layers, depth = ours.layers(), scene.get("maxDepth", 5) + 1
+    rounding = judge.rounding_of(backend, *mesh_rounding(scene, folder))
+    most, mean = judge.blur(view(scene)[0], layers["depth"], view(scene)[1])
+    share = rounding.typical * mean / judge.MOVE  # of the pixels that the film's move changes, those that rounding does
+    leave, asked = facet_sides(scene, folder, layers), theirs.asked
+    still, ids = numbers(asked["objects"]), layers["object"][:, :, 0]
+
+    def objects(picture):
+        return judge.classes("objects", picture, ids, judge.upper((still != numbers(asked["objects moved"])).sum()) * share)
+
+    def shadows(pictures):
+        problems, counts, differ = [], [0, 0], still != ids
+        right, film, lamps = (theirs.shadows(asked[name]) for name in ("shadows", "shadows moved", "shadows pushed"))
+        for i, (a, b) in enumerate(zip(theirs.shadows(pictures), ours.shadows())):
+            by_film, by_light = (judge.upper((right[i] != moved[i]).sum()) for moved in (film, lamps))
+            found, *count = judge.classes(f"light {i}", a, b, by_film * share + by_light * rounding.typical / judge.PUSH, leave | (still != ids))
+            problems, counts, differ = problems + found, [x + y for x, y in zip(counts, count)], differ | (a != b)
+        return problems, counts, differ
+
+    moved = theirs.moved()
+    response = judge.neighbourhood(moved, numpy.maximum) / judge.MOVE * math.sqrt(2)
+    light, blurred = lighting(scene, folder), depth * rounding.place * most
+    problems, *row = objects(still)
+    found, counts, differ = shadows(asked["shadows"])
+
+    def colours(picture):
+        bound = judge.colour_bound(picture, response, rounding, blurred, light)
+        return judge.colours(picture, layers["color"], bound, moved, depth * share, leave | differ)
+
+    more, *colour_row = colours(together(asked["colour"]))
+    missed = [f"{name}: colours" for name, picture in theirs.broken.items() if not colours(together(picture))[0]]
+    missed += [f"{name}: objects" for name, picture in theirs.broken_objects.items() if not objects(numbers(picture))[0]]
+    missed += [f"{name}: shadows" for name, pictures in theirs.broken_shadows.items() if not shadows(pictures)[0]]
+    return problems + found + more + [f"not told apart from {m}" for m in missed], [*row, *counts, int(leave.sum()), *colour_row]
+
+
+def judge_finds_faults():
+    """Pictures of classes, made by hand."""
+    theirs = numpy.zeros((8, 8))
+    theirs[:, 4:] = 1
+    shifted, lone = theirs.copy(), theirs.copy()
+    shifted[:, 4] = 0  # an edge that lies one pixel farther to the right
+    lone[2, 1] = 1
+    if judge.classes("edge", theirs, theirs, 0)[0] or not judge.classes("edge", theirs, shifted, 0.5)[0] or not judge.classes("lone", theirs, lone, 5)[0]:
+        raise SystemExit("classes of pixels: a fault is not told, or told of none")
+
+
+def refuses_what_it_cannot_say():
+    for name, why in broken.REFUSED.items():
+        try:
+            translate.translate(translate.load(SCENES / f"{name}.json"), SCENES, SIZE, channel=0)
+        except (Refused, ValueError) as refusal:
+            if why not in str(refusal):
+                raise SystemExit(f"{name}.json: refused for {refusal}, not for {why}") from None
+        else:
+            raise SystemExit(f"{name}.json: translated, although POV-Ray does not have all of it")
+
+
+def run(options):
+    """The rows of the table; says what is wrong as it goes."""
+    rows, wrong, refused = [], 0, 0
+    threads = concurrent.futures.ThreadPoolExecutor
+    with threads(8) as pov_pool, threads(2) as glint_pool:  # most of POV-Ray's half second it sleeps
+        cases = [(path, translate.load(path)) for path in CASES if not options.only or path.stem in options.only]
+        drawn = [(path, scene, Theirs(path, scene, pov_pool), {backend: Ours(options.glint, scene, path.parent, backend, glint_pool)
+                                                               for backend in options.backend}) for path, scene in cases]
+        for path, scene, theirs, ours in drawn:
+            refused += len(theirs.broken)
+            for backend in options.backend:
+                problems, (objects, may_objects, shadows, may_shadows, left, colours, may_colours, worst, error) = compare(
+                    scene, path.parent, theirs, ours[backend], backend)
+                rows.append([path.stem, backend, f"{objects} of {may_objects}", f"{shadows} of {may_shadows}", left, f"{colours} of {may_colours}",
+                             f"{error:.1e}", f"{worst:.2f}"])
+                print(f"{path.stem}, {backend}: " + ("; ".join(problems) or f"agrees, colours within {error:.1e}"), flush=True)
+                wrong += bool(problems)
+    print(f"{len(drawn)} scenes, {refused} broken translations")
+    return rows, wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("glint", type=pathlib.Path)
+    parser.add_argument("--backend", action="append", choices=("gpu", "cpu"))
+    parser.add_argument("--only", action="append", help="a scene's name")
+    parser.add_argument("--page", type=pathlib.Path, help="write the table into this page")
+    options = parser.parse_args()
+    options.glint, options.backend = options.glint.resolve(), options.backend or ["cpu", "gpu"]
+    if shutil.which("povray") is None:
+        raise SystemExit("povray is not installed (Debian package povray)")
+    judge_finds_faults()
+    refuses_what_it_cannot_say()
+    rows, wrong = run(options)
+    if options.page:
+        sys.path.insert(0, str(HERE.parent.parent / "bench"))
+        import measure
+        header = ["scene", "backend", "objects apart", "shadows apart", "left out", "colours apart", "greatest error", "of its bound"]
+        measure.publish(options.page, "povray_agreement", measure.table(header, rows))
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
