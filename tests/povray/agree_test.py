@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""POV-Ray, a renderer that nobody here wrote, draws scenes of ours, and the pictures agree: GLINT [--backend gpu|cpu]... [--only NAME]... [--page FILE]
+"""POV-Ray, a renderer that nobody here wrote, draws scenes of ours, and the pictures agree: GLINT [--backend gpu|cpu]... [--only NAME]... [--size WxH]
+[--page FILE]
 
 Layers: which object each pixel shows; where each light's shadows lie; the colours. Bounds are derived (judge.py). --page writes the table.
 """
@@ -22,9 +23,9 @@ from surfaces import NeedsChannels
 
 HERE = pathlib.Path(__file__).resolve().parent
 SCENES = HERE.parent.parent / "scenes"
-SIZE = (160, 120)
+SIZE = [160, 120]
 CASES = [SCENES / f"{name}.json" for name in ("spheres", "quadrics", "lights", "orthographic", "polygons", "spots", "checker", "triangles", "discs",
-                                                "groups", "knot", "cabinet")]
+                                                "groups", "knot", "cabinet", "corridor", "horizon", "shift", "bow_ties")]
 CASES += [HERE / "scenes" / f"{name}.json" for name in ("glass", "textures", "veils")]
 
 
@@ -277,7 +278,9 @@ def main():
     parser.add_argument("--backend", action="append", choices=("gpu", "cpu"))
     parser.add_argument("--only", action="append", help="a scene's name")
     parser.add_argument("--page", type=pathlib.Path, help="write the table into this page")
+    parser.add_argument("--size", default="160x120")
     options = parser.parse_args()
+    SIZE[:] = map(int, options.size.split("x"))
     options.glint, options.backend = options.glint.resolve(), options.backend or ["cpu", "gpu"]
     if shutil.which("povray") is None:
         raise SystemExit("povray is not installed (Debian package povray)")

@@ -22,7 +22,7 @@ def read_ppm(path):
     width, height, greatest = map(int, header[1:])
     if header[0] != b"P6" or greatest != 65535:
         raise ValueError(f"{path}: no PPM of 16 bits")
-    return numpy.frombuffer(data, ">u2", width * height * 3, at + 1).reshape(height, width, 3).astype(float)
+    return numpy.frombuffer(data, ">u2", width * height * 3, at + 1).reshape(height, width, 3)
 
 
 def read_pfm(path):

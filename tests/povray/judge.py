@@ -34,6 +34,8 @@ def rounding_of(backend, mesh_shift, mesh_turn):
 
 def quantile(mean):
     """The least count that a Poisson variable exceeds with a probability below 1 - CONFIDENCE."""
+    if mean > 100:
+        return math.ceil(upper(mean))  # exp(-mean) vanishes in the end; the limit of the mean lies above that of the count
     term = total = math.exp(-mean)
     count = 0
     while total < CONFIDENCE:
@@ -115,9 +117,11 @@ def colours(theirs, ours, bound, moved, share, leave):
     beyond = (error > bound).any(axis=2) & ~leave
     problems = []
     excess = float(error[beyond].max(axis=1).min()) if beyond.any() else 0.0
-    most = quantile(upper((moved.max(axis=2) > excess / 2).sum()) * share) if excess else 0
-    low, high = neighbourhood(theirs, numpy.minimum) - bound, neighbourhood(theirs, numpy.maximum) + bound
-    strange = beyond & ((ours < low) | (ours > high)).any(axis=2)
+    low, high = neighbourhood(theirs, numpy.minimum), neighbourhood(theirs, numpy.maximum)
+    # Where colours run smoothly, moving the film by MOVE changes a pixel by about MOVE of what its neighbours differ by; an edge that comes past, by all.
+    jumps = ((moved > (high - low) * (4 * MOVE)) & (moved > excess / 2)).any(axis=2)
+    most = quantile(upper(jumps.sum()) * share) if excess else 0
+    strange = beyond & ((ours < low - bound) | (ours > high + bound)).any(axis=2)
     if strange.any():
         y, x = next(zip(*numpy.nonzero(strange)))
         problems.append(f"colour: {strange.sum()} pixels unlike all of POV-Ray's around them; the first at {x},{y}: {theirs[y, x]} and {ours[y, x]}")

@@ -61,11 +61,14 @@ def polygon(o):
         raise Refused("a polygon whose outlines are joined by an edge of its own")
     points = array(corners)
     normal = sum(numpy.cross(p, q) for p, q in zip(points, numpy.roll(points, -1, axis=0)))
+    text = f"polygon {{ {len(written)}, {', '.join(map(vector, written))}"
+    if not normal.any():
+        return text, None  # halves that turn either way, as of a bow tie
     u, v, _ = axes(normal)
     along, up = points @ u, points @ v
     where = flat([0, 0, 0], normal, (min(along), min(up)), (max(along) - min(along), max(up) - min(up)))
     where[2, 3] = -(where[2, :3] @ points[0])
-    return f"polygon {{ {len(written)}, {', '.join(map(vector, written))}", where
+    return text, where
 
 
 def quadric_text(a, b, c, j, clip, caps=""):
