@@ -11,6 +11,7 @@ import numpy
 U = 2.0 ** -24
 STEP = 1 / 65535       # of POV-Ray's output
 MOVE = 1 / 16          # pixels that the film is moved by to see how pictures respond
+FINE = 2.0 ** -11      # pixels, more than what rounding moves the film by
 PUSH = 1 / 256         # of their distance that lights are moved by
 CONFIDENCE = 0.999
 # Roundings of fp32 on the way from a ray to the next hit: normalising 4, the intersection's sums 8, the point 4. Each is one of U of a coordinate.
