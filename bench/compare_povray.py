@@ -49,7 +49,8 @@ def prepare(name, folder, assets):
     ours, theirs = folder / f"{name}.json", folder / f"{name}.pov"
     if name == "spheres":
         balls = [([2 * math.cos(0.628 * i), 0.5 * math.sin(1.885 * i), 2 * math.sin(0.628 * i)], 0.5) for i in range(10)]
-        count, scene = 10, scene_of(([0, 2, 7], [0, 0, 0], [0, 1, 0], 40, [2, 5, 3]), [{"type": "sphere", "center": c, "radius": r, "material": "m"} for c, r in balls], {})
+        objects = [{"type": "sphere", "center": c, "radius": r, "material": "m"} for c, r in balls]
+        count, scene = len(balls), scene_of(([0, 2, 7], [0, 0, 0], [0, 1, 0], 40, [2, 5, 3]), objects, {})
     else:
         file, *view = MESHES[name]
         if not (assets / file).exists():

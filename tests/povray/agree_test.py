@@ -243,6 +243,11 @@ def judge_finds_faults():
     lone[2, 1] = 1
     if judge.classes("edge", theirs, theirs, 0)[0] or not judge.classes("edge", theirs, shifted, 0.5)[0] or not judge.classes("lone", theirs, lone, 5)[0]:
         raise SystemExit("classes of pixels: a fault is not told, or told of none")
+    flat = numpy.full((4, 4, 3), 0.5)
+    holed = flat.copy()
+    holed[1, 1] = math.nan
+    if not judge.colours(flat, holed, flat, flat, 1.0, numpy.zeros((4, 4), bool))[0]:
+        raise SystemExit("a colour that is not a number passes")
 
 
 def refuses_what_it_cannot_say():

@@ -115,14 +115,14 @@ def colours(theirs, ours, bound, moved, share, leave):
     """Colours agree within the bound, but for as few pixels as rounding moves an edge past; those show what POV-Ray shows beside them."""
     ours = numpy.clip(ours, 0, 1)  # as POV-Ray's output is
     error = abs(theirs - ours)
-    beyond = (error > bound).any(axis=2) & ~leave
+    beyond = ~(error <= bound).all(axis=2) & ~leave  # so that NaN is
     problems = []
-    excess = float(error[beyond].max(axis=1).min()) if beyond.any() else 0.0
+    excess = float(numpy.nan_to_num(error[beyond], nan=1.0).max(axis=1).min()) if beyond.any() else 0.0
     low, high = neighbourhood(theirs, numpy.minimum), neighbourhood(theirs, numpy.maximum)
     # Where colours run smoothly, moving the film by MOVE changes a pixel by about MOVE of what its neighbours differ by; an edge that comes past, by all.
     jumps = ((moved > (high - low) * (4 * MOVE)) & (moved > excess / 2)).any(axis=2)
     most = quantile(upper(jumps.sum()) * share) if excess else 0
-    strange = beyond & ((ours < low - bound) | (ours > high + bound)).any(axis=2)
+    strange = beyond & ~((ours >= low - bound) & (ours <= high + bound)).all(axis=2)
     if strange.any():
         y, x = next(zip(*numpy.nonzero(strange)))
         problems.append(f"colour: {strange.sum()} pixels unlike all of POV-Ray's around them; the first at {x},{y}: {theirs[y, x]} and {ours[y, x]}")
