@@ -81,7 +81,8 @@ class Contestant:
 def compare(name, files, options, folder, threads):
     ours, theirs, primitives = files
     size = options.size
-    draw = lambda out, *more: [options.glint, "render", ours, "--size", f"{size}x{size}", "-o", folder / f"{name}.{out}.png", "--progress", "none", *more]
+    draw = lambda out, *more: [options.glint, "render", ours, "--size", f"{size}x{size}", "-o", folder / f"{name}.{out}.png", "--progress", "none",
+                               "--allow-outside", *more]
     pov = ["povray", f"+I{theirs}", f"+O{folder / name}.povray.png", f"+W{size}", f"+H{size}", f"+WT{threads}", "-D", "-V", "-A"]
     contestants = [Contestant("POV-Ray", pov), Contestant("glint", draw("glint")), Contestant("glint, cold", draw("glint"), COLD),
                    Contestant("glint --backend cpu", draw("reference", "--backend", "cpu"))]
