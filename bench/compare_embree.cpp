@@ -13,24 +13,15 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "core/error.h"
+#include "device_rays.h"
 #include "embree_rays.h"
 #include "import/load.h"
-#include "reference/tracer.h"
-#include "render/path_state.h"
-#include "render/renderer.h"
-#include "render/scene_buffers.h"
 
 namespace glint::bench {
 namespace {
-
-// Compiled kernels instead of the program's own, to try variants without building it.
-struct Replacements {
-    std::vector<uint32_t> intersect, intersectAny, packetIntersect, packetIntersectAny;
-};
 
 struct Settings {
     int width = 1024, height = 1024, repeat = 7;
@@ -53,113 +44,6 @@ double least(const std::vector<Timing>& timings, double Timing::*clock) {
     double best = timings.front().*clock;
     for (const Timing& t : timings) best = std::min(best, t.*clock);
     return best;
-}
-
-render::KernelCode replace(render::KernelCode code, const Replacements& replaced) {
-    const auto take = [](std::span<const uint32_t>& kernel, const std::vector<uint32_t>& other) {
-        if (!other.empty()) kernel = other;
-    };
-    take(code.intersect, replaced.intersect);
-    take(code.intersectAny, replaced.intersectAny);
-    take(code.packetIntersect, replaced.packetIntersect);
-    take(code.packetIntersectAny, replaced.packetIntersectAny);
-    return code;
-}
-
-// The device's side: the library's batches of rays, by one way to find hits.
-class DeviceRays {
-  public:
-    DeviceRays(const gpu::Device& device, const PackedScene& scene, render::Traversal traversal,
-               const Replacements& replaced)
-        : scene_(scene),
-          code_(replace(
-              render::embeddedKernels(render::chooseAccess(device.info(), render::largestArray(scene))),
-              replaced)),
-          renderer_(device, scene, optionsOf(traversal)) {}
-
-    Timing trace(const std::vector<BenchRay>& rays, bool any, std::vector<BenchHit>& hits) {
-        BatchTimes times;
-        const std::vector<WorldHit> found =
-            renderer_.trace(batchOf(rays, any ? HitDetail::Any : HitDetail::Nearest), &times);
-        hits.assign(rays.size(), {});
-        for (size_t i = 0; i < rays.size(); ++i) {
-            if (!found[i].hit) continue;
-            hits[i] = {true, static_cast<float>(found[i].t), any ? 0 : idOf(found[i].packed)};
-        }
-        return {times.wall, times.processor};
-    }
-    // Boxes and primitives tested in all, by the kernel's own count.
-    uint64_t countTests(const std::vector<BenchRay>& rays) {
-        RayBatch batch = batchOf(rays, HitDetail::Nearest);
-        batch.cost = true;
-        const std::vector<WorldHit> found = renderer_.trace(batch);
-        uint64_t sum = 0;
-        for (size_t i = 0; i < rays.size(); ++i) sum += rays[i].tMax > rays[i].tMin ? found[i].cost : 0;
-        return sum;
-    }
-
-  private:
-    render::Options optionsOf(render::Traversal traversal) const {
-        render::Options options;
-        options.traversal = traversal;
-        options.kernels = &code_;
-        return options;
-    }
-    // Rounded to fp32 they are what they were.
-    RayBatch batchOf(const std::vector<BenchRay>& rays, HitDetail detail) const {
-        RayBatch batch;
-        batch.detail = detail;
-        for (const BenchRay& ray : rays) {
-            WorldRay world = {scene_.origin + glm::dvec3(ray.origin), glm::dvec3(ray.direction), ray.tMin,
-                              ray.tMax};
-            if (ray.tMax < ray.tMin) world.direction = glm::dvec3(0);  // no ray
-            batch.rays.push_back(world);
-        }
-        return batch;
-    }
-    uint32_t idOf(uint32_t primitive) const {
-        const uint32_t index = primitive & shared::kPrimitiveIndexMask;
-        return primitive >> shared::kPrimitiveKindShift == shared::kKindSphere ? scene_.spheres[index].id
-                                                                               : scene_.triangles[index].id;
-    }
-
-    const PackedScene& scene_;
-    render::KernelCode code_;
-    render::Renderer renderer_;
-};
-
-// The camera rays of the picture, 8x8 tiles one after the other and in each the Morton curve, as the paths of
-// a picture run on llvmpipe.
-std::vector<BenchRay> cameraRays(const PackedScene& scene, const shared::Camera& camera, int width,
-                                 int height) {
-    render::Slice slice;
-    slice.region = {0, 0, width, height};
-    slice.tileCount = render::Slice::tilesIn(slice.region);
-    slice.interleave = 16;
-    const reference::Tracer tracer(scene);
-    std::vector<BenchRay> rays(slice.paths());
-    for (uint32_t path = 0; path < slice.paths(); ++path) {
-        glm::ivec2 pixel;
-        if (!slice.pixelOf(path, pixel)) continue;
-        const reference::Ray ray = tracer.cameraRay(camera, pixel.x + 0.5, pixel.y + 0.5);
-        rays[path] = {glm::vec3(ray.origin), static_cast<float>(ray.tMin), glm::vec3(ray.direction),
-                      static_cast<float>(std::min<double>(ray.tMax, shared::kInfinity))};
-    }
-    return rays;
-}
-
-// From where the camera rays hit, moved off the surface by 1e-4 of the distance, to the light.
-std::vector<BenchRay> shadowRays(const std::vector<BenchRay>& rays, const std::vector<BenchHit>& hits,
-                                 const shared::Light& light) {
-    std::vector<BenchRay> shadows(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) {
-        if (!hits[i].hit) continue;
-        const glm::vec3 point = rays[i].origin + hits[i].t * (1 - 1e-4f) * rays[i].direction;
-        const bool directional = light.kind == shared::kLightDirectional;
-        const glm::vec3 towards = directional ? light.position : light.position - point;
-        shadows[i] = {point, 0, towards, directional ? shared::kInfinity : 1.0f};
-    }
-    return shadows;
 }
 
 size_t countRays(const std::vector<BenchRay>& rays) {
@@ -232,9 +116,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     const EmbreeRays embree(packed);
     DeviceRays lane(gpu, packed, render::Traversal::Lane, settings.replaced);
     std::optional<DeviceRays> packet;
-    if (render::runsPackets(gpu.info()) &&
-        render::chooseTraversal(render::Traversal::Packet, gpu.info(), packed).packets)
-        packet.emplace(gpu, packed, render::Traversal::Packet, settings.replaced);
+    if (hasPackets(gpu, packed)) packet.emplace(gpu, packed, render::Traversal::Packet, settings.replaced);
     std::printf("%s: %zu triangles, %zu spheres, %dx%d; BVH %.0f ms, Embree's %.0f ms\n", path.c_str(),
                 packed.triangles.size(), packed.spheres.size(), settings.width, settings.height,
                 packed.statistics.buildSeconds * 1e3, embree.buildSeconds() * 1e3);
