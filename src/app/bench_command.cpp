@@ -27,8 +27,9 @@ struct BenchCommand {
     int repeats = 7;
     bool everyWalk = false;  // --traversal all
     bool full = false;       // the code of every feature
-    SceneFeatures with;      // the code of these features
-    bool json = false;       // --stats
+    bool wholePaths = false;
+    SceneFeatures with;  // the code of these features
+    bool json = false;   // --stats
     ProgressMode progress = ProgressMode::Auto;
 };
 
@@ -59,6 +60,8 @@ void declare(OptionTable& table, BenchCommand& c) {
                 "(names: glint info)",
                 [&](const std::string& t) { c.with = parseFeatures(t); });
     table.flag("--full", "the code of every feature", c.full);
+    table.flag("--whole-paths", "one kernel that follows each path to its end, not one for each step",
+               c.wholePaths);
     addStats(table, "the results as JSON on standard output, instead of tables", c.json);
     addProgress(table, c.progress);
 }
@@ -71,6 +74,7 @@ void checkOptions(const BenchCommand& c) {
         throw Error(ErrorKind::Argument, "--full, --with: need --backend gpu");
     if (c.compaction != render::Compaction::Auto)
         throw Error(ErrorKind::Argument, "--compaction: needs --backend gpu");
+    if (c.wholePaths) throw Error(ErrorKind::Argument, "--whole-paths: needs --backend gpu");
 }
 
 // What compiling takes is what it takes the first time. Whoever sets these himself has reasons.
@@ -87,6 +91,7 @@ bench::Options optionsOf(const BenchCommand& command) {
     options.renderer.leaveOut = !command.full;
     options.renderer.also = command.with;
     options.renderer.compaction = command.compaction;
+    if (command.wholePaths) options.renderer.wholePaths = render::WholePaths::On;
     options.repeats = command.repeats;
     options.everyWalk = command.everyWalk;
     options.cancelled = interrupted;

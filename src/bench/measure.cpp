@@ -235,7 +235,7 @@ class Contestant {
 };
 
 render::Options profiled(render::Options options) {
-    options.profile = true;
+    options.profile = options.wholePaths != render::WholePaths::On;
     return options;
 }
 

@@ -14,7 +14,7 @@ namespace glint::bench {
 
 struct Options {
     Tracing tracing;
-    render::Options renderer;  // `profile` is on in any case
+    render::Options renderer;  // `profile` is on in any case but WholePaths::On
     int repeats = 7;           // pictures that are timed
     bool everyWalk = false;    // each way to find hits in turn besides: Result::walks
     std::function<void(double)> progress = [](double) {};  // 0..1

@@ -79,6 +79,22 @@ TEST_F(GpuBench, CompactionDrawsTheSameBitsWithFewerInvocations) {
     EXPECT_GT(on["seconds"]["processors"]["median"].get<double>(), 0);
 }
 
+// Steps have no times of their own then.
+TEST_F(GpuBench, WholePathsDrawTheSameBitsInOneKernel) {
+    writeText("a.json", sceneText(64, 48, R"("maxDepth": 3,
+  "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
+  "materials": {"chrome": {"diffuse": 0.1, "mirror": 0.9}},
+  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 0.3, "material": "chrome"}])"));
+    const nlohmann::json steps = bench({"--traversal", "lane"}),
+                         whole = bench({"--traversal", "lane", "--whole-paths"});
+    EXPECT_EQ(whole["picture"], steps["picture"]);
+    EXPECT_EQ(whole["rays"]["all"]["number"], steps["rays"]["all"]["number"]);
+    EXPECT_GT(whole["seconds"]["trace"]["median"].get<double>(), 0);
+    EXPECT_GT(steps["seconds"]["generate"]["median"].get<double>(), 0);
+    EXPECT_EQ(whole["seconds"]["generate"]["median"].get<double>(), 0);
+    EXPECT_FALSE(whole["rays"]["primary"].contains("seconds"));
+}
+
 TEST_F(GpuBench, MoreCodeDrawsTheSameBits) {
     writeText("a.json", sceneText(32, 24, R"("maxDepth": 0,
   "lights": [{"type": "point", "position": [1, 6, 4], "intensity": 0.8}],
