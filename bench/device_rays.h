@@ -7,6 +7,7 @@
 #include "pack/packed_scene.h"
 #include "rays.h"
 #include "render/renderer.h"
+#include "trace/ray_batch.h"
 
 namespace glint::bench {
 

@@ -4,10 +4,13 @@
 // Embree's single rays (peer/tracer.h), in turns, and prints for each scene a line of JSON: the seconds of
 // both, on the clock and of all processors, and how far the pictures are apart. --seconds: fewer rounds where
 // they would take longer, but two at least. -o: writes both pictures, as PFM.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 

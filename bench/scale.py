@@ -91,7 +91,7 @@ def measure_case(glint, name, make, greatest, size, rounds):
     grown = math.log(middle[1]["processors"] / middle[0]["processors"]) / math.log(made[1][0] / made[0][0])
     rows = []
     for (count, _), m, exponent in zip(made, middle, ("", f"{grown:.2f}")):
-        rows.append([f"{measure.number(count)} {NAMES[name]}", size, measure.seconds(m["wall"]), measure.seconds(m["processors"]), exponent,
+        rows.append([f"{measure.number(float(f'{count:.3g}'))} {NAMES[name]}", size, measure.seconds(m["wall"]), measure.seconds(m["processors"]), exponent,
                      *(measure.seconds(m.get(stage, 0)) for stage in ("load", "packing", "upload", "trace")), f"{m['memory'] / 2**30:.2f} GiB"])
         print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
     return rows

@@ -1,8 +1,10 @@
 #include "peer/geometry.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 
 #include "import/polygon_split.h"
 #include "pack/object_frame.h"

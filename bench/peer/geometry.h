@@ -3,13 +3,16 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstdint>
 #include <deque>
+#include <glm/glm.hpp>
+#include <limits>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "pack/packed_scene.h"
 #include "peer/materials.h"
-#include "shared/layout.h"
 
 namespace glint::bench::peer {
 

@@ -2,6 +2,9 @@
 // (docs/reference/shading.md says what it draws).
 #pragma once
 
+#include <glm/glm.hpp>
+#include <vector>
+
 #include "core/image.h"
 #include "pack/packed_scene.h"
 #include "peer/geometry.h"
