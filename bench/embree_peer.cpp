@@ -1,9 +1,11 @@
-// embree_peer [--size WxH | --shrink N] [--samples N] [--rounds N] [--seconds S] [-o FOLDER] SCENE...
+// embree_peer [--size WxH | --shrink N] [--samples N] [--rounds N] [--seconds S] [--series] [-o FOLDER]
+// SCENE...
 //
 // Draws a scene's picture by glint's shaders, as `glint render` does, and by a plain Whitted tracer over
 // Embree's single rays (peer/tracer.h), in turns, and prints for each scene a line of JSON: the seconds of
 // both, on the clock and of all processors, and how far the pictures are apart. --seconds: fewer rounds where
-// they would take longer, but two at least. -o: writes both pictures, as PFM.
+// they would take longer, but two at least. --series: as one of many pictures, for which glint takes
+// kernels that trace faster and begin later (docs/lab/whole-pictures.md). -o: writes both pictures, as PFM.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -33,6 +35,7 @@ constexpr double kTolerance = 1.0 / 255;
 struct Settings {
     int width = 0, height = 0, samples = 0, rounds = 5;
     double shrink = 1, seconds = 1e9;
+    bool series = false;
     std::filesystem::path output;
     std::vector<std::string> scenes;
 };
@@ -85,7 +88,7 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
     request.ledger = loaded.packed.features.transmission;
     render::Options options;
     options.expected = &request;
-    options.cameraRays = cameraRaysOf(request);
+    if (!settings.series) options.cameraRays = cameraRaysOf(request);
     render::Renderer renderer(device, loaded.packed, options);
 
     Seconds ours, theirs;
@@ -136,6 +139,8 @@ Settings parse(int argc, char** argv) {
             settings.rounds = std::max(2, std::atoi(argv[++i]));
         } else if (word == "--seconds" && value) {
             settings.seconds = std::atof(argv[++i]);
+        } else if (word == "--series") {
+            settings.series = true;
         } else if (word == "-o" && value) {
             settings.output = argv[++i];
         } else if (word.starts_with("-")) {
