@@ -196,8 +196,8 @@ RTCScene Geometry::prototypeOf(const Object& object, const Part*& part) {
             mesh ? meshGeometry(made, {})
                  : pointGeometry(made, {vec4(0, 0, 0, 1)},
                                  plate ? std::vector<vec3>{made.items.back().normal} : std::vector<vec3>{});
-        // Any of its instances may be of glass or have holes.
-        made.filtered = true;
+        // Any of its instances may be of glass or have holes, if anything has.
+        for (uint32_t i = 0; i < scene_.materials.size(); ++i) made.filtered |= open(i);
         attach(scene, geometry, made);
         rtcCommitScene(scene);
     }
@@ -273,11 +273,12 @@ RTCGeometry Geometry::flatGeometry() {
 }
 
 // Whether rays may go through some of what they hit there.
+bool Geometry::open(uint32_t material) const {
+    const Material& m = materials_[material];
+    return m.alphaCutoff > 0 || (m.dielectric && colored_);
+}
+
 bool Geometry::seenThrough(const Part& part) const {
-    const auto open = [&](uint32_t material) {
-        const Material& m = materials_[material];
-        return m.alphaCutoff > 0 || (m.dielectric && colored_);
-    };
     for (const Item& item : part.items)
         if (open(item.material)) return true;
     if (part.mesh)

@@ -96,6 +96,7 @@ class Geometry {
     RTCGeometry flatGeometry();
     // Its number in `scene`; the geometry is released.
     uint32_t attach(RTCScene scene, RTCGeometry geometry, Part& part);
+    bool open(uint32_t material) const;
     bool seenThrough(const Part& part) const;
 
     Surface surfaceOf(const Found& found, float t) const;
