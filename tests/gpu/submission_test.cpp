@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "gpu_fixture.h"
 
 namespace glint::gpu::submission_test {
@@ -119,8 +121,9 @@ TEST_F(SubmissionTest, CopiesPastTheEndAreErrors) {
 
 // The device's time lies between submit and fence; a millisecond allows for two clocks.
 TEST_F(SubmissionTest, TimestampsLieWithinTheWallTime) {
-    const uint32_t texels = 1 << 20;
-    const Buffer buffer(device_, "values", texels * 16, Access::TexelBuffer, MemoryKind::Device);
+    const auto texels = static_cast<uint32_t>(
+        std::min<uint64_t>(device_.info().limits.maxTexelBufferElements, uint64_t{1} << 20));
+    const Buffer buffer(device_, "values", uint64_t{16} * texels, Access::TexelBuffer, MemoryKind::Device);
     Kernel kernel = scaleKernel(device_, Access::TexelBuffer, {2, 0});
     const Buffer* const buffers[] = {&buffer};
     kernel.bind(buffers);
