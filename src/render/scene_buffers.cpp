@@ -26,6 +26,17 @@ constexpr uint64_t kHeadBytes =
     (GLINT_BINDING_COUNT * sizeof(uint32_t) + kTexelBytes - 1) / kTexelBytes * kTexelBytes;
 static_assert(samplesBinding == shared::kSamplesBinding);
 
+// What stands in for an absent array: as much as the first of any struct, or as the rows of a triangle's
+// colours, takes.
+#define GLINT_LARGER_STRUCT(binding, field, Struct, ROWS) largest = std::max(largest, sizeof(shared::Struct));
+constexpr size_t kZeroBytes = [] {
+    size_t largest = 5 * sizeof(shared::VertexAttribute);
+    GLINT_SCENE_ARRAYS(GLINT_LARGER_STRUCT)
+    return largest;
+}();
+#undef GLINT_LARGER_STRUCT
+constexpr std::array<std::byte, kZeroBytes> kZeros{};
+
 // Arrays that are not the scene's. The camera's contents come later, by setCamera, samples by setSamples.
 struct Others {
     shared::Camera camera;
@@ -73,6 +84,8 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
         traversal.packets ? packetTree(scene.nodes, &packetSlots_) : std::vector<shared::PacketCorner>(),
         std::move(tree.rows),
         {}};
+    zeros_ = gpu::Buffer(device, "zeros", kZeroBytes, access, gpu::MemoryKind::Device);
+    gpu::upload(device, zeros_, kZeros);
     if (arrays == Arrays::Together) {
         std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
         visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
@@ -126,14 +139,15 @@ bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
 
 void SceneBuffers::placeTogether(const gpu::Device& device,
                                  const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes) {
-    uint64_t bytes = kHeadBytes;
+    uint64_t bytes = kHeadBytes + kZeroBytes;
     for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
-        first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
+        first_[binding] = static_cast<uint32_t>((sizes[binding] > 0 ? bytes : kHeadBytes) / kTexelBytes);
         bytes += sizes[binding];
     }
     buffers_[kTogether] = gpu::Buffer(device, "all arrays together", bytes, gpu::Access::StorageBuffer,
                                       gpu::MemoryKind::Device);
     gpu::upload(device, buffers_[kTogether], std::as_bytes(std::span(first_)));
+    gpu::upload(device, buffers_[kTogether], kZeros, kHeadBytes);
 }
 
 void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const {
@@ -166,14 +180,12 @@ bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared:
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {
-    if (arrays_ == Arrays::Together)
-        return binding == kTogether || !buffers_[samplesBinding] ? buffers_[kTogether]
-                                                                 : buffers_[samplesBinding];
-    return buffers_[binding] ? buffers_[binding] : buffers_[environmentBinding];
+    const uint32_t place = arrays_ == Arrays::Together && binding != kTogether ? samplesBinding : binding;
+    return buffers_[place] ? buffers_[place] : zeros_;
 }
 
 uint64_t SceneBuffers::bytes() const {
-    uint64_t sum = 0;
+    uint64_t sum = zeros_ ? zeros_.size() : 0;
     for (const gpu::Buffer& buffer : buffers_) sum += buffer ? buffer.size() : 0;
     return sum;
 }

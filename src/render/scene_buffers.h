@@ -1,6 +1,7 @@
-// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded. Where
-// the arrays are together, one buffer has them all but the samples, and in front of them where each begins:
-// word `binding` is the number of its first texel.
+// The arrays of a packed scene on the device. An array that the scene does not have is not uploaded: in its
+// place is one of zeros, which has no texture, no medium and nothing else, for kernels that look up number 0
+// of everything where they have no work. Where the arrays are together, one buffer has them all but the
+// samples, and in front of them where each begins: word `binding` is the number of its first texel.
 #pragma once
 
 #include <array>
@@ -36,8 +37,7 @@ class SceneBuffers {
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
     // True if the array had to grow: bind anew. No rows: nothing is done.
     bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows, gpu::Access access);
-    // What to bind at `binding` (2 and up); a stand-in for an absent array, which no shader of the scene's
-    // pipelines reads.
+    // What to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;
     uint64_t bytes() const;
 
@@ -52,6 +52,7 @@ class SceneBuffers {
     std::vector<shared::PacketCorner> packetCorners_;  // as on the device, from the first update() on
     // By binding; together: the samples, and the others at kTogether.
     std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers_;
+    gpu::Buffer zeros_;
     std::array<uint32_t, GLINT_BINDING_COUNT> first_{};  // texels, together
 };
 
