@@ -61,4 +61,14 @@ void PathState::writeRow(const gpu::Device& device, uint32_t row,
                 static_cast<uint64_t>(row) * capacity_ * sizeof(RowEntry));
 }
 
+void PathState::writeEnded(const gpu::Device& device) const {
+    constexpr size_t kPaths = shared::kWorkgroupSize;
+    std::vector<RowEntry> entries(rows_ * kPaths, RowEntry{{0, 0, 0, 0}});
+    for (size_t path = 0; path < kPaths; ++path) {
+        entries[shared::kRowDirection * kPaths + path].f[3] = shared::kInfinity;
+        entries[shared::kRowHit * kPaths + path].u[3] = shared::kNone;
+    }
+    gpu::upload(device, paths_, std::as_bytes(std::span(entries)));
+}
+
 }  // namespace glint::render

@@ -49,6 +49,9 @@ class PathState {
     const gpu::Buffer& buffer() const { return paths_; }
     std::vector<RowEntry> readRow(const gpu::Device& device, uint32_t row, uint32_t count) const;
     void writeRow(const gpu::Device& device, uint32_t row, const std::vector<RowEntry>& entries) const;
+    // All rows of the paths of one workgroup, as a dispatch whose capacity these are finds them: ended, with
+    // nothing hit, and all else 0.
+    void writeEnded(const gpu::Device& device) const;
 
   private:
     gpu::Buffer paths_;

@@ -66,10 +66,10 @@ void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelI
     const Stopwatch watch;
     Slice nothing;
     nothing.region = {0, 0, 1, 1};
-    const shared::Dispatch dispatch = dispatchFor(nothing);
-    // They run in any order, so no path may be alive.
-    const RowEntry ended = {{0, 0, 0, shared::kInfinity}};
-    paths.writeRow(device, shared::kRowDirection, std::vector<RowEntry>(shared::kWorkgroupSize, ended));
+    shared::Dispatch dispatch = dispatchFor(nothing);
+    // They run in any order, so no path may be alive; and they read what is in its rows even so.
+    dispatch.capacity = shared::kWorkgroupSize;
+    paths.writeEnded(device);
     std::vector<gpu::Kernel> kernels(fresh.size());
     parallelFor(
         fresh.size(),
