@@ -40,6 +40,22 @@ INSTANTIATE_TEST_SUITE_P(All, AssistedTest, testing::Values(Access::StorageBuffe
                              return std::string(access.param == Access::StorageBuffer ? "Storage" : "Texel");
                          });
 
+// Without the layer nothing comes of it, as devices are opened with robustBufferAccess. tools/test-validated
+// runs this with GPU-assisted validation to see whether that is at work.
+TEST(Robust, ReadsPastTheEndHarmNothing) {
+    const Device device;
+    const Buffer buffer(device, "values", 16 * 16, Access::StorageBuffer, MemoryKind::Device);
+    write(device, buffer, counting(64));
+    Kernel kernel = scaleKernel(device, Access::StorageBuffer, {2});
+    const Buffer* const buffers[] = {&buffer};
+    kernel.bind(buffers);
+    Submission submission(device);
+    submission.dispatch(kernel, 1, bytesOf(ScalePush{17, 0}));
+    submission.submit();
+    const std::vector<uint32_t> values = read(device, buffer, 64);
+    for (uint32_t i = 0; i < 64; ++i) ASSERT_EQ(values[i], 2 * i);
+}
+
 TEST_P(AssistedTest, ReadsPastTheEndAreSeen) {
     const std::vector<std::string> seen = messages(17);
     ASSERT_FALSE(seen.empty());

@@ -190,6 +190,32 @@ TEST_P(PathTest, DimensionsAreTheReferences) {
     }
 }
 
+// Kernels are first run over these, and their lanes follow the numbers that they read: none may be what was
+// in the memory before.
+TEST_P(PathTest, EndedPathsHaveNoNumberToFollow) {
+    constexpr uint32_t kRows = shared::kPathRows + 6, kGroup = shared::kWorkgroupSize;
+    const PathState state(device(), GetParam(), 100, kRows);
+    RowEntry garbage;
+    std::fill_n(garbage.u, 4, 0x05050505u);
+    for (uint32_t row = 0; row < kRows; ++row)
+        state.writeRow(device(), row, std::vector<RowEntry>(100, garbage));
+    state.writeEnded(device());
+    std::vector<RowEntry> found(kRows * kGroup);
+    gpu::download(device(), state.buffer(), std::as_writable_bytes(std::span(found)));
+    for (uint32_t row = 0; row < kRows; ++row) {
+        for (uint32_t path = 0; path < kGroup; ++path) {
+            const RowEntry& entry = found[row * kGroup + path];
+            for (uint32_t word = 0; word < 4; ++word) {
+                if (row == shared::kRowDirection && word == 3)
+                    EXPECT_EQ(entry.f[word], shared::kInfinity) << path;
+                else
+                    EXPECT_EQ(entry.u[word], row == shared::kRowHit && word == 3 ? shared::kNone : 0u)
+                        << row << ' ' << path;
+            }
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Accesses, PathTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
                          [](const auto& access) {
                              return access.param == Access::StorageBuffer ? "Storage" : "Texel";
