@@ -8,6 +8,7 @@
 
 #include "app/animated_scene.h"
 #include "core/error.h"
+#include "core/text_file.h"
 #include "pack/pack_samples.h"
 
 namespace glint::app {
@@ -66,6 +67,10 @@ std::string formatSeconds(double seconds) {
     std::snprintf(text, sizeof(text), seconds < 1 ? "%.0f ms" : "%.2f s",
                   seconds < 1 ? seconds * 1e3 : seconds);
     return text;
+}
+
+std::string shown(const std::filesystem::path& file) {
+    return printable(file.string());
 }
 
 }  // namespace glint::app

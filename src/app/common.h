@@ -1,6 +1,7 @@
 // Steps that several commands take.
 #pragma once
 
+#include <filesystem>
 #include <iosfwd>
 #include <string>
 
@@ -34,5 +35,8 @@ void reportValidation(const gpu::Device& device, const DeviceChoice& choice, std
 bool isTerminal(const std::ostream& err);
 
 std::string formatSeconds(double seconds);
+
+// A file's name for the terminal: it may be a stranger's too.
+std::string shown(const std::filesystem::path& file);
 
 }  // namespace glint::app

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "app/commands.h"
+#include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
 #include "core/error.h"
@@ -62,7 +63,7 @@ int run(const DiffCommand& command, std::ostream& out) {
     }
     if (!command.output.empty()) {
         writeImage(command.output, differenceImage(a, b));
-        out << "wrote " << command.output.string() << '\n';
+        out << "wrote " << shown(command.output) << '\n';
     }
     return static_cast<int>(d.above > 0 || d.notFinite > 0 ? ExitCode::Difference : ExitCode::Done);
 }

@@ -130,7 +130,7 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
     const PackedScene& packed = loaded.packed;
-    out << command.scene.string() << '\n'
+    out << shown(command.scene) << '\n'
         << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
         << counted(scene.image.samplesPerPixel, "sample") << " per pixel" << samplerText(scene.image)
         << ", at most " << counted(scene.maxDepth, "reflection") << '\n'

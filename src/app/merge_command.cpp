@@ -83,7 +83,7 @@ void print(const Outcome& outcome, const MergeCommand& command, const std::vecto
            std::ostream& out) {
     const Region& region = outcome.picture.region;
     for (const auto& file : outcome.files)
-        out << "wrote " << file.string() << " (" << region.width() << "x" << region.height() << ")\n";
+        out << "wrote " << shown(file) << " (" << region.width() << "x" << region.height() << ")\n";
     for (const farm::Producer& producer : producers) out << "device: " << producerText(producer) << '\n';
     out << "hash: " << outcome.hash << '\n';
     out << "times: " << formatSeconds(outcome.totalSeconds) << " for "

@@ -134,6 +134,9 @@ Region parseCrop(const std::string& text) {
 std::pair<int, int> parsePixel(const std::string& text) {
     const auto v = wholeNumbers(text, ',', 2);
     if (v.empty()) refuse("x,y such as 320,240", text);
+    // So that the message about the picture's size has the numbers that were given.
+    if (std::max(std::abs(int64_t{v[0]}), std::abs(int64_t{v[1]})) > kMaxImageSize)
+        refuse("x,y below " + std::to_string(kMaxImageSize), text);
     return {v[0], v[1]};
 }
 

@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "app/commands.h"
+#include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
 #include "app/pages.h"
@@ -35,7 +36,7 @@ int writePages(const std::filesystem::path& folder, std::ostream& out) {
             throw Error(ErrorKind::Failed, parent.string() + ": cannot make the folder: " + failed.message());
     }
     writeFiles(files);
-    for (const OutputFile& file : files) out << "wrote " << file.path.string() << '\n';
+    for (const OutputFile& file : files) out << "wrote " << shown(file.path) << '\n';
     return static_cast<int>(ExitCode::Done);
 }
 

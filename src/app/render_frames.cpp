@@ -125,7 +125,7 @@ void FrameRenderer::open(const Frame& first) {
     const auto& animation = loaded.scene.animation;
     framesPerSecond_ = command_.framesPerSecond.value_or(animation ? animation->framesPerSecond : 24);
     if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
-        err_ << "glint: warning: " << command_.scene.scene.string()
+        err_ << "glint: warning: " << shown(command_.scene.scene)
              << ": has no animation; all frames are the same picture\n";
     const Region region = checkedRegion(command_, loaded.scene);
     checkMemory(region.width(), region.height(), bytesPerPixel(command_.aovs, needsData(command_)),
@@ -202,8 +202,8 @@ void FrameRenderer::print(size_t there) const {
     }
     if (command_.quiet) return;
     if (!drawn_.empty())
-        out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << drawn_.front().files.front().string()
-             << (drawn_.size() > 1 ? " to " + drawn_.back().files.front().string() : "") << '\n';
+        out_ << "wrote " << counted(drawn_.size(), "frame") << ", " << shown(drawn_.front().files.front())
+             << (drawn_.size() > 1 ? " to " + shown(drawn_.back().files.front()) : "") << '\n';
     if (there > 0)
         out_ << counted(there, "frame") << (there == 1 ? " was" : " were")
              << " there already (--overwrite draws them again)\n";

@@ -81,7 +81,7 @@ void printSummary(const Outcome& outcome, const RenderCommand& command, const Lo
                   std::ostream& out) {
     const render::StageTimes& t = outcome.drawn.times;
     for (const auto& file : outcome.files) {
-        out << "wrote " << file.string() << " (" << outcome.picture.region.width() << "x"
+        out << "wrote " << shown(file) << " (" << outcome.picture.region.width() << "x"
             << outcome.picture.region.height() << ")\n";
     }
     if (outcome.converged) out << errorSummary(command.target, *outcome.converged) << '\n';

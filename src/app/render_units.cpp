@@ -66,7 +66,7 @@ void print(const Done& done, const RenderCommand& command, const LoadedScene& lo
         if (done.drawn.failed) json["fallback"] = fallbackJson(*done.drawn.failed);
         out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     } else if (!command.quiet) {
-        out << "wrote " << done.file.string() << " (" << farm::nameOf(unit) << ", "
+        out << "wrote " << shown(done.file) << " (" << farm::nameOf(unit) << ", "
             << counted(done.pixels, "pixel") << ")\n";
         out << "device: " << done.drawn.device << ", " << done.drawn.driver << '\n';
         out << "times: load " << formatSeconds(loaded.loadSeconds) << ", BVH and packing "
@@ -266,7 +266,7 @@ int renderTogether(const RenderCommand& command, std::ostream& out, std::ostream
                                                 counted(static_cast<uint64_t>(header.parts), "unit") +
                                                 "; others go on, and so does the same command");
     if (written == Written::ByOther) {
-        if (!command.quiet) out << output.string() << " was written by another process\n";
+        if (!command.quiet) out << shown(output) << " was written by another process\n";
         return static_cast<int>(ExitCode::Done);
     }
     UnitPicture picture(header, output, rows);

@@ -111,7 +111,7 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     options.progress = [&](double fraction) { progress.update(fraction); };
     const report::Report report = report::run(device, std::move(subjects), earlier, options);
     progress.finish();
-    out << report::toMarkdown(report) << "\nwrote " << (command.folder / "report.html").string()
+    out << report::toMarkdown(report) << "\nwrote " << shown(command.folder / "report.html")
         << ", report.csv, report.json and the diagrams\n";
     reportValidation(device, command.device, err);
     if (!report.complete)

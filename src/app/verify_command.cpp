@@ -90,8 +90,8 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
         results.push_back(reportJson(path.string(), report));
         return report.passed();
     }
-    printReport(path.string(), report, options, loaded.packed.origin, out);
-    out << "    wrote " << picture.string() << '\n';
+    printReport(shown(path), report, options, loaded.packed.origin, out);
+    out << "    wrote " << shown(picture) << '\n';
     out.flush();
     return report.passed();
 }

@@ -38,6 +38,21 @@ TEST_F(Render, DefaultNameIsTheScenesInTheCurrentFolder) {
     EXPECT_EQ(names(), (std::set<std::string>{"scenes", "my scene.v2.png"}));
 }
 
+// A stranger's file may be called anything; what is written keeps the name.
+TEST_F(Render, NamesDoNotReachTheTerminalUnchanged) {
+    const std::string name = "steer\x1b]0;title\a";
+    std::filesystem::rename("a.json", name + ".json");
+    Ran ran = runGlint({"render", name + ".json", "--backend", "cpu"});
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_EQ(ran.out.substr(0, ran.out.find('(')), "wrote steer?]0;title?.png ");
+    EXPECT_TRUE(std::filesystem::exists(name + ".png"));
+    ran = runGlint({"info", name + ".json"});
+    EXPECT_EQ(ran.out.substr(0, ran.out.find('\n')), "steer?]0;title?.json");
+    ran = runGlint({"diff", name + ".png", name + ".png", "-o", name + ".exr"});
+    EXPECT_EQ(ran.out.find('\x1b'), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("wrote steer?]0;title?.exr"), std::string::npos) << ran.out;
+}
+
 TEST_F(Render, SameBytesOnEveryRun) {
     render({"-o", "1.png"});
     render({"-o", "2.png"});
