@@ -18,6 +18,9 @@ GLINT_SCENE_ARRAYS(GLINT_NAME_BINDING)
 // A packet's 8 lanes load as many texels from a triangle on, which has three itself (packet_closest.glsl): so
 // many bytes behind the last one must be there. What they hold is not used.
 constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
+// A triangle's colours stand behind its texture coordinates, where it has both (primitives/triangle.glsl): of
+// the last one without colours the same rows are loaded, and not used.
+constexpr size_t kAttributeOverrun = 3 * sizeof(shared::VertexAttribute);
 
 // Of the buffers of arrays that are together, whose places have no other use then.
 constexpr uint32_t kTogether = 2;
@@ -65,14 +68,19 @@ void visitArrays(const Packed& scene, const More& others, const Visit& visit) {
 #undef GLINT_VISIT
 }
 
+size_t overrunOf(uint32_t binding, bool packets) {
+    if (binding == vertexAttributesBinding) return kAttributeOverrun;
+    return packets && binding == trianglesBinding ? kPacketOverrun : 0;
+}
+
 }  // namespace
 
 uint64_t largestArray(const PackedScene& scene) {
     uint64_t largest = 0;
-    visitArrays(scene, Others{}, [&](uint32_t, const char*, std::span<const std::byte> data) {
-        largest = std::max<uint64_t>(largest, data.size());
+    visitArrays(scene, Others{}, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
+        largest = std::max<uint64_t>(largest, data.size() + overrunOf(binding, true));
     });
-    return std::max<uint64_t>(largest, scene.triangles.size() * sizeof(scene.triangles[0]) + kPacketOverrun);
+    return largest;
 }
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
@@ -96,8 +104,8 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
         if (arrays == Arrays::Together) return write(device, binding, data);
-        const size_t overrun = traversal.packets && binding == trianglesBinding ? kPacketOverrun : 0;
-        buffers_[binding] = gpu::Buffer(device, name, data.size() + overrun, access, gpu::MemoryKind::Device);
+        buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
+                                        access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);
     });
     if (tree.roots.empty()) return;
@@ -139,15 +147,19 @@ bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
 
 void SceneBuffers::placeTogether(const gpu::Device& device,
                                  const std::array<uint64_t, GLINT_BINDING_COUNT>& sizes) {
-    uint64_t bytes = kHeadBytes + kZeroBytes;
+    uint64_t bytes = kHeadBytes;
     for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
-        first_[binding] = static_cast<uint32_t>((sizes[binding] > 0 ? bytes : kHeadBytes) / kTexelBytes);
+        first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
         bytes += sizes[binding];
     }
-    buffers_[kTogether] = gpu::Buffer(device, "all arrays together", bytes, gpu::Access::StorageBuffer,
-                                      gpu::MemoryKind::Device);
+    // Zeros last, so that the overrun of any array is in the buffer.
+    for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding)
+        if (sizes[binding] == 0) first_[binding] = static_cast<uint32_t>(bytes / kTexelBytes);
+    static_assert(kZeroBytes >= std::max(kPacketOverrun, kAttributeOverrun));
+    buffers_[kTogether] = gpu::Buffer(device, "all arrays together", bytes + kZeroBytes,
+                                      gpu::Access::StorageBuffer, gpu::MemoryKind::Device);
     gpu::upload(device, buffers_[kTogether], std::as_bytes(std::span(first_)));
-    gpu::upload(device, buffers_[kTogether], kZeros, kHeadBytes);
+    gpu::upload(device, buffers_[kTogether], kZeros, bytes);
 }
 
 void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const {

@@ -1,4 +1,6 @@
 // The validation layer, with synchronization validation, has nothing to say about a render and a trace.
+#include <cstdlib>
+
 #include "scene/sampling.h"
 #include "support.h"
 
@@ -51,6 +53,38 @@ INSTANTIATE_TEST_SUITE_P(All, ValidationTest,
                          [](const auto& p) {
                              return std::string(p.param == gpu::Access::StorageBuffer ? "storage" : "texel");
                          });
+
+// A triangle with colours alone, and behind it one with texture coordinates alone: both are looked up for
+// both, and GPU-assisted validation sees whether that is past the array's end.
+TEST(AssistedRenderTest, AttributesOfTheLastTriangleAreInTheArray) {
+    Scene scene = emptyScene();
+    scene.camera.eye = {0, 0, 4};
+    scene.ambient = Color(1);
+    scene.textures.push_back({CheckerTexture{Color(0.9), Color(0.2)}, {3, 2}, {0.1, 0.2}});
+    const uint32_t material = addMaterial(scene, Color(1));
+    scene.materials[material].ambientTexture = 0;
+    Mesh colored;
+    colored.positions = {{-2, -1, 0}, {0, -1, 0}, {-1, 1, 0}};
+    colored.corners = {{0, 1, 2}};
+    Mesh checked = colored;
+    for (auto& position : checked.positions) position.x += 2;
+    colored.colorCorners = {{0, 1, 2}};
+    colored.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    checked.uvs = {{0, 0}, {1, 0}, {0, 1}};
+    checked.uvCorners = {{0, 1, 2}};
+    for (const Mesh& mesh : {colored, checked})
+        scene.objects.push_back({"", MeshShape{std::make_shared<const Mesh>(mesh)}, material});
+    const Case c = makeCase(scene, 16, 8);
+    ASSERT_TRUE(c.packed.features.uvs && c.packed.features.vertexColors);
+    ASSERT_EQ(c.packed.vertexAttributes.size(), 5u);
+    ::setenv("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT", 1);
+    gpu::DeviceOptions withLayer;
+    withLayer.validation = true;
+    const gpu::Device device(withLayer);
+    ::unsetenv("VK_LAYER_ENABLES");
+    EXPECT_TRUE(draw(device, c).complete);
+    for (const std::string& message : device.validationMessages()) ADD_FAILURE() << message;
+}
 
 }  // namespace
 }  // namespace glint::render::test::validation_test
