@@ -150,8 +150,9 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     job.request = request;
     const double wanted = *target.error;
     job.report = [&progress, wanted, last = 0.0](const converge::State& state) mutable {
-        // Work grows with about the error's -5/3rd power.
-        const double left = std::max(state.budget.sampling / wanted, 1.0);
+        // Work grows with about the error's -5/3rd power. The bound is far from the error at first.
+        const double error = state.estimate > 0 ? state.estimate : state.budget.sampling;
+        const double left = std::max(error / wanted, 1.0);
         last = std::max(last, std::min(std::pow(left, -5.0 / 3), 0.99));
         progress.update(last);
     };
@@ -164,6 +165,7 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
         return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
     };
     const converge::ErrorBudget& budget = result.budget;
+    const bool pixels = target.measure == converge::Measure::Pixel;
     return {{"asked", *target.error},
             {"measure", nameOf(target.measure.value_or(defaults.measure))},
             {"confidence", target.confidence.value_or(defaults.confidence)},
@@ -171,6 +173,7 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
             {"stopped", nameOf(result.stop)},
             {"bound", number(budget.total())},
             {"sampling", number(budget.sampling)},
+            {"estimate", pixels ? nlohmann::json(nullptr) : number(result.estimate)},
             {"rounding", number(budget.rounding)},
             {"cut", number(budget.cut)},
             {"maxDepth", number(budget.depth)},
@@ -202,9 +205,10 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
     std::string text = pixels ? "error of each pixel: " : "error (rmse): ";
     text += "at most " + format("%.3g", budget.total()) + " with confidence " +
             format("%.6g", target.confidence.value_or(defaults.confidence)) + "; sampling " +
-            format("%.2g", budget.sampling) + ", rounding " + format("%.1g", budget.rounding) + ", cut " +
-            format("%.1g", budget.cut) + ", maxDepth " + format("%.1g", budget.depth) +
-            (budget.depthCounts ? "; " : " (not counted); ");
+            format("%.2g", budget.sampling) +
+            (pixels ? "" : " (about " + format("%.2g", result.estimate) + ")") + ", rounding " +
+            format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
+            format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ");
     return text + counted(result.samplesPerPixel, "sample") + (pixels ? " at most" : "") + " for a pixel, " +
            counted(result.rounds, "round");
 }

@@ -54,6 +54,14 @@ double rootMeanSquareBound(const MeanSquare& estimate, double tail) {
     return std::sqrt(estimate.value * fisherQuantile(tail, estimate.freedom, estimate.freedom));
 }
 
+// With mean square s, estimate s X and realised s Y, X and Y independent and alike, the claim is made and
+// false if X <= E^2 / (s q) and Y > E^2 / s. About log-normal, both are likeliest together where s = E^2 /
+// sqrt(q), and then each has the probability that a normal variable exceeds log(q) / (2 deviation), while
+// that of their ratio exceeding q is of log(q) / (sqrt(2) deviation).
+double tailOfClaim(double tail) {
+    return std::erfc(normalQuantile(std::sqrt(tail))) / 2;
+}
+
 void BoundedMean::add(double x, double tail) {
     // Theorem 2 with c = 1/2: what is bet on this observation depends on earlier ones alone.
     const double before = (0.5 + sum_) / (count_ + 1.0);

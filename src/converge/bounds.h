@@ -32,6 +32,11 @@ MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::
 // ratio is Fisher's. Infinite if the estimate is of too few pixels for any statement.
 double rootMeanSquareBound(const MeanSquare& estimate, double tail);
 
+// One error E is given beforehand, and claimed where E^2 is at least the estimate times Fisher's quantile for
+// this tail: such a claim is false with probability `tail` at most, whatever the true mean square. It is a
+// weaker statement than a bound that names its own number, and so a cheaper one.
+double tailOfClaim(double tail);
+
 // A confidence sequence for the mean of independent observations in [0, 1] with one expectation: with
 // probability 1 - tail the mean is inside of the interval after every observation at once, so whoever looks
 // may stop whenever they like. The predictable plug-in empirical Bernstein sequence of I. Waudby-Smith,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "converge/bounds.h"
+#include "converge/looks.h"
 #include "converge/pixelwise.h"
 #include "converge/replicates.h"
 #include "core/stopwatch.h"
@@ -12,44 +12,23 @@ namespace glint::converge {
 
 namespace {
 
-// Looking at the bound after each round and stopping when it is low enough is looking often: round k spends
-// 1 / (k (k + 1)) of what the statement may err, which sums to 1 however many there are.
-double tailOf(const Target& target, uint32_t round) {
-    return (1 - target.confidence) / (static_cast<double>(round) * (round + 1));
-}
-
-// The error falls with the samples' -0.6th power or faster in most scenes (docs/lab/accuracy.md). The guess
-// is only how far the next round goes; a guess that is too low costs a further round, one too high samples.
-constexpr double kSlope = 0.6;
-
-uint32_t nextCount(uint32_t taken, double sampling, double wanted) {
-    const double guess = taken * std::pow(sampling / wanted, 1 / kSlope);
-    const double most = 2.0 * taken;  // no further than the estimate can be trusted
-    return static_cast<uint32_t>(std::clamp(std::ceil(std::min(guess, most)) - taken, std::ceil(taken / 16.0),
-                                            static_cast<double>(taken)));
-}
-
 class RmseLoop {
   public:
     RmseLoop(const Draw& draw, const Job& job) : draw_(draw), job_(job) {}
 
     Result run() {
         const uint32_t least = leastSamples(job_.image.filter);
-        for (uint32_t count = least;; count = std::max(least, wanted())) {
+        for (uint32_t count = least;; count = std::max(least, both_.looks.next() - both_.first.count())) {
             if (const auto stop = limit(count)) return finished(*stop);
             if (!round(count)) return finished(Stop::Interrupted);
             if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
             if (job_.report) job_.report(state_);
-            if (state_.budget.total() <= job_.target.error) return finished(Stop::Reached);
+            if (reached_) return finished(Stop::Reached);
             if (state_.budget.fixed() >= job_.target.error) return finished(Stop::Fixed);
         }
     }
 
   private:
-    uint32_t wanted() const {
-        return nextCount(first_.count(), state_.budget.sampling, job_.target.error - state_.budget.fixed());
-    }
-
     // Why a round of `count` samples more is not to be begun; shortened to what is left of the samples.
     std::optional<Stop> limit(uint32_t& count) const {
         if (state_.rounds == 0) return std::nullopt;
@@ -68,22 +47,16 @@ class RmseLoop {
     bool round(uint32_t count) {
         const Draw counted = [&](const Request& request) {
             Picture picture = draw_(request);
-            if (picture.complete) ledger_.add(picture, count);
+            if (picture.complete) both_.ledger.add(picture, count);
             return picture;
         };
         Request request = job_.request;
         if (state_.rounds > 0) request.data = request.cost = false;
-        const bool whole = first_.take(counted, request, count);
+        const bool whole = both_.first.take(counted, request, count);
         request.data = request.cost = false;
         // A replicate that is ahead of the other would weigh more than what is known of its error.
-        if (!whole || !second_.take(counted, request, count)) return false;
-        ++state_.rounds;
-        state_.samplesPerPixel = 2 * first_.count();
-        state_.budget.rounding = job_.rounding;
-        state_.budget.depthCounts = job_.target.depthCounts;
-        ledger_.writeTo(state_.budget, Measure::Rmse);
-        state_.budget.sampling = rootMeanSquareBound(meanSquareOf(first_.means(), second_.means()),
-                                                     tailOf(job_.target, state_.rounds));
+        if (!whole || !both_.second.take(counted, request, count)) return false;
+        reached_ = both_.look(job_.target, job_.rounding, state_);
         return true;
     }
 
@@ -98,15 +71,15 @@ class RmseLoop {
         if (state_.rounds == 0) return result;
         std::fill(picture.done.begin(), picture.done.end(), uint8_t{1});
         picture.samplesPerPixel = state_.samplesPerPixel;
-        ledger_.writeTo(picture);
+        both_.ledger.writeTo(picture);
         picture.samples.assign(picture.done.size(), state_.samplesPerPixel);
         picture.errors.resize(picture.done.size());
         for (size_t i = 0; i < picture.done.size(); ++i) {
             // Interrupted between the replicates, the second is behind; the first's sums went on.
-            const glm::dvec3 a = first_.means()[i], b = second_.means()[i];
+            const glm::dvec3 a = both_.first.means()[i], b = both_.second.means()[i];
             float* pixel = &picture.color.pixels[i * 4];
             for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>((a[c] + b[c]) / 2);
-            pixel[3] = static_cast<float>((first_.alphas()[i] + second_.alphas()[i]) / 2);
+            pixel[3] = static_cast<float>((both_.first.alphas()[i] + both_.second.alphas()[i]) / 2);
             const glm::dvec3 half = glm::abs(a - b) / 2.0;
             picture.errors[i] = static_cast<float>(std::max({half.x, half.y, half.z}));
         }
@@ -115,8 +88,8 @@ class RmseLoop {
 
     const Draw& draw_;
     const Job& job_;
-    Replicate first_{job_.image, 0}, second_{job_.image, 1};
-    Ledger ledger_;
+    Replicates both_{job_.image, job_.target};
+    bool reached_ = false;
     State state_;
     Stopwatch watch_;
 };

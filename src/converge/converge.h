@@ -62,6 +62,7 @@ struct State {
     ErrorBudget budget;
     uint32_t samplesPerPixel = 0;  // with Measure::Pixel of the pixel that took the most
     uint32_t rounds = 0;
+    double estimate = 0;   // Measure::Rmse: the sampling error as the replicates show it; no bound
     double unsettled = 1;  // Measure::Pixel: the share of pixels whose half width is above the target
 };
 

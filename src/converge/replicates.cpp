@@ -83,31 +83,68 @@ uint32_t seedOf(uint32_t seed, uint32_t number) {
 
 Replicate::Replicate(const ImageSettings& image, uint32_t number) : sequence_(settingsOf(image, number)) {}
 
+PackedSamples Replicate::begin(uint32_t count) {
+    taking_ = count;
+    return sequence_.next(count);
+}
+
+void Replicate::add(const Picture& part, const Region& whole) {
+    const size_t pixels = static_cast<size_t>(whole.width()) * static_cast<size_t>(whole.height());
+    means_.resize(pixels, glm::dvec3(0));
+    alphas_.resize(pixels, 0.0);
+    const double share = static_cast<double>(taking_) / static_cast<double>(count_ + taking_);
+    const float* pixel = part.color.pixels.data();
+    for (int y = part.region.y0; y < part.region.y1; ++y) {
+        size_t at = static_cast<size_t>(y - whole.y0) * static_cast<size_t>(whole.width()) +
+                    static_cast<size_t>(part.region.x0 - whole.x0);
+        for (int x = part.region.x0; x < part.region.x1; ++x, ++at, pixel += 4) {
+            means_[at] += share * (glm::dvec3(pixel[0], pixel[1], pixel[2]) - means_[at]);
+            alphas_[at] += share * (pixel[3] - alphas_[at]);
+        }
+    }
+}
+
+void Replicate::end() {
+    count_ += taking_;
+    taking_ = 0;
+}
+
 bool Replicate::take(const Draw& draw, const Request& request, uint32_t count) {
     Request batch = request;
-    batch.samples = sequence_.next(count);
+    batch.samples = begin(count);
     const Picture picture = draw(batch);
     if (!picture.complete) return false;
-    means_.resize(picture.done.size(), glm::dvec3(0));
-    alphas_.resize(picture.done.size(), 0.0);
-    const double share = static_cast<double>(count) / static_cast<double>(count_ + count);
-    for (size_t i = 0; i < means_.size(); ++i) {
-        const float* pixel = &picture.color.pixels[i * 4];
-        means_[i] += share * (glm::dvec3(pixel[0], pixel[1], pixel[2]) - means_[i]);
-        alphas_[i] += share * (pixel[3] - alphas_[i]);
-    }
-    count_ += count;
+    add(picture, picture.region);
+    end();
     return true;
 }
 
-void Ledger::add(const Picture& picture, uint32_t count) {
+bool Replicates::look(const Target& target, double rounding, State& state) {
+    ++state.rounds;
+    state.samplesPerPixel = first.count() + second.count();
+    state.budget.rounding = rounding;
+    state.budget.depthCounts = target.depthCounts;
+    ledger.writeTo(state.budget, Measure::Rmse);
+    // So little less that the sum of all parts, rounded, is not above the target.
+    const double allowed = (target.error - state.budget.fixed()) * (1 - 1e-15);
+    const bool reached = looks.look(meanSquareOf(first.means(), second.means()), first.count(), allowed);
+    state.budget.sampling = looks.bound();
+    state.estimate = looks.estimate();
+    return reached;
+}
+
+void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
     const double weight = count;
-    addWeighted(losses_.cut, picture.losses.cut, weight);
-    addWeighted(losses_.depth, picture.losses.depth, weight);
-    addWeighted(losses_.room, picture.losses.room, weight);
-    losses_.crowdedMedia += picture.losses.crowdedMedia;
+    addWeighted(losses_.cut, losses.cut, weight);
+    addWeighted(losses_.depth, losses.depth, weight);
+    addWeighted(losses_.room, losses.room, weight);
+    losses_.crowdedMedia += losses.crowdedMedia;
     samples_ += count;
-    pixels_ = picture.done.size();
+    pixels_ = pixels;
+}
+
+void Ledger::add(const Picture& picture, uint32_t count) {
+    add(picture.losses, picture.done.size(), count);
     notFinite_ = std::max(notFinite_, picture.notFinite);
     if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
     if (data_.empty()) data_ = picture.data;

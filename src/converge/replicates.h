@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "converge/converge.h"
+#include "converge/looks.h"
 #include "pack/pack_samples.h"
 
 namespace glint::converge {
@@ -18,6 +19,11 @@ class Replicate {
 
     // Takes `count` more samples of every pixel. False if the tracer was cancelled: nothing is added then.
     bool take(const Draw& draw, const Request& request, uint32_t count);
+    // The same in pieces, for who draws: samples to take of every pixel; what that gave, each pixel of
+    // `whole` once; and then they count.
+    PackedSamples begin(uint32_t count);
+    void add(const Picture& part, const Region& whole);
+    void end();
 
     uint32_t count() const { return count_; }
     const std::vector<glm::dvec3>& means() const { return means_; }  // of all samples so far, each pixel
@@ -25,7 +31,7 @@ class Replicate {
 
   private:
     SampleSequence sequence_;
-    uint32_t count_ = 0;
+    uint32_t count_ = 0, taking_ = 0;
     std::vector<glm::dvec3> means_;
     std::vector<double> alphas_;
 };
@@ -34,6 +40,7 @@ class Replicate {
 class Ledger {
   public:
     void add(const Picture& picture, uint32_t count);
+    void add(const TreeLosses& losses, size_t pixels, uint32_t count);
     // Into the budget: root mean squares of what was lost (Measure::Rmse), or the greatest of a pixel.
     void writeTo(ErrorBudget& budget, Measure measure) const;
     // Into the picture, whose colour is made by the caller.
@@ -47,6 +54,20 @@ class Ledger {
     glm::ivec2 firstNotFinite_{-1};
     size_t pixels_ = 0;
     std::vector<PixelData> data_;
+};
+
+// The picture that two replicates make, what it lacks, and when it is good enough.
+struct Replicates {
+    Replicates(const ImageSettings& image, const Target& target)
+        : first(image, 0), second(image, 1), looks(target) {}
+
+    // After as many samples of either: budget, estimate, rounds and samples into the state. True if the
+    // target is reached. `rounding`: ErrorBudget::rounding.
+    bool look(const Target& target, double rounding, State& state);
+
+    Replicate first, second;
+    Ledger ledger;
+    Looks looks;
 };
 
 // Throws if the fixed parts leave nothing of the target; tries what depth would do by `draw`.

@@ -1,0 +1,66 @@
+#include "converge/looks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace glint::converge {
+
+namespace {
+
+constexpr double kShownShare = 0.1;  // of the risk, by bounds that end nothing
+
+// Look number k: 1 / (k (k + 1)), which sums to 1 however many there are.
+double shownTail(double risk, uint32_t look) {
+    return kShownShare * risk / (static_cast<double>(look) * (look + 1));
+}
+
+// Paid look number k, from 1: a geometric series of sum 1, so that the first ones, one of which mostly ends
+// it, have most.
+constexpr double kFall = 0.4;
+double claimTail(double risk, uint32_t paid) {
+    return (1 - kShownShare) * risk * (1 - kFall) * std::pow(kFall, std::max(paid, 1u) - 1);
+}
+
+// Looks at an estimated mean square above kNear times the allowed one are free: a claim there would take an
+// estimate far below the mean square, and its error one far above. And so are looks before the samples have
+// grown by kApart since the last paid one: they see mostly the same samples.
+constexpr double kNear = 2, kApart = 1.5;
+
+// Samples' power by which the error falls, until two looks far enough apart have told it
+// (docs/lab/accuracy.md).
+constexpr double kSlope = 0.6, kLeastSlope = 0.5, kMostSlope = 1;
+constexpr double kTelling = 1.4;  // growth of the samples between such looks
+
+}  // namespace
+
+void Looks::learnSlope(uint32_t count, double error) {
+    if (looks_ == 1) {
+        slope_ = kSlope;
+    } else if (count >= kTelling * lastCount_ && error > 0 && estimate_ > 0) {
+        const double seen = std::log(estimate_ / error) / std::log(static_cast<double>(count) / lastCount_);
+        slope_ = std::clamp(seen, kLeastSlope, kMostSlope);
+    }
+    lastCount_ = count;
+    estimate_ = error;
+}
+
+bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
+    ++looks_;
+    learnSlope(count, std::sqrt(estimate.value));
+    bound_ = rootMeanSquareBound(estimate, shownTail(risk_, looks_));
+    if (estimate.value <= kNear * allowed * allowed && count >= kApart * paidCount_) {
+        ++paid_;
+        paidCount_ = count;
+    }
+    const double claimed = rootMeanSquareBound(estimate, tailOfClaim(claimTail(risk_, paid_)));
+    const bool holds = allowed > 0 && claimed <= allowed;
+    if (holds) bound_ = std::min(bound_, allowed);
+    // A guess that is too low costs a further look, one too high samples.
+    const double ratio = allowed > 0 ? claimed / allowed : std::numeric_limits<double>::infinity();
+    const double guess = std::ceil(std::min(count * std::pow(ratio, 1 / slope_), 2.0 * count));
+    next_ = static_cast<uint32_t>(std::clamp(guess, count + std::ceil(count / 16.0), 2.0 * count));
+    return holds;
+}
+
+}  // namespace glint::converge

@@ -1,0 +1,41 @@
+// When a picture of two replicates is good enough: what a look at them says, and when to look again.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "converge/bounds.h"
+#include "converge/converge.h"
+
+namespace glint::converge {
+
+// The chance of error that a target leaves is spent in two ways: nine tenths by claims that the error is at
+// most what was asked for, which end the picture, and one tenth by bounds that are shown meanwhile. A false
+// claim needs a mean square close to the target's, so only looks at about that are paid for.
+// docs/design/error-targets.md says why, and what is left to trials.
+class Looks {
+  public:
+    explicit Looks(const Target& target) : risk_(1 - target.confidence) {}
+
+    // What the replicates' `count` samples each show. `allowed`: of the target, what is left for sampling.
+    // True if the claim may be made that the sampling error is at most that.
+    bool look(const MeanSquare& estimate, uint32_t count, double allowed);
+
+    // An upper bound of the sampling error at the last look; with the confidence for all looks together.
+    double bound() const { return bound_; }
+    // The sampling error as the last look estimates it: no bound.
+    double estimate() const { return estimate_; }
+    uint32_t looks() const { return looks_; }
+    // How many samples of each replicate the next look is worth.
+    uint32_t next() const { return next_; }
+
+  private:
+    void learnSlope(uint32_t count, double error);
+
+    double risk_;
+    uint32_t looks_ = 0, paid_ = 0;
+    uint32_t paidCount_ = 0, lastCount_ = 0, next_ = 1;
+    double bound_ = std::numeric_limits<double>::infinity(), estimate_ = bound_, slope_ = 0;
+};
+
+}  // namespace glint::converge
