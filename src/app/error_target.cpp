@@ -37,8 +37,8 @@ double confidenceOf(const std::string& text) {
 // The condition number times the unit of the arithmetic, and what storing as fp32 takes.
 double roundingOf(const LoadedScene& loaded, const Request& request, Backend backend) {
     const reference::Tracer tracer(loaded.packed, request);
-    const double kappa = verify::conditionNumber(tracer, cameraOf(loaded), request.width, request.height, 1);
-    return kappa * (backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit) + verify::kFloatUnit;
+    return verify::roundingError(tracer, cameraOf(loaded), request.width, request.height,
+                                 backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
 }
 
 const char* limitOf(converge::Stop stop) {
@@ -73,13 +73,21 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
 
 }  // namespace
 
-void addErrorTarget(OptionTable& table, ErrorTarget& target) {
+void addError(OptionTable& table, ErrorTarget& target) {
     table.value("--error", "E",
                 "take samples until the picture's error is at most E (linear radiance, full scale 1)",
                 [&](const std::string& t) { target.error = parsePositive(t, "an error"); });
     table.value("--confidence", "P",
                 "probability with which --error is to hold, above 0.5 and below 1 (default 0.95)",
                 [&](const std::string& t) { target.confidence = confidenceOf(t); });
+    table.flag(
+        "--within-depth",
+        "the truth that --error means ends at the scene's depth; otherwise what may lie beyond is counted",
+        target.withinDepth);
+}
+
+void addErrorTarget(OptionTable& table, ErrorTarget& target) {
+    addError(table, target);
     table.choice<converge::Measure>(
         "--measure",
         "what --error is of: the root mean square over the picture (default), or each pixel by itself",
@@ -88,23 +96,24 @@ void addErrorTarget(OptionTable& table, ErrorTarget& target) {
                 [&](const std::string& t) { target.maxSeconds = parsePositive(t, "a time"); });
     table.whole("--max-spp", "N", "stop there, if --error takes more samples of a pixel (default 65536)", 2,
                 kMostErrorSamples, target.maxSamples);
-    table.flag(
-        "--within-depth",
-        "the truth that --error means ends at the scene's depth; otherwise what may lie beyond is counted",
-        target.withinDepth);
     table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
 }
 
+void checkErrorIsAsked(const ErrorTarget& target) {
+    if (target.error) return;
+    const char* idle = target.confidence    ? "--confidence"
+                       : target.measure     ? "--measure"
+                       : target.maxSeconds  ? "--max-seconds"
+                       : target.maxSamples  ? "--max-spp"
+                       : target.strict      ? "--strict"
+                       : target.withinDepth ? "--within-depth"
+                                            : nullptr;
+    if (idle) throw Error(ErrorKind::Argument, std::string(idle) + ": says nothing without --error");
+}
+
 void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs) {
+    checkErrorIsAsked(target);
     if (!target.error) {
-        const char* idle = target.confidence    ? "--confidence"
-                           : target.measure     ? "--measure"
-                           : target.maxSeconds  ? "--max-seconds"
-                           : target.maxSamples  ? "--max-spp"
-                           : target.strict      ? "--strict"
-                           : target.withinDepth ? "--within-depth"
-                                                : nullptr;
-        if (idle) throw Error(ErrorKind::Argument, std::string(idle) + ": says nothing without --error");
         if (std::find(aovs.begin(), aovs.end(), Aov::Error) != aovs.end())
             throw Error(ErrorKind::Argument, "--aov: the layer error is known with --error alone");
         return;

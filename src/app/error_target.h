@@ -24,9 +24,14 @@ struct ErrorTarget {
     bool withinDepth = false;
 };
 
+// The error, its confidence and what it counts.
+void addError(OptionTable& table, ErrorTarget& target);
+// And when to end without it.
 void addErrorTarget(OptionTable& table, ErrorTarget& target);
 
-// Throws Error(Argument) for options that say nothing without --error, or something else than it.
+// Throws Error(Argument) for options that say nothing without --error.
+void checkErrorIsAsked(const ErrorTarget& target);
+// And for those that say something else than it.
 void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs);
 
 // What the scene's picture takes; `request` becomes one that such a picture's batches are like. `backend` is

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/error_target.h"
 #include "app/exit_code.h"
 #include "app/option_groups.h"
 #include "core/error.h"
@@ -17,10 +18,11 @@ namespace {
 struct ViewCommand {
     SceneOptions scene;
     DeviceChoice device;
+    ErrorTarget target;
     uint64_t frames = 0;
     std::filesystem::path script;
     gpu::PresentMode present = gpu::PresentMode::Fifo;
-    int target = 0;  // milliseconds; 0: by the device
+    int pace = 0;  // milliseconds; 0: by the device
     double scale = 0;
 };
 
@@ -29,6 +31,7 @@ void declare(OptionTable& table, ViewCommand& c) {
     addCamera(table, c.scene);
     addTime(table, c.scene);
     addSceneOverrides(table, c.scene);
+    addError(table, c.target);
     addDevice(table, c.device);
     table.whole("--frames", "N", "close after N frames (and the script's end)", 1, 1'000'000, c.frames);
     table.path("--script", "FILE", "drive the window without a person, see docs/guide/window.md",
@@ -37,7 +40,7 @@ void declare(OptionTable& table, ViewCommand& c) {
         "--present", explainedChoices<gpu::PresentMode>() + "; fifo where the screen has no other", c.present,
         "MODE");
     table.whole("--target", "MS", "milliseconds a frame to aim for while the camera moves", 1, 10'000,
-                c.target);
+                c.pace);
     table.value("--scale", "X", "text and controls X times as large, 0.5 to 4 (default: as the screen asks)",
                 [&c](const std::string& text) {
                     c.scale = parseNotNegative(text);
@@ -50,7 +53,11 @@ void declare(OptionTable& table, ViewCommand& c) {
 #ifdef GLINT_WINDOW
 int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
+    checkErrorIsAsked(command.target);
     view::Options options;
+    options.until.error = command.target.error.value_or(0);
+    options.until.confidence = command.target.confidence.value_or(options.until.confidence);
+    options.until.withinDepth = command.target.withinDepth;
     options.scene = command.scene.scene;
     options.loading.allowOutside = command.scene.allowOutside;
     options.loading.camera = command.scene.camera;
@@ -68,7 +75,7 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.script = command.script;
     options.presentMode = command.present;
     options.scale = command.scale;
-    options.targetSeconds = command.target * 1e-3;
+    options.targetSeconds = command.pace * 1e-3;
     view::view(options, out, err);
     return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
 }

@@ -1,6 +1,7 @@
 #include "converge/looks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -32,13 +33,30 @@ constexpr double kNear = 2, kApart = 1.5;
 constexpr double kSlope = 0.6, kLeastSlope = 0.5, kMostSlope = 1;
 constexpr double kTelling = 1.4;  // growth of the samples between such looks
 
+// A low-discrepancy sequence of 2^k samples errs as little as one of so many times more does that is not so
+// evenly filled (docs/lab/error-targets.md); a count within kDetour below one goes on to it.
+constexpr double kPowerOfTwo = 1.15, kDetour = 1.06;
+
+double worthOf(uint32_t count) {
+    return std::has_single_bit(count) ? kPowerOfTwo * count : count;
+}
+
+// The least count after `count` that is worth so much, no less than a sixteenth more, and no further than the
+// estimate can be trusted.
+uint32_t countWorth(uint32_t count, double worth) {
+    const double most = 2.0 * count;
+    const double plain = std::clamp(std::ceil(worth), count + std::ceil(count / 16.0), most);
+    const auto power = static_cast<double>(std::bit_floor(2 * uint64_t{count}));  // the only one there is
+    return static_cast<uint32_t>(worth <= kPowerOfTwo * power && power <= kDetour * plain ? power : plain);
+}
+
 }  // namespace
 
 void Looks::learnSlope(uint32_t count, double error) {
     if (looks_ == 1) {
         slope_ = kSlope;
     } else if (count >= kTelling * lastCount_ && error > 0 && estimate_ > 0) {
-        const double seen = std::log(estimate_ / error) / std::log(static_cast<double>(count) / lastCount_);
+        const double seen = std::log(estimate_ / error) / std::log(worthOf(count) / worthOf(lastCount_));
         slope_ = std::clamp(seen, kLeastSlope, kMostSlope);
     }
     lastCount_ = count;
@@ -58,8 +76,7 @@ bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
     if (holds) bound_ = std::min(bound_, allowed);
     // A guess that is too low costs a further look, one too high samples.
     const double ratio = allowed > 0 ? claimed / allowed : std::numeric_limits<double>::infinity();
-    const double guess = std::ceil(std::min(count * std::pow(ratio, 1 / slope_), 2.0 * count));
-    next_ = static_cast<uint32_t>(std::clamp(guess, count + std::ceil(count / 16.0), 2.0 * count));
+    next_ = countWorth(count, worthOf(count) * std::pow(ratio, 1 / slope_));
     return holds;
 }
 

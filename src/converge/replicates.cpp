@@ -81,6 +81,10 @@ uint32_t seedOf(uint32_t seed, uint32_t number) {
     return seed + 0x9e3779b9u * number;  // 2^32 over the golden ratio: no two of many numbers come near
 }
 
+PackedSamples samplesOf(const ImageSettings& image, uint32_t number, uint32_t count) {
+    return SampleSequence(settingsOf(image, number)).next(count);
+}
+
 Replicate::Replicate(const ImageSettings& image, uint32_t number) : sequence_(settingsOf(image, number)) {}
 
 PackedSamples Replicate::begin(uint32_t count) {

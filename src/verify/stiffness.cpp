@@ -141,6 +141,11 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     return result;
 }
 
+double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
+                     double unit) {
+    return conditionNumber(tracer, camera, width, height, 1) * unit + kFloatUnit;
+}
+
 StiffnessClass classOf(double kappa) {
     if (kappa < 1e2) return StiffnessClass::NonStiff;
     return kappa <= 1e5 ? StiffnessClass::Stiff : StiffnessClass::BeyondFp32;

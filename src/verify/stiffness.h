@@ -46,6 +46,9 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
 // Through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);
+// What arithmetic of so large a unit, and storing as fp32, may err by.
+double roundingError(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
+                     double unit);
 
 // Non-stiff below 1e2, stiff up to 1e5, beyond that fp32 cannot hold the second digit of the colour.
 enum class StiffnessClass { NonStiff, Stiff, BeyondFp32 };

@@ -1,7 +1,9 @@
 #include "view/panel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <vector>
 
 #include "view/panel_parts.h"
 
@@ -91,7 +93,35 @@ bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, 
 
 namespace {
 
+// How the bound has fallen, both axes in powers: from the first look to what was asked for.
+void drawFall(const PanelModel& m) {
+    if (m.goal == nullptr || m.goal->looks.size() < 2) return;
+    std::vector<float> bounds;
+    for (const GoalFacts::Look& look : m.goal->looks)
+        if (std::isfinite(look.bound)) bounds.push_back(static_cast<float>(std::log(look.bound)));
+    if (bounds.size() < 2) return;
+    const auto wanted = static_cast<float>(std::log(m.settings.until.error));
+    const float most = *std::max_element(bounds.begin(), bounds.end());
+    ImGui::PlotLines("##fall", bounds.data(), static_cast<int>(bounds.size()), 0, nullptr,
+                     std::min(wanted, bounds.back()), std::max(most, wanted + 0.1f),
+                     ImVec2(-1, 2 * ImGui::GetFontSize()));
+}
+
+void drawGoal(const PanelModel& m) {
+    const ErrorSetting& until = m.settings.until;
+    const std::string line = m.goal ? inWords(*m.goal, until) : inWords(GoalFacts(), until);
+    // Samples grow with about the -5/3rd power of the error.
+    const double error = m.goal ? m.goal->state.estimate : 0;
+    const double part = m.goal && m.goal->stop ? 1
+                        : error > until.error  ? std::pow(until.error / error, 5.0 / 3)
+                                               : 0.99;
+    ImGui::ProgressBar(static_cast<float>(m.goal && !m.goal->looks.empty() ? part : 0.0), ImVec2(-1, 0),
+                       line.c_str());
+    drawFall(m);
+}
+
 void drawStatus(const PanelModel& m) {
+    if (!m.moving && m.settings.until.error > 0) return drawGoal(m);
     char line[96];
     if (m.moving) {
         std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", m.facts.width, m.facts.height,

@@ -68,6 +68,7 @@ struct PanelModel {
     int samples = 0;
     double progress = 0;  // of the sample at hand
     bool finished = false;
+    const GoalFacts* goal = nullptr;  // of an error that is asked for; null: none is, or nothing known yet
     double frameSeconds = 0, drawSeconds = 0, presentSeconds = 0;
     const std::vector<float>* frameTimes = nullptr;  // milliseconds, oldest first
     std::vector<gpu::PresentMode> modes;             // that the screen offers

@@ -32,7 +32,8 @@ constexpr ScriptWord kWords[] = {
     {"minimise", "N", 1, 1, "minimise the window for N rounds, then restore it"},
     {"aov", "NAME", 1, 1, "show a layer: color depth normal uv object primitive material bounces cost"},
     {"set", "WHAT VALUE...", 2, 5,
-     "depth N, shadows on|off, reflections on|off, samples N, exposure STOPS, tonemap NAME, fov DEGREES, "
+     "depth N, shadows on|off, reflections on|off, samples N, error E, exposure STOPS, tonemap NAME, fov "
+     "DEGREES, "
      "lens RADIUS, focus DISTANCE, background R G B, light I FACTOR, diffuse MATERIAL R G B, "
      "glass colored|full"},
     {"screenshot", "FILE", 1, 1,
@@ -50,7 +51,7 @@ constexpr ScriptWord kWords[] = {
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
      "print something that `expect` knows: aim, built, camera, cameras, control LABEL, covered, difference, "
-     "exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, "
+     "error, exposure, figures, focus, fov, hints, layer, lens, limit, panel, pick, picture, pixel, playing, "
      "progress, rate, "
      "recent, samples, scroll, submissions, time, tip, toast, tonemap, tree, depth"},
     {"expect", "WHAT VALUE...", 2, kAny, "it prints as VALUE; of toast and pick, it holds VALUE"},

@@ -1,10 +1,13 @@
 #include "view/session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/stopwatch.h"
 #include "pack/pack_shading.h"
+#include "verify/stiffness.h"
 
 namespace glint::view {
 
@@ -107,7 +110,10 @@ void Session::setView(const Camera& camera, int width, int height) {
 
 void Session::restart() {
     samples_ = nextRow_ = dataRow_ = 0;
-    hasData_ = false;
+    hasData_ = passBegun_ = false;
+    goal_.reset();
+    rounding_.reset();
+    ++view_;
     coarseContent_ = Content::Nothing;
     ++version_;
 }
@@ -139,6 +145,7 @@ Picture Session::render(const Piece& piece) {
     wanted.samples = piece.samples;
     wanted.data = piece.content >= Content::Data;
     wanted.cost = piece.content == Content::Cost;
+    wanted.ledger = piece.content == Content::Color && goal_.has_value();
     wanted.maxDepth = static_cast<uint32_t>(piece.depth);
     wanted.cancelled = piece.cancelled;
     const shared::Camera camera = packCamera(camera_, piece.width, piece.height, scene_->packed.origin);
@@ -178,7 +185,12 @@ bool Session::ready() const {
 bool Session::finished() const {
     if (width_ == 0 || height_ == 0) return true;
     if (needsData(settings_.layer)) return hasData_;
-    return samples_ >= std::max(settings_.sampleLimit, 1) && (hasData_ || !wantsData_);
+    return enough() && (hasData_ || !wantsData_);
+}
+
+bool Session::enough() const {
+    if (settings_.until.error > 0) return goal_ && goal_->over();
+    return samples_ >= std::max(settings_.sampleLimit, 1);
 }
 
 bool Session::rested() const {
@@ -192,7 +204,7 @@ Session::Content Session::nextPass() const {
         return samples_ == 0 ? Content::Color : Content::Nothing;
     }
     if (samples_ > 0 && wantsData_ && !hasData_) return Content::Cost;
-    if (samples_ < std::max(settings_.sampleLimit, 1)) return Content::Color;
+    if (!enough()) return Content::Color;
     return hasData_ ? Content::Nothing : Content::Cost;
 }
 
@@ -208,13 +220,18 @@ void Session::beginPass(Content pass) {
         full_.color = Image(width_, height_, 4);
         full_.data.resize(full_.color.pixels.size() / 4);
     }
-    if (pass != Content::Color) return;
+    // A pass whose first band was cut short has its samples already.
+    if (pass != Content::Color || std::exchange(passBegun_, true)) return;
     if (samples_ == 0) {
         sum_.assign(full_.color.pixels.size(), 0);
         sequence_ = sequence();
+        if (settings_.until.error > 0)
+            goal_.emplace(settings_.until, settings_.sampling.image(width_, height_), full_.region,
+                          countsMirrors());
     }
-    colorPass_ = sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
-                           : PackedSamples::fixed({progressiveOffset(samples_)});
+    colorPass_ = goal_       ? goal_->begin()
+                 : sequence_ ? sequence_->next(leastSamples(settings_.sampling.filter))
+                             : PackedSamples::fixed({progressiveOffset(samples_)});
 }
 
 std::optional<SampleSequence> Session::sequence() const {
@@ -225,6 +242,7 @@ std::optional<SampleSequence> Session::sequence() const {
 }
 
 PackedSamples Session::taken() const {
+    if (goal_ && samples_ > 0) return goal_->taken();
     if (std::optional<SampleSequence> all = sequence())
         return all->next(std::max(static_cast<uint32_t>(samples_), leastSamples(settings_.sampling.filter)));
     std::vector<glm::dvec2> offsets;
@@ -249,8 +267,50 @@ Session::Piece Session::nextPiece(Content pass, double seconds) const {
     return piece;
 }
 
+// The reference traces some thousand pixels for it, beside the window.
+void Session::askForRounding() {
+    if (rounding_) return;
+    if (findsRounding_.valid()) {
+        if (findsRounding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+        const double found = findsRounding_.get();
+        if (roundingView_ == view_) rounding_ = found;
+    }
+    if (rounding_) return;
+    roundingView_ = view_;
+    findsRounding_ = std::async(std::launch::async, [scene = scene_, tracing = tracing(),
+                                                     camera = packedCamera(), w = width_, h = height_] {
+        Request request;
+        static_cast<Tracing&>(request) = tracing;
+        return verify::roundingError(reference::Tracer(scene->packed, request), camera, w, h,
+                                     verify::kFloatUnit);
+    });
+}
+
+// Without any reflection there is no account of what is missing either.
+bool Session::countsMirrors() const {
+    const auto reflects = [](const Material& m) {
+        return m.mirror != Color(0) || m.transmission != Color(0);
+    };
+    const auto& materials = scene_->scene.materials;
+    return settings_.depth() > 0 || std::none_of(materials.begin(), materials.end(), reflects);
+}
+
+bool Session::lookAtError(double seconds) {
+    if (!goal_ || goal_->over()) return false;
+    askForRounding();
+    if (!goal_->looks()) return false;
+    if (!rounding_) {
+        findsRounding_.wait_for(std::chrono::duration<double>(seconds));
+        return true;
+    }
+    goal_->look(*rounding_);
+    ++version_;
+    return true;
+}
+
 bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
     if (rested()) return false;
+    if (lookAtError(seconds)) return true;
     const Content pass = nextPass();
     int& row = pass == Content::Color ? nextRow_ : dataRow_;
     if (row == 0) beginPass(pass);
@@ -264,10 +324,13 @@ bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
     row = piece.region.y1;
     if (row == height_) {
         row = 0;
-        if (pass == Content::Color)
+        if (pass == Content::Color) {
             samples_ += static_cast<int>(colorPass_.count());
-        else
+            passBegun_ = false;
+            if (goal_) goal_->end();
+        } else {
             hasData_ = true;
+        }
     }
     if ((pass != Content::Color) == needsData(settings_.layer)) ++version_;
     return true;
@@ -276,6 +339,7 @@ bool Session::refine(double seconds, const std::function<bool()>& cancelled) {
 // One sample alone keeps the bits that the device gave it.
 void Session::addBand(const Picture& band) {
     const size_t first = static_cast<size_t>(band.region.y0) * static_cast<size_t>(width_) * 4;
+    if (goal_) goal_->add(band);
     const auto count = static_cast<float>(colorPass_.count());
     const float scale = 1.0f / (static_cast<float>(samples_) + count);
     for (size_t i = 0; i < band.color.pixels.size(); ++i) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "pack/pack_samples.h"
 #include "render/renderer.h"
 #include "view/canvas.h"
+#include "view/error_goal.h"
 #include "view/layers.h"
 #include "view/pace.h"
 #include "view/settings.h"
@@ -64,6 +66,8 @@ class Session {
     bool hasData() const { return hasData_; }  // of every pixel, for all layers but Color
     int samples() const { return samples_; }   // complete ones, of the full picture
     double progress() const;                   // of the sample at hand, 0..1
+    // Of the error that the settings ask for; null before the picture at rest, and if they ask for none.
+    const GoalFacts* goal() const { return goal_ ? &goal_->facts() : nullptr; }
 
     // What there is to show, of the view's size. `version` grows whenever that changes.
     Canvas canvas(const Display& display) const;
@@ -101,6 +105,11 @@ class Session {
     void beginPass(Content pass);
     Piece nextPiece(Content pass, double seconds) const;
     void addBand(const Picture& band);
+    bool enough() const;  // samples
+    // False if there is nothing to look at; takes `seconds` at most.
+    bool lookAtError(double seconds);
+    void askForRounding();
+    bool countsMirrors() const;
     void keepData(const Picture& band);
 
     const gpu::Device& device_;
@@ -117,8 +126,12 @@ class Session {
     std::vector<float> sum_;
     std::optional<SampleSequence> sequence_;  // of samples that differ from pixel to pixel
     PackedSamples colorPass_;                 // samples of the colour's pass at hand
+    std::optional<ErrorGoal> goal_;           // of the picture at hand
+    std::optional<double> rounding_;          // ErrorBudget::rounding of the view
+    std::future<double> findsRounding_;       // of the view that had this number
+    uint64_t roundingView_ = 0, view_ = 0;
     int samples_ = 0, nextRow_ = 0, dataRow_ = 0;
-    bool hasData_ = false, wantsData_ = false;
+    bool hasData_ = false, wantsData_ = false, passBegun_ = false;
     double secondsPerPixel_ = 0;  // of refine()
     uint64_t version_ = 0;
     FrameFacts facts_;

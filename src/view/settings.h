@@ -40,6 +40,14 @@ struct SamplingSettings {
     ImageSettings image(int width, int height) const;
 };
 
+// Until when the window takes samples: an error in place of a number (docs/design/error-targets.md).
+struct ErrorSetting {
+    double error = 0;  // linear radiance, root mean square over the picture; 0: a number of samples
+    double confidence = 0.95;
+    bool withinDepth = false;  // what lies beyond the depth is not counted
+    bool operator==(const ErrorSetting&) const = default;
+};
+
 struct PictureSettings {
     ViewLayer layer = ViewLayer::Color;
     int maxDepth = 5;
@@ -49,7 +57,8 @@ struct PictureSettings {
     glm::vec3 background{0};
     Methods methods;
     SamplingSettings sampling;
-    int sampleLimit = 64;  // of the picture in the window
+    int sampleLimit = 64;  // of the picture in the window, unless `until` says it
+    ErrorSetting until;
     bool operator==(const PictureSettings&) const = default;
 
     // As the file has them.

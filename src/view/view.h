@@ -10,6 +10,7 @@
 
 #include "bvh/builder.h"
 #include "gpu/swapchain.h"
+#include "view/settings.h"
 
 namespace glint::view {
 
@@ -24,6 +25,7 @@ struct Loading {
 struct Options {
     std::filesystem::path scene;
     Loading loading;
+    ErrorSetting until;
     std::optional<double> time;  // of the animation, seconds; empty: as the file says it
     int width = 0, height = 0;   // of the window's picture; 0: the scene's
     double scale = 0;            // of text and controls; 0: the screen's

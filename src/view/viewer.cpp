@@ -52,6 +52,7 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
     for (const std::string& w : scene_->packed.warnings)
         err_ << "glint: warning: " << options_.scene.string() << ": " << w << '\n';
     model_.settings = model_.fileSettings = PictureSettings::of(scene_->scene);
+    model_.settings.until = options_.until;
     model_.edits = model_.fileEdits = editsAtWork_ = SceneEdits::of(scene_->scene);
     timeline_.follow(scene_->scene.animation);
     timeline_.setTime(options_.time);

@@ -45,6 +45,7 @@ std::string Viewer::stateOf(const ScriptCommand& command) const {
     }
     if (what == "covered") return text("%.3f", gui_.covered(left_, frame_.width, frame_.height));
     if (what == "difference") return onOffText(difference_.has_value());
+    if (what == "error") return session_->goal() ? inWords(*session_->goal(), model_.settings.until) : "none";
     if (what == "exposure") return text("%g", model_.display.exposure);
     if (what == "figures") return comparison_.figures ? text("%.6g", comparison_.figures->rmse) : "none";
     if (what == "focus") return text("%.6g", camera.focusDistance);

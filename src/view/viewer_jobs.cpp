@@ -17,6 +17,7 @@ void Viewer::useScene(Loaded loaded) {
         const PictureSettings mine = std::exchange(model_.settings, PictureSettings::of(scene));
         model_.settings.layer = mine.layer;
         model_.settings.sampleLimit = mine.sampleLimit;
+        model_.settings.until = mine.until;
         model_.fileSettings = model_.settings;
         model_.edits = model_.fileEdits = SceneEdits::of(scene);
         control_ = CameraControl(scene.camera);

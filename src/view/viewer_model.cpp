@@ -28,6 +28,7 @@ void Viewer::fillModel() {
     model_.samples = session_->samples();
     model_.progress = session_->progress();
     model_.finished = session_->finished();
+    model_.goal = session_->goal();
     model_.frameTimes = &frameTimes_;
     model_.saveProgress = saving_.running() ? saving_.progress() : -1;
     model_.verifyProgress = verifying_.running() ? verifying_.progress() : -1;

@@ -237,6 +237,8 @@ void Viewer::set(const ScriptCommand& command) {
         s.reflections = onOff(command);
     } else if (what == "samples") {
         s.sampleLimit = std::max(wholeOf(command, 1), 1);
+    } else if (what == "error") {
+        s.until.error = std::max(numberOf(command, 1), 0.0);
     } else if (what == "exposure") {
         model_.display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
     } else if (what == "tonemap" && named<ToneMap>(command.arguments[1])) {

@@ -1,0 +1,59 @@
+// The picture of the window until its error is small enough: `glint render --error`, a sample at a time.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "converge/replicates.h"
+#include "view/settings.h"
+
+namespace glint::view {
+
+// What the panel shows of it.
+struct GoalFacts {
+    // Looks so far: samples of a pixel, and what the error was known not to exceed by then.
+    struct Look {
+        int samples = 0;
+        double bound = 0;
+    };
+    std::vector<Look> looks;
+    converge::State state;               // of the last look
+    std::optional<converge::Stop> stop;  // Reached, Fixed or Samples; empty: it goes on
+};
+
+class ErrorGoal {
+  public:
+    // `image`: sampler, filter and seed; `region`: the whole picture.
+    // `knowsDepth`: the pictures tell what lies beyond the depth.
+    ErrorGoal(const ErrorSetting& setting, const ImageSettings& image, const Region& region, bool knowsDepth);
+
+    // Samples of the next pass over the picture, which goes to the two replicates in turns; its bands, each
+    // once; its end.
+    PackedSamples begin();
+    void add(const Picture& band);
+    void end();
+
+    // The replicates have as many samples as the next look is worth, which needs ErrorBudget::rounding.
+    bool looks() const;
+    void look(double rounding);
+
+    // Of both replicates, all that were taken.
+    PackedSamples taken() const;
+    const GoalFacts& facts() const { return facts_; }
+    bool over() const { return facts_.stop.has_value(); }
+
+  private:
+    converge::Target target_;
+    ImageSettings image_;
+    Region region_;
+    bool knowsDepth_;
+    converge::Replicates both_;
+    converge::Replicate* turn_ = nullptr;  // that takes the pass at hand
+    TreeLosses losses_;                    // of the pass at hand
+    GoalFacts facts_;
+};
+
+// As the panel says it: "error <= 0.012, 24 samples; until 0.003".
+std::string inWords(const GoalFacts& facts, const ErrorSetting& setting);
+
+}  // namespace glint::view
