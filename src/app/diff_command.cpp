@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <ostream>
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/image_diff.h"
 #include "core/image_io.h"
+#include "core/similarity.h"
 
 namespace glint::app {
 
@@ -40,15 +42,21 @@ ImageDifference compare(const DiffCommand& command, const Image& a, const Image&
     }
 }
 
+std::string wholeFrame(const ImageDifference& d, double similarity) {
+    char line[256], alike[32] = "-";  // smaller than a window of it
+    if (std::isfinite(similarity)) std::snprintf(alike, sizeof(alike), "%.6g", similarity);
+    std::snprintf(line, sizeof(line), "RMSE %.6g, PSNR %.4g dB, relMSE %.4g, SSIM %s, max %.6g, mean %.6g",
+                  d.rmse, d.psnr, d.relMse, alike, d.max, d.mean);
+    return line;
+}
+
 int run(const DiffCommand& command, std::ostream& out) {
     if (!command.output.empty()) checkPicturePath(command.output);
     const Image a = readImage(command.a);
     const Image b = readImage(command.b);
     const ImageDifference d = compare(command, a, b);
     char line[256];
-    std::snprintf(line, sizeof(line), "RMSE %.6g, PSNR %.4g dB, max %.6g, mean %.6g\n", d.rmse, d.psnr, d.max,
-                  d.mean);
-    out << line;
+    out << wholeFrame(d, structuralSimilarity(a, b)) << '\n';
     std::snprintf(
         line, sizeof(line),
         "%llu of %llu pixels (%.4f %%) differ by more than %g, %llu not finite in one picture only\n",

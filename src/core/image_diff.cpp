@@ -48,6 +48,7 @@ struct PixelSums {
     double difference = 0;  // greatest
     double signedSum = 0;   // of b - a
     double squareSum = 0;
+    double relativeSum = 0;
     bool finiteA = true;
     bool finiteB = true;
 };
@@ -61,6 +62,8 @@ PixelSums comparePixel(const Image& a, const Image& b, int x, int y, int channel
         sums.difference = std::max(sums.difference, sampleDifference(sampleA, sampleB));
         sums.signedSum += delta;
         sums.squareSum += delta * delta;
+        const auto truth = static_cast<double>(sampleA);
+        sums.relativeSum += delta * delta / (truth * truth + kRelativeFloor);
         sums.finiteA = sums.finiteA && std::isfinite(sampleA);
         sums.finiteB = sums.finiteB && std::isfinite(sampleB);
     }
@@ -86,6 +89,7 @@ ImageDifference compareImages(const Image& a, const Image& b, double tolerance, 
     ImageDifference result;
     double signedSum = 0;
     double squareSum = 0;
+    double relativeSum = 0;
     uint64_t finiteSamples = 0;
     for (int y = 0; y < a.height; ++y) {
         for (int x = 0; x < a.width; ++x) {
@@ -96,6 +100,7 @@ ImageDifference compareImages(const Image& a, const Image& b, double tolerance, 
             if (sums.finiteA && sums.finiteB) {
                 signedSum += sums.signedSum;
                 squareSum += sums.squareSum;
+                relativeSum += sums.relativeSum;
                 finiteSamples += static_cast<uint64_t>(channels);
             }
             if (sums.difference > 0) {
@@ -106,6 +111,7 @@ ImageDifference compareImages(const Image& a, const Image& b, double tolerance, 
     result.pixels = static_cast<uint64_t>(a.width) * static_cast<uint64_t>(a.height);
     if (finiteSamples > 0) {
         result.rmse = std::sqrt(squareSum / static_cast<double>(finiteSamples));
+        result.relMse = relativeSum / static_cast<double>(finiteSamples);
         result.mean = signedSum / static_cast<double>(finiteSamples);
     }
     result.psnr = result.rmse > 0 ? -20.0 * std::log10(result.rmse) : kInfinity;

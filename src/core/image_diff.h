@@ -14,8 +14,14 @@ struct PixelDifference {
     float difference = 0;  // greatest absolute channel difference, see ImageDifference::max
 };
 
+// Rousselle, Knaus, Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM TOG
+// 30(6), 2011.
+inline constexpr double kRelativeFloor = 1e-2;
+
 struct ImageDifference {
-    double rmse = 0;         // root mean square over all channels of all pixels that are finite in both
+    double rmse = 0;  // root mean square over all channels of all pixels that are finite in both
+    // Mean over the same of (B - A)^2 / (A^2 + kRelativeFloor), A being the truth.
+    double relMse = 0;
     double psnr = 0;         // 20 log10(1 / rmse), in dB for a fixed peak of 1; +inf for equal pictures
     double max = 0;          // greatest absolute channel difference; +inf if a sample is not finite in one
                              // picture and is finite, or not finite in another way, in the other

@@ -80,7 +80,7 @@ std::string briefly(const SceneReport& scene, Contest contest) {
 }  // namespace
 
 Contest contestOf(const Measured& m) {
-    for (const char* other : {"depth", "cut", "adaptive", "error", "reference"})
+    for (const char* other : {"depth", "cut", "adaptive", "error", "filter", "reference"})
         if (m.family.starts_with(other)) return Contest::None;
     const auto sampler = named<Sampler>(m.family);
     return sampler && *sampler != Sampler::Auto ? Contest::Samplers : Contest::Methods;

@@ -52,6 +52,7 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("arithmetic", m.arithmetic);
     visit("total", m.total);
     visit("error", m.error);
+    visit("ssim", m.ssim);
     visit("hidden", m.hidden);
     visit("samples", m.samples);
     visit("asked", m.asked);
@@ -180,7 +181,7 @@ std::string csvErrors(const ErrorMeasures& m) {
 
 std::string csvHeader() {
     std::string line =
-        "scene,key,batch,family,sampler,spp,depth,minContribution,samples,asked,error,hidden,bound";
+        "scene,key,batch,family,sampler,spp,depth,minContribution,samples,asked,error,ssim,hidden,bound";
     for (const char* kind : {"total", "arithmetic", "samePath", "otherPath"}) {
         for (const char* measure : {"Rmse", "RelMse", "Max", "P99", "PercentAbove255th", "PercentAbove1000th",
                                     "Bias", "RmseStandardError"}) {
@@ -199,6 +200,7 @@ std::string csvLine(const SceneReport& scene, const Measured& m) {
     for (const double value : {static_cast<double>(m.spp), static_cast<double>(m.depth), m.minContribution,
                                m.samples, m.asked, m.error})
         line += csvNumber(value);
+    line += m.ssim ? csvNumber(*m.ssim) : ",";
     line += (m.hidden ? ",yes" : ",no") + csvNumber(m.bound);
     line += csvErrors(m.total);
     if (m.arithmetic) {

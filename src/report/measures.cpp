@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/image_diff.h"
 #include "verify/stiffness.h"
 
 namespace glint::report {
 
 ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> truth,
                            std::span<const uint8_t> counts) {
-    constexpr double kRelativeFloor = 1e-2;
     ErrorMeasures m;
     std::vector<float> greatest;
     uint64_t visible = 0, small = 0;

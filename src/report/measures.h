@@ -18,8 +18,7 @@ struct ErrorMeasures {
     // Standard error of rmse, from the scatter of the pixels' squares: sqrt(var / pixels) / (2 rmse). Errors
     // of neighbouring pixels count as independent, which those of random samplers are.
     double rmseError = 0;
-    // Mean over pixels and channels of d^2 / (truth^2 + 1e-2): Rousselle, Knaus, Zwicker, "Adaptive Sampling
-    // and Reconstruction using Greedy Error Minimization", ACM TOG 30(6), 2011.
+    // Mean over pixels and channels of d^2 / (truth^2 + kRelativeFloor), see core/image_diff.h.
     double relMse = 0;
     double max = 0;             // greatest channel of any pixel
     double p99 = 0;             // 99th percentile over pixels of the greatest channel

@@ -98,6 +98,17 @@ Batch otherWays() {
     return batch;
 }
 
+// As a user takes them, at their own radius.
+Batch filters() {
+    Batch batch{"filters", {}};
+    for (const Filter filter : {Filter::Tent, Filter::Gaussian, Filter::Mitchell}) {
+        Configuration c;
+        c.filter = filter;
+        add(c, "filter " + std::string(nameOf(filter)), 16, batch);
+    }
+    return batch;
+}
+
 Batch depthsAndCuts(int maxDepth) {
     Batch batch{"depths and cuts", {}};
     for (const int depth : depthsUpTo(maxDepth)) {
@@ -136,6 +147,7 @@ std::string keyOf(const Configuration& c) {
     if (c.rayByRay) key += " lane";
     if (c.error) key += " error=" + number(*c.error);
     if (c.contrast) key += " contrast=" + number(*c.contrast);
+    if (c.filter) key += " filter=" + std::string(nameOf(*c.filter));
     if (c.onReference) key += " reference";
     if (c.twin > 0) key += " again=" + std::to_string(c.twin);
     if (!c.access) return key + " auto";
@@ -160,6 +172,7 @@ std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int ma
     std::vector<Batch> batches{samplersAt({1, 4, 16}), methodsAt(1)};
     if (features.mirrors || features.transmission) batches.push_back(depthsAndCuts(maxDepth));
     batches.push_back(otherWays());
+    batches.push_back(filters());
     batches.push_back(samplersAt({64}));
     batches.push_back(methodsAt(4));
     batches.push_back(methodsAt(16));

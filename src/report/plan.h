@@ -34,6 +34,8 @@ struct Configuration {
     // In place of `spp` samples: until the error is at most this (converge/converge.h); by contrast, at least
     // `spp` and at most the image's own most.
     std::optional<double> error, contrast;
+    // In place of the box: another picture, so it is judged by the differences of its own runs.
+    std::optional<Filter> filter;
     bool onReference = false;  // drawn by the reference, in double
     int twin = 0;              // the default once more, under another name
 };
@@ -69,6 +71,8 @@ struct Measured {
     std::optional<ArithmeticError> arithmetic;  // not of many samples
     ErrorMeasures total;                        // of the first run, against the converged picture
     double error = 0;  // root mean square of all runs' RMSE, without what the converged picture errs itself
+    // Of the first run beside the converged picture (core/similarity.h); empty of pictures too small for it.
+    std::optional<double> ssim;
     bool hidden = false;  // that error is below what the converged picture can tell
     double samples = 0;   // of a pixel, in the mean
     double asked = 0;     // the error that was asked for; 0: none was

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "converge/bounds.h"
 #include "converge/converge.h"
 #include "core/file_io.h"
 #include "core/hash.h"
+#include "core/similarity.h"
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
 #include "pack/scene_arrays.h"
@@ -35,13 +37,14 @@ Configuration machineKind(Configuration c) {
     c.minContribution = 0;
     c.error.reset();
     c.contrast.reset();
+    c.filter.reset();
     c.twin = 0;
     return c;
 }
 
 // What is measured without being like the others' kind of picture: of no use for arithmetic.
 bool isPlain(const Configuration& c) {
-    return !c.error && !c.contrast && !c.onReference;
+    return !c.error && !c.contrast && !c.filter && !c.onReference;
 }
 
 double boundOf(const LostBranches& lost, double pixels) {
@@ -69,6 +72,7 @@ struct SceneSweep::Run {
     render::Renderer* renderer = nullptr;  // null: the reference
     Measured measured;
     std::vector<double> device;
+    std::vector<glm::dvec3> before;  // the last picture of a filter
 };
 
 namespace {
@@ -154,6 +158,10 @@ Request SceneSweep::requestFor(const Configuration& c, uint32_t seed) const {
     image.sampler = c.sampler;
     image.samplesPerPixel = c.spp;
     image.seed = seed;
+    if (c.filter) {
+        image.filter = *c.filter;
+        image.filterRadius = defaultRadius(*c.filter);
+    }
     if (c.contrast) image.adaptive = AdaptiveSampling{64, *c.contrast};
     Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
     request.methods = c.methods;
@@ -243,6 +251,29 @@ bool SceneSweep::warmUp(Run& run) {
     return true;
 }
 
+void SceneSweep::judgeByTruth(Measured& m, const Picture& picture) const {
+    const ErrorMeasures error = measureError(picture.color, converged_);
+    if (m.rmse.empty()) {
+        m.total = error;
+        const double alike = structuralSimilarity(convergedImage_, picture.color);
+        if (std::isfinite(alike)) m.ssim = alike;
+    }
+    m.rmse.push_back(error.rmse);
+}
+
+// Of two pictures of different seeds each errs by half of the mean square of their difference
+// (converge/bounds.h).
+void SceneSweep::judgeByRuns(Run& run, const Picture& picture) const {
+    std::vector<glm::dvec3> now;
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        const float* p = &picture.color.pixels[4 * i];
+        now.emplace_back(p[0], p[1], p[2]);
+    }
+    if (!run.before.empty())
+        run.measured.rmse.push_back(std::sqrt(2 * converge::meanSquareOf(run.before, now).value));
+    run.before = std::move(now);
+}
+
 bool SceneSweep::drawTimed(Run& run, uint32_t seed) {
     Measured& m = run.measured;
     const render::StageTimes none;
@@ -254,10 +285,8 @@ bool SceneSweep::drawTimed(Run& run, uint32_t seed) {
     const render::StageTimes& after = run.renderer ? run.renderer->times() : none;
     limits_.worked(run.configuration.spp);
     m.compile += after.compile - before.compile;
-    const ErrorMeasures error = measureError(picture.color, converged_);
-    if (m.seconds.empty()) m.total = error;
+    run.configuration.filter ? judgeByRuns(run, picture) : judgeByTruth(m, picture);
     m.seconds.push_back(wall - (after.compile - before.compile));
-    m.rmse.push_back(error.rmse);
     run.device.push_back(after.device - before.device);
     m.upload = after.upload;
     m.readback = after.readback - before.readback;
@@ -288,9 +317,9 @@ void SceneSweep::finish(Run& run, const SceneReport& report) const {
     double squares = 0;
     for (const double rmse : m.rmse) squares += rmse * rmse / static_cast<double>(m.rmse.size());
     // The converged picture's own error, of other seeds, adds its square to theirs.
-    const double own = report.truthError * report.truthError;
+    const double own = run.configuration.filter ? 0 : report.truthError * report.truthError;
     m.error = std::sqrt(std::max(squares - own, 0.0));
-    m.hidden = squares < 2 * own;
+    m.hidden = squares < 2 * own || m.rmse.empty();
     m.wall = quartilesOf(m.seconds);
     m.device = quartilesOf(run.device);
     m.repeats = static_cast<int>(m.seconds.size());

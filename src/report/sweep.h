@@ -65,6 +65,9 @@ class SceneSweep {
     bool drawTruth(SceneReport& report);                       // false: cancelled
     int truthSamples(const SceneReport& report);
     Picture drawHalfOfTruth(int samples, uint32_t seed);
+    // A run's picture, against the converged one; or, of a filter, against the one of the run before.
+    void judgeByTruth(Measured& measured, const Picture& picture) const;
+    void judgeByRuns(Run& run, const Picture& picture) const;
     // Of a picture of one sample, of each pixel.
     double secondsOf(bool byReference);
     double predictedSamples(const Configuration& configuration, const SceneReport& report) const;
@@ -87,6 +90,7 @@ class SceneSweep {
     std::vector<Batch> batches_;
     std::map<std::tuple<Sampler, int>, Truth> truths_;
     std::vector<glm::dvec3> converged_;  // colours; empty before drawTruth
+    Image convergedImage_;               // the same
     std::optional<double> deviceSeconds_, referenceSeconds_;
     double kappa_ = 0;
     std::map<std::string, std::unique_ptr<render::Renderer>> renderers_;  // by what a request cannot vary

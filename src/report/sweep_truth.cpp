@@ -103,6 +103,10 @@ bool SceneSweep::drawTruth(SceneReport& report) {
         }
     }
     for (size_t i = 0; i < halves[0].size(); ++i) converged_.push_back((halves[0][i] + halves[1][i]) / 2.0);
+    convergedImage_ = Image(loaded_.scene.image.width, loaded_.scene.image.height, 3);
+    for (size_t i = 0; i < converged_.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            convergedImage_.pixels[3 * i + static_cast<size_t>(c)] = static_cast<float>(converged_[i][c]);
     report.truthSamples = samples;
     report.truthError = std::sqrt(converge::meanSquareOf(halves[0], halves[1]).value);
     return true;

@@ -44,9 +44,16 @@ std::string settingOf(const Measured& m) {
     return isSampler(m.family) ? name : name + " lowDiscrepancy";
 }
 
+// Its distance from 1 is what tells.
+std::string similarity(const std::optional<double>& ssim) {
+    char text[32] = "-";
+    if (ssim) std::snprintf(text, sizeof(text), "%.5f", *ssim);
+    return text;
+}
+
 std::string samplingTable(const SceneReport& scene) {
-    std::string out = header(
-        {"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "max", "> 1/255 %", "Mrays/s"});
+    std::string out = header({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max",
+                              "> 1/255 %", "Mrays/s"});
     for (const Sampler s : kSamplers) {
         const std::string sampler(nameOf(s));
         for (const Measured* m : familyOf(scene, sampler)) {
@@ -55,7 +62,8 @@ std::string samplingTable(const SceneReport& scene) {
                         milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
                             milliseconds(m->wall.high) + ")",
                         milliseconds(m->device.median), errorOf(scene, *m), shortNumber(m->total.relMse),
-                        shortNumber(m->total.max), shortNumber(m->total.percentVisible), shortNumber(rate)});
+                        similarity(m->ssim), shortNumber(m->total.max), shortNumber(m->total.percentVisible),
+                        shortNumber(rate)});
         }
     }
     return out;
@@ -141,8 +149,8 @@ std::string otherWaysTable(const SceneReport& scene) {
                      errorOf(scene, m), m.asked > 0 ? shortNumber(m.error / m.asked) : std::string("-")});
     }
     if (rows.empty()) return "";
-    return "\n" + header({"in another way", "samples", "ms (q1..q3)", "RMSE", "of the error asked for"}) +
-           rows;
+    return "\nErrors of filters, whose pictures are others, are by the differences of their own runs.\n\n" +
+           header({"in another way", "samples", "ms (q1..q3)", "RMSE", "of the error asked for"}) + rows;
 }
 
 // The quickest that is good enough, among settings that any picture can be drawn with.
@@ -225,7 +233,7 @@ std::vector<const Measured*> frontOf(const SceneReport& scene) {
     std::vector<WorkPoint> points;
     std::vector<const Measured*> told;
     for (const Measured& m : scene.measured) {
-        if (m.hidden) continue;
+        if (m.hidden || m.family.starts_with("filter")) continue;  // another picture
         points.push_back({m.wall.median, m.error});
         told.push_back(&m);
     }

@@ -104,7 +104,7 @@ void drawFall(const PanelModel& m) {
     const float most = *std::max_element(bounds.begin(), bounds.end());
     ImGui::PlotLines("##fall", bounds.data(), static_cast<int>(bounds.size()), 0, nullptr,
                      std::min(wanted, bounds.back()), std::max(most, wanted + 0.1f),
-                     ImVec2(-1, 2 * ImGui::GetFontSize()));
+                     ImVec2(ImGui::GetContentRegionAvail().x, 2 * ImGui::GetFontSize()));
 }
 
 void drawGoal(const PanelModel& m) {

@@ -26,18 +26,18 @@ class Diff : public FolderTest {
 TEST_F(Diff, EqualPictures) {
     const Ran ran = runGlint({"diff", "b.pfm", "b.pfm"});
     EXPECT_EQ(ran.out,
-              "RMSE 0, PSNR inf dB, max 0, mean 0\n"
+              "RMSE 0, PSNR inf dB, relMSE 0, SSIM -, max 0, mean 0\n"
               "0 of 4 pixels (0.0000 %) differ by more than 0, 0 not finite in one picture only\n");
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");
 }
 
 // RMSE = sqrt((0.5^2 + 0.25^2) / 12) = 0.161374; PSNR = 20 log10(1 / RMSE) = 15.84 dB; mean B - A = 0.75
-// / 12.
+// / 12; against black, relMSE = 100 RMSE^2. SSIM has windows of 11 x 11 pixels.
 TEST_F(Diff, NumbersFollowTheirDefinitions) {
     const Ran ran = runGlint({"diff", "a.pfm", "b.pfm"});
     EXPECT_EQ(ran.out,
-              "RMSE 0.161374, PSNR 15.84 dB, max 0.5, mean 0.0625\n"
+              "RMSE 0.161374, PSNR 15.84 dB, relMSE 2.604, SSIM -, max 0.5, mean 0.0625\n"
               "2 of 4 pixels (50.0000 %) differ by more than 0, 0 not finite in one picture only\n"
               "  pixel 1,0: 0.5\n"
               "  pixel 0,1: 0.25\n");

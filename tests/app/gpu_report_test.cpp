@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/image_diff.h"
+#include "core/image_io.h"
 #include "core/interrupt.h"
 #include "support.h"
 
@@ -108,6 +110,33 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
 }
 
 // The scene's own file is the same: it is the mesh that is another one.
+// Filters draw other pictures than the box does, so their runs judge each other: that comes to their error
+// beside what they converge to, which is drawn here with many samples.
+TEST_F(GpuReport, RunsOfAFilterJudgeEachOther) {
+    const Ran ran =
+        runGlint({"report", "a.json", "-o", "out", "--only", "filter", "--size", "64", "--repeats", "8"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json report = readJson();
+    const nlohmann::json& rows = report["scenes"][0]["configurations"];
+    ASSERT_EQ(rows.size(), 3u);
+    for (const nlohmann::json& row : rows) {
+        const std::string name = row["family"].get<std::string>().substr(std::string("filter ").size());
+        const auto draw = [&](const std::string& spp, const std::string& file) {
+            EXPECT_EQ(runGlint({"render", "a.json", "--size", "64x48", "--filter", name, "--sampler",
+                                "lowDiscrepancy", "--spp", spp, "--seed", spp, "-o", file, "-q"})
+                          .code,
+                      0);
+            return readImage(file);
+        };
+        const double error = compareImages(draw("4096", "truth.pfm"), draw("16", "few.pfm"), 0).rmse;
+        EXPECT_NEAR(row["error"].get<double>() / error, 1, 0.25) << name;
+        EXPECT_FALSE(row["hidden"].get<bool>());
+        EXPECT_TRUE(row["ssim"].is_null());
+        EXPECT_EQ(row["runRmse"].size(), 7u);
+    }
+    EXPECT_EQ(ran.out.find("front by medians: filter"), std::string::npos);
+}
+
 TEST_F(GpuReport, AnotherMeshStartsOver) {
     writeText("a.json", sceneText(16, 12, R"("background": 0.5, "meshes": {"m": {"file": "m.obj"}},
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},

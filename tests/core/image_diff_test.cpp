@@ -39,6 +39,8 @@ TEST(CompareImages, FiguresByHand) {
     // squares 1/4 + 1/16 + 1/16 = 3/8 over 6 samples: 1/16
     EXPECT_DOUBLE_EQ(difference.rmse, 0.25);
     EXPECT_DOUBLE_EQ(difference.psnr, 20.0 * std::log10(4.0));
+    EXPECT_DOUBLE_EQ(difference.relMse, 0.0625 / 0.01);  // A is black
+    EXPECT_DOUBLE_EQ(compareImages(b, a, 0.3).relMse, (0.25 / 0.26 + 2 * 0.0625 / 0.0725) / 6);
     EXPECT_DOUBLE_EQ(difference.max, 0.5);
     EXPECT_DOUBLE_EQ(difference.mean, 0.5 / 6);  // b - a: 0.5 - 0.25 + 0.25
     EXPECT_EQ(difference.above, 1u);

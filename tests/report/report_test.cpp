@@ -129,8 +129,8 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     }
     EXPECT_EQ(keys.size(), count);
     // 3 samplers x 6 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full, access, ray by ray and
-    // fp64, each at 3 counts; 5 other ways; ten times the same; no mirrors, so no depth.
-    EXPECT_EQ(count, 18u + 33u + 5u + 10u);
+    // fp64, each at 3 counts; 5 other ways; 3 filters; ten times the same; no mirrors, so no depth.
+    EXPECT_EQ(count, 18u + 33u + 5u + 3u + 10u);
     features.mirrors = true;
     const auto more = planScene(features, true, 5, std::nullopt, false, false);
     EXPECT_EQ(more.size(), batches.size() + 1);
@@ -231,6 +231,7 @@ std::vector<std::string> csvFields(const std::string& line) {
 TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     Report data = sampleReport();
     data.scenes[0].measured.push_back(measuredAt("grid", "grid", 64, 64, 0.001));  // without arithmetic
+    data.scenes[0].measured.back().ssim = 0.75;
     std::istringstream lines(toCsv(data));
     std::vector<std::vector<std::string>> rows;
     for (std::string line; std::getline(lines, line);) {
@@ -245,8 +246,11 @@ TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     EXPECT_EQ(rows[0][last - 2], "default");
     EXPECT_EQ(rows[2][last - 2] + rows[2][last - 1] + rows[2][last], "yesnolowDiscrepancy4");
     EXPECT_EQ(rows[6][last - 2] + rows[6][last - 1] + rows[6][last], "no") << "depths are not judged";
-    EXPECT_EQ(rows[0][13], "totalRmse");
-    EXPECT_EQ(rows[3][13], "0.01");
+    EXPECT_EQ(rows[0][14], "totalRmse");
+    EXPECT_EQ(rows[3][14], "0.01");
+    EXPECT_EQ(rows[0][11], "ssim");
+    EXPECT_EQ(rows[3][11], "");
+    EXPECT_EQ(rows[7][11], "0.75");
 }
 
 // Every tag closed in the order of opening; no script, nothing fetched.

@@ -1,0 +1,87 @@
+// The window's picture until its error is small enough, without a window, drawn by a tracer whose truth is
+// known.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "converge/known_film.h"
+#include "view/error_goal.h"
+
+namespace glint::view::test::goal_test {
+namespace {
+
+using converge::kSide;
+
+// In bands of ten rows, as the window draws.
+void passOver(ErrorGoal& goal, const converge::Film& film, double depth = 0) {
+    Request request;
+    request.width = request.height = kSide;
+    request.samples = goal.begin();
+    for (int y = 0; y < kSide; y += 10) {
+        request.region = Region{0, y, kSide, y + 10};
+        Picture band = converge::drawn(film, request);
+        if (depth > 0) band.losses.depth.add(1, depth);
+        goal.add(band);
+    }
+    goal.end();
+}
+
+ErrorGoal goalOf(double error, uint32_t seed = 0, bool knowsDepth = true) {
+    return {{.error = error}, converge::jobOf(error, seed).image, {0, 0, kSide, kSide}, knowsDepth};
+}
+
+TEST(ErrorGoal, EndsWhereRenderDoes) {
+    const converge::Film film = converge::edgeFilm();
+    for (uint32_t seed = 0; seed < 5; ++seed) {
+        ErrorGoal goal = goalOf(0.02, seed);
+        while (!goal.over()) {
+            passOver(goal, film);
+            if (goal.looks()) goal.look(0);
+        }
+        const GoalFacts& facts = goal.facts();
+        const converge::Result result =
+            converge::converge(converge::drawOf(film), converge::jobOf(0.02, seed));
+        EXPECT_EQ(facts.stop, converge::Stop::Reached);
+        EXPECT_EQ(facts.state.samplesPerPixel, result.samplesPerPixel);
+        EXPECT_EQ(facts.state.rounds, result.rounds);
+        EXPECT_LE(facts.looks.back().bound, 0.02);
+        EXPECT_LT(facts.looks.back().bound, facts.looks.front().bound / 3);
+        // All of its samples at once draw the same picture.
+        Request request;
+        request.width = request.height = kSide;
+        request.samples = goal.taken();
+        ASSERT_EQ(request.samples.count(), result.samplesPerPixel);
+        const Picture again = converge::drawn(film, request);
+        for (size_t i = 0; i < again.color.pixels.size(); ++i)
+            EXPECT_NEAR(again.color.pixels[i], i % 4 == 3 ? 0 : result.picture.color.pixels[i], 1e-6);
+    }
+}
+
+TEST(ErrorGoal, SaysWhatNoSampleMends) {
+    const converge::Film film = converge::edgeFilm();
+    ErrorGoal rounded = goalOf(0.02);
+    EXPECT_EQ(inWords(rounded.facts(), {.error = 0.02}), "error not known yet; until 0.02");
+    const auto twice = [&](ErrorGoal& goal, double depth) {
+        for (int i = 0; i < 2; ++i) passOver(goal, film, depth);
+        ASSERT_TRUE(goal.looks());
+    };
+    twice(rounded, 0);
+    rounded.look(0.03);
+    EXPECT_EQ(rounded.facts().stop, converge::Stop::Fixed);
+    EXPECT_EQ(inWords(rounded.facts(), {.error = 0.02}), "out of reach: rounding and cuts may take 0.03");
+
+    // One branch of 8 in each of the four bands: sqrt(8 x 32 / 1600).
+    ErrorGoal cut = goalOf(0.02);
+    twice(cut, 8);
+    cut.look(0);
+    EXPECT_EQ(inWords(cut.facts(), {.error = 0.02}), "out of reach: beyond the depth there may be 0.4");
+
+    ErrorGoal flat = goalOf(0.02, 0, false);
+    twice(flat, 0);
+    flat.look(0);
+    EXPECT_EQ(flat.facts().stop, converge::Stop::Fixed);
+    EXPECT_NE(inWords(flat.facts(), {.error = 0.02}).find("with depth 0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace glint::view::test::goal_test
