@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "falling_film.h"
 #include "known_film.h"
 
 namespace glint::converge::slow_test {
@@ -46,6 +47,23 @@ void expectLittle(Job job, int side) {
                 drift.deviation / asked);
     EXPECT_LE(std::abs(drift.mean), 0.02 * asked + 4 * drift.deviation);
     EXPECT_LE(drift.deviation, 0.01 * asked) << "tells nothing";
+}
+
+// The table of docs/lab/error-targets.md: pixels, how errors fall, and how often a run ended with more than
+// was asked for or showed a bound that did not hold.
+TEST(ConvergeSlow, LooksAreSeldomWrong) {
+    const auto row = [](size_t pixels, double power, double floor, int count) {
+        const Trials trials = trialsOf(pixels, power, floor, count);
+        std::printf("| %zu | %g | %s | %d | %.1f %% | %.2f |\n", pixels, power,
+                    floor > 0 ? std::to_string(floor).substr(0, 4).c_str() : "none", count,
+                    100.0 * trials.wrong / count, floor > 0 ? 0 : trials.samples);
+        EXPECT_LE(trials.wrong, mostWrong(count));
+    };
+    for (const size_t pixels : {16u, 100u, 1000u}) {
+        const int count = pixels < 1000 ? 10000 : 2000;
+        for (const double power : {0.5, 0.7, 1.0}) row(pixels, power, 0, count);
+        for (const double floor : {0.9, 0.97, 1.05}) row(pixels, 0.7, floor, count);
+    }
 }
 
 TEST(ConvergeSlow, StoppingHardlyBiasesAPicture) {

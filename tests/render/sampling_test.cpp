@@ -1,7 +1,10 @@
 // Samplers, filters, adaptive sampling and the lens on the device.
+#include <algorithm>
 #include <cmath>
 
 #include "pack/pack_samples.h"
+#include "reference/sampling.h"
+#include "shared/shading.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -106,6 +109,55 @@ TEST_F(Sampling, AdaptiveIsUniformWhereAllIsFlagged) {
         }
     EXPECT_GT(flagged, 0u);
     EXPECT_LT(flagged, adaptive.samples.size());  // the floor has one colour
+}
+
+// Of the device's own samples, drawn one by one, the reference says after every round whether a pixel goes
+// on. The device decides the same at thresholds that users take, but where its fp32 sums may err by as much
+// as the decision hangs on (verify/film.cpp).
+TEST_F(Sampling, EveryRoundIsDecidedAsTheReferenceWould) {
+    constexpr uint32_t kRound = 4, kMost = 64;
+    size_t doubtful = 0, late = 0;
+    for (const char* name : {"sampling", "lens"}) {
+        const Case c = fileCase(name, 48, 36);
+        Renderer renderer(device(), c.packed);
+        for (const double threshold : {0.02, 0.05, 0.2}) {
+            ImageSettings image = imageOf(Sampler::LowDiscrepancy, Filter::Box, 0.5, kRound);
+            image.adaptive = AdaptiveSampling{kMost, threshold};
+            Request request = settingsOf(c, image);
+            const PackedSamples all = request.samples;
+            const Picture adaptive = renderer.render(c.camera, request);
+            std::vector<std::vector<glm::dvec3>> colors(adaptive.samples.size());
+            for (uint32_t i = 0; i < kMost; ++i) {
+                request.samples = all.only(i);
+                const Picture one = renderer.render(c.camera, request);
+                for (size_t at = 0; at < colors.size(); ++at) {
+                    const float* pixel = &one.color.pixels[4 * at];
+                    colors[at].emplace_back(pixel[0], pixel[1], pixel[2]);
+                }
+            }
+            for (size_t at = 0; at < colors.size(); ++at) {
+                const uint32_t taken = adaptive.samples[at];
+                late += taken > 2 * kRound && taken < kMost ? 1 : 0;
+                std::vector<glm::dvec3> sofar;
+                double greatest = 0;
+                for (uint32_t round = kRound; round <= std::min(taken, kMost - kRound); round += kRound) {
+                    for (uint32_t i = round - kRound; i < round; ++i) {
+                        sofar.push_back(colors[at][i]);
+                        greatest = std::max({greatest, sofar.back().x, sofar.back().y, sofar.back().z});
+                    }
+                    const double slack =
+                        8 * 0x1p-24 * round * (1 + greatest / (threshold * shared::kDarkestMean));
+                    const bool goesOn = round < taken;
+                    const bool may = reference::needsMore(sofar, threshold * (1 + (goesOn ? -slack : slack)));
+                    EXPECT_EQ(may, goesOn)
+                        << name << ' ' << threshold << ", pixel " << at << ", after " << round;
+                    doubtful += reference::needsMore(sofar, threshold) == goesOn ? 0 : 1;
+                }
+            }
+        }
+    }
+    EXPECT_GT(late, 100u) << "nothing is decided after the second round";
+    EXPECT_LT(doubtful, 10u);
 }
 
 // Bars 0.26 pixels wide every 0.52 pixels: a pixel's mean is grey, and that of four pixels, 7.7 periods, is
