@@ -84,7 +84,7 @@ def measured(options, name, folder):
     known = {row["error"]: row for row in done if all(row[k] == key[k] for k in key)}
     scene = None
     for error in options.error_list:
-        if error in known:
+        if error in known or options.done:
             continue
         scene = scene or Scene(options, name, folder)
         realized, counts, seconds = zip(*(scene.promised(error, seed) for seed in range(options.seeds)))
@@ -97,7 +97,7 @@ def measured(options, name, folder):
         if options.keep:
             with options.keep.open("a") as file:
                 file.write(json.dumps(known[error]) + "\n")
-    return [known[error] for error in options.error_list]
+    return [known[error] for error in options.error_list if error in known]
 
 
 def main():
@@ -107,6 +107,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--size", default="96x64")
     parser.add_argument("--keep", type=pathlib.Path, help="file of what is done, to go on from after an interruption")
+    parser.add_argument("--done", action="store_true", help="measure nothing: the table of what --keep holds")
     options = parser.parse_args()
     if options.quick:
         options.scenes, options.errors, options.seeds, options.size = "spheres", "0.02", 3, "32x24"
