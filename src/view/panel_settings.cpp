@@ -42,23 +42,27 @@ namespace {
 constexpr double kFirstError = 0.01, kLeastError = 1e-4, kMostError = 0.1;
 
 // How long the picture at rest gathers samples: so many, or until its error is small enough.
+void drawLimit(Gui& gui, PanelModel& m) {
+    ErrorSetting& until = m.settings.until;
+    if (until.error > 0)
+        slider(gui, "error", until.error, kLeastError, kMostError, "%.2g",
+               "root mean square over the picture of what it may be off, with 95 % confidence or what "
+               "--confidence says; as glint render --error",
+               true);
+    else
+        slider(gui, "samples", m.settings.sampleLimit, 1, 1024, "of the picture in the window, at rest",
+               true);
+}
+
 void drawUntil(Gui& gui, PanelModel& m) {
     ErrorSetting& until = m.settings.until;
     bool byError = until.error > 0;
-    if (checkbox(gui, "until", byError, "samples until the picture's error is small enough, not so many"))
+    if (checkbox(gui, "until error", byError,
+                 "samples are taken until the picture's error is small enough, not so many"))
         until.error = byError ? kFirstError : 0;
-    if (!byError) {
-        slider(gui, "samples", m.settings.sampleLimit, 1, 1024, "of the picture in the window, at rest",
-               true);
-        return;
-    }
-    slider(
-        gui, "error", until.error, kLeastError, kMostError, "%.2g",
-        "root mean square over the picture of what it may be off, with 95 % confidence or what --confidence "
-        "says; as glint render --error",
-        true);
-    checkbox(gui, "within depth", until.withinDepth,
-             "reflections beyond the depth are not missed; else what they may bring counts");
+    if (byError)
+        checkbox(gui, "within depth", until.withinDepth,
+                 "reflections beyond the depth are not missed; else what they may bring counts");
 }
 
 }  // namespace
@@ -71,10 +75,12 @@ void drawTracing(Gui& gui, PanelModel& m) {
     checkbox(gui, "shadows", s.shadows, "off: lights shine through everything");
     ImGui::SameLine();
     checkbox(gui, "reflections", s.reflections, "off: as with depth 0");
-    drawUntil(gui, m);
+    drawLimit(gui, m);
     ImGui::ColorEdit3("background", &s.background.x,
                       ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_NoInputs);
     tip(gui, "background", "what rays see that hit nothing; the factor of an environment map");
+    ImGui::SameLine();
+    drawUntil(gui, m);
     choice(gui, "triangles", s.methods.triangles,
            "how rays are tried against triangles; watertight is right, the others show why");
     choice(gui, "spheres", s.methods.spheres,

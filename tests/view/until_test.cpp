@@ -35,10 +35,11 @@ TEST_F(Until, StopsWhereRenderStops) {
 TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
     size_ = "400x800";
     const Ran ran = view(
-        "set samples 1\nset depth 0\nsettle\nexpect error none\npress until\nsettle\nprint error\nprint "
+        "set samples 1\nset depth 0\nsettle\nexpect error none\npress until_error\nsettle\nprint "
+        "error\nprint "
         "samples\n"
         "press within_depth\nsettle\nprint error\norbit 30 0\nsettle\nprint error\n"
-        "press until\nsettle\nexpect error none\nexpect samples 1\n");
+        "press until_error\nsettle\nexpect error none\nexpect samples 1\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const std::vector<std::string> errors = printed(ran, "error");
     EXPECT_EQ(errors.at(0).rfind("out of reach: with depth 0 ", 0), 0u) << errors[0];
