@@ -336,6 +336,30 @@ TEST_F(MaskTest, AnyTripBudgetDrawsTheSame) {
     EXPECT_TRUE(sameBits(draw(device(), c), draw(device(), c, tight)));
 }
 
+// Each hole is asked about by itself, so that rays through thousands of them make more trips than lavapipe
+// allows (trips_test.cpp), beside others that end at once; the planes are a leaf of any size.
+TEST_F(MaskTest, ThousandsOfHolesAreAllPassed) {
+    Scene scene = maskScene();
+    for (int i = 0; i < 2500; ++i) {
+        const double z = -1e-3 * i;
+        addPolygon(scene, {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}}, mask_);
+    }
+    for (int i = 0; i < 1000; ++i) addPlane(scene, {0, 0, -4 - 1e-3 * i}, {0, 0, 1}, mask_);
+    scene.camera.eye = {0.5, 0.5, 3};
+    scene.camera.target = {0.5, 0.5, 0};
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.height = 1;
+    const Case c = makeCase(scene, 16, 16);
+    for (const WholePaths whole : {WholePaths::On, WholePaths::Off}) {
+        Options options;
+        options.wholePaths = whole;
+        const Picture picture = draw(device(), c, options);
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 16; ++x)
+                ASSERT_EQ(picture.color.at(x, y, 0), y < 8 ? 9 : (x < 8 ? 3 : 4)) << x << ", " << y;
+    }
+}
+
 // Verify sees a pixel whose ray meets a checker's edge to within rounding for what it is, and not more than
 // that.
 TEST_F(TextureTest, CheckerEdgesAreExplained) {
