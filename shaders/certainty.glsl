@@ -1,8 +1,8 @@
 // Which surface a ray meets first, where that is beyond doubt: of the scene and the ray as they were given,
-// in exact arithmetic, whatever was rounded on the way to the device and here. Each triangle or plane that
-// the ray may meet has a span of t that its hit lies in if there is one. A ray is certain of its nearest hit
-// if that surface is hit for sure and no other span begins before this one ends; else the host decides
-// (src/reference/certain).
+// in exact arithmetic, whatever was rounded on the way to the device and here. Each triangle, plane or side
+// of a sphere that the ray may meet has a span of t that its hit lies in if there is one. A ray is certain of
+// its nearest hit if that surface is hit for sure and no other span begins before this one ends; else the
+// host decides (src/reference/certain).
 //
 // With u = 2^-24, a point x of the space that the ray is in (its axes turned, z along the ray) and the corner
 // a = x - o: rounding the corner, the origin and their difference leaves `offset` + 2 u |a| of error on each
@@ -14,6 +14,7 @@
 #ifndef GLINT_CERTAINTY_GLSL
 #define GLINT_CERTAINTY_GLSL
 
+#include "primitives/sphere.glsl"
 #include "primitives/triangle.glsl"
 #include "storage.glsl"
 
@@ -22,9 +23,8 @@ struct Certainty {
     float boxSlack;  // how far surfaces without corners may stand out of boxes around their rounded form
     float offset;    // see above, of the space that the ray is in
     float spread;
-    float tLow, tHigh;  // the ray's interval, within which a hit is for sure
-    float lower;        // where the best hit's span begins; it ends at Ray::tMax
-    float threat;       // where the first span of another surface begins
+    float lower;   // where the best hit's span begins; it ends at Ray::tMax
+    float threat;  // where the first span of another surface begins
 };
 
 const float kAcross = 8.0 * kUnit;
@@ -43,9 +43,6 @@ Certainty beginCertainty(Ray ray, float slack, float boxSlack) {
     c.boxSlack = boxSlack;
     c.offset = 8.0 * kUnit * larger(size.x, larger(size.y, size.z)) + 4.0 * slack + kLeastOffset;
     c.spread = kSpread;
-    float from = larger(ray.tMin, 0.0);
-    c.tLow = from * (1.0 + kAlike);
-    c.tHigh = ray.tMax * (1.0 - kAlike);
     c.lower = 0.0;
     c.threat = kInfinity;
     return c;
@@ -92,15 +89,16 @@ float enterWithErrors(inout Certainty c, Ray world, Ray ray, Instance instance, 
     return toWorld ? worldPad : c.offset + c.spread * (ownSize + reach);
 }
 
-// Where a surface may be met. sure: it is met, within the ray's interval.
+// Where a surface may be met. sure: it is met, within the ray's interval, up to the best hit so far.
 struct Span {
     float lower, upper;
     float t, u, v;
     bool possible, sure;
 };
 
-Span spanBetween(Certainty c, Ray ray, float lower, float upper, float t, bool met, bool missed) {
-    float from = larger(ray.tMin, 0.0) * (1.0 - kAlike);
+Span spanBetween(Ray ray, float lower, float upper, float t, bool met, bool missed) {
+    float least = larger(ray.tMin, 0.0);
+    float from = least * (1.0 - kAlike);
     float until = ray.tMax * (1.0 + kAlike);
     Span span;
     span.lower = lower > from && lower < 1e38 ? lower : from;  // for NaN too
@@ -108,15 +106,13 @@ Span spanBetween(Certainty c, Ray ray, float lower, float upper, float t, bool m
     span.t = t;
     span.u = 0.0;
     span.v = 0.0;
-    span.possible = !missed && !(upper < from) && !(lower > until);
-    span.sure = met && lower > c.tLow && upper <= c.tHigh && span.possible;
+    span.possible = !missed && !(upper < from) && !(span.lower > until);
+    span.sure = met && lower > least * (1.0 + kAlike) && upper <= ray.tMax * (1.0 - kAlike) && span.possible;
     return span;
 }
 
-Span spanOf(Certainty c, Ray ray, RayFrame frame, Triangle triangle) {
-    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
-    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
-    precise vec3 d = turnToZ(triangle.v2 - ray.origin, frame.axis);
+// Of a triangle whose corners are a, b and d as seen from the origin, turned.
+Span spanOfTurned(Certainty c, Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 d) {
     SeenTriangle seen = seenAlong(frame, a, b, d);
     float depth = larger(abs(a.z), larger(abs(b.z), abs(d.z)));
     vec2 across = abs(seen.a);
@@ -150,10 +146,17 @@ Span spanOf(Certainty c, Ray ray, RayFrame frame, Triangle triangle) {
                         16.0 * kUnit * larger(abs(nearest), abs(farthest));
     precise float below = (met ? t - off : nearest - along);
     precise float above = (met ? t + off : farthest + along);
-    Span span = spanBetween(c, ray, below, above, t, met, missed);
+    Span span = spanBetween(ray, below, above, t, met, missed);
     span.u = u;
     span.v = v;
     return span;
+}
+
+Span spanOf(Certainty c, Ray ray, RayFrame frame, Triangle triangle) {
+    precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
+    precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
+    precise vec3 d = turnToZ(triangle.v2 - ray.origin, frame.axis);
+    return spanOfTurned(c, ray, frame, a, b, d);
 }
 
 // n (x - p) = 0: n, of unit length, errs by u in each component, p as corners do.
@@ -169,7 +172,41 @@ Span spanOf(Certainty c, Ray ray, Plane plane) {
     bool met = abs(speed) > 2.0 * speedOff;
     precise float t = quotient(height, speed);
     precise float off = quotient(heightOff + abs(t) * speedOff, abs(speed) - speedOff) + 4.0 * kUnit * abs(t);
-    return spanBetween(c, ray, met ? t - off : 0.0, met ? t + off : kInfinity, t, met, false);
+    return spanBetween(ray, met ? t - off : 0.0, met ? t + off : kInfinity, t, met, false);
+}
+
+// Where the ray comes into a sphere and where it leaves it. The way f to the centre errs as corners do, by
+// offset + 2 u |f| on each axis, which is less than twice that in all, and the radius r by u r. Of b, how far
+// along the ray the centre is, and of p, the way from there to the centre, the direction's roundings, the
+// quotient's, the products' and the sums' take 22 u |f|. So b, |p| and r err by less than
+//     e = 2 offset + 32 u (|f| + r),
+// D = r^2 - |p|^2 by e (2 s + e) and eight units of s^2, s the greater of |p| and r; its root and the
+// quotients by the direction's length by units of themselves.
+struct SphereSpans {
+    Span near, far;
+};
+SphereSpans spansOf(Certainty c, Ray ray, Sphere sphere) {
+    precise vec3 f = sphere.point - ray.origin;
+    precise float square = dot(ray.direction, ray.direction);
+    precise float middle = quotient(dot(f, ray.direction), square);
+    precise vec3 beside = f - middle * ray.direction;
+    precise float besideSquare = dot(beside, beside);
+    precise float inverse = quotient(1.0, squareRoot(square));
+    precise float e = 2.0 * c.offset + 32.0 * kUnit * (squareRoot(dot(f, f)) + sphere.radius);
+    precise float s = larger(squareRoot(besideSquare), sphere.radius);
+    precise float rest = sphere.radius * sphere.radius - besideSquare;
+    precise float restOff = e * (3.0 * s + 2.0 * e) + 8.0 * kUnit * s * s + kLeastDoubt;
+    bool met = rest > restOff;
+    bool missed = rest < -restOff;
+    precise float least = squareRoot(larger(rest - restOff, 0.0)) * inverse;
+    precise float most = squareRoot(larger(rest + restOff, 0.0)) * inverse;
+    precise float off = e * inverse + 16.0 * kUnit * (abs(middle) + most);
+    SphereSpans spans;
+    spans.near = spanBetween(ray, middle - most - off, middle - least + off, middle - 0.5 * (least + most),
+                             met, missed);
+    spans.far = spanBetween(ray, middle + least - off, middle + most + off, middle + 0.5 * (least + most),
+                            met, missed);
+    return spans;
 }
 
 void doubtAll(inout Certainty c) { c.threat = 0.0; }

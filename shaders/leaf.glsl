@@ -301,27 +301,55 @@ void answer(inout Traversal traversal) {}
 #endif
 
 #ifdef GLINT_CERTIFY
-// Of other kinds than triangles no more is said than that they may be hit.
+// What a span says about the nearest hit.
+void judge(inout Traversal traversal, Span span, uint kind, uint index, uint ownId) {
+    uint id = FEATURE_INSTANCES ? traversal.idBase + ownId : ownId;
+    if (weigh(traversal.certainty, traversal.hit, traversal.ray.tMax, span, id)) {
+        traversal.ray.tMax = span.upper;
+        bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
+        traversal.hit =
+            Hit(span.t, exchanged ? span.v : span.u, exchanged ? span.u : span.v,
+                (kind << kPrimitiveKindShift) | index, FEATURE_INSTANCES ? traversal.instance : kNone, id);
+    }
+}
+
+// Of an anchored sphere, and of one that is placed with others, no more is said than that it may be hit.
+void judgeSphere(inout Traversal traversal, Sphere sphere, uint index) {
+    bool anchored = FEATURE_ANCHORED_SPHERES && sphere.anchorNormal != vec3(0.0);
+    if (anchored || (FEATURE_INSTANCES && traversal.instance != kNone)) doubtAll(traversal.certainty);
+    SphereSpans spans = spansOf(traversal.certainty, traversal.ray, sphere);
+    judge(traversal, spans.near, kKindSphere, index, sphere.id);
+    judge(traversal, spans.far, kKindSphere, index, sphere.id);
+}
+
+// Nor of other kinds. (Of a packet's rays some have nothing to find.)
+void judgeCuboid(inout Traversal traversal, Cuboid cuboid, uint index) {
+    if (traversal.ray.tMax > traversal.ray.tMin) doubtAll(traversal.certainty);
+}
 void judgeLeaf(inout Traversal traversal, uint kind, uint first, uint end) {
     bool triangles = kind == kKindTriangle;
-    if (!triangles) doubtAll(traversal.certainty);
+    bool spheres = FEATURE_SPHERES && kind == kKindSphere;
+    if (!triangles && !spheres) doubtAll(traversal.certainty);
     uint index = triangles ? first : end;
     do {
         if (index < end) {
             Triangle triangle = loadTriangle(index);
             Span span = spanOf(traversal.certainty, traversal.ray, traversal.frame, triangle);
-            uint id = FEATURE_INSTANCES ? traversal.idBase + triangle.id : triangle.id;
-            if (weigh(traversal.certainty, traversal.hit, traversal.ray.tMax, span, id)) {
-                traversal.ray.tMax = span.upper;
-                bool exchanged = FEATURE_INSTANCES && traversal.mirrored;
-                traversal.hit = Hit(span.t, exchanged ? span.v : span.u, exchanged ? span.u : span.v,
-                                    (kKindTriangle << kPrimitiveKindShift) | index,
-                                    FEATURE_INSTANCES ? traversal.instance : kNone, id);
-            }
+            judge(traversal, span, kKindTriangle, index, triangle.id);
             ++index;
             ++traversal.trips;
         }
     } while (index < end);
+    if (FEATURE_SPHERES) {
+        index = spheres ? first : end;
+        do {
+            if (index < end) {
+                judgeSphere(traversal, loadSphere(index), index);
+                ++index;
+                ++traversal.trips;
+            }
+        } while (index < end);
+    }
 }
 
 void judgePlanes(inout Traversal traversal, uint planeCount) {
@@ -329,12 +357,7 @@ void judgePlanes(inout Traversal traversal, uint planeCount) {
     do {
         if (index < planeCount) {
             Plane plane = loadPlane(index);
-            Span span = spanOf(traversal.certainty, traversal.ray, plane);
-            if (weigh(traversal.certainty, traversal.hit, traversal.ray.tMax, span, plane.id)) {
-                traversal.ray.tMax = span.upper;
-                traversal.hit =
-                    Hit(span.t, 0.0, 0.0, (kKindPlane << kPrimitiveKindShift) | index, kNone, plane.id);
-            }
+            judge(traversal, spanOf(traversal.certainty, traversal.ray, plane), kKindPlane, index, plane.id);
             ++index;
         }
     } while (index < planeCount);

@@ -19,6 +19,11 @@
 #ifndef GLINT_PACKET_RAYS
 #define GLINT_PACKET_RAYS 4  // kPacketRays in src/render/traversal_choice.h
 #endif
+#ifdef GLINT_CERTIFY
+#define GLINT_MEET_PLANES judgePlanes
+#else
+#define GLINT_MEET_PLANES testPlanes
+#endif
 #define GLINT_EACH_RAY for (uint r = 0u; r < GLINT_PACKET_RAYS; ++r)
 
 // The packet of this invocation. Not handed to functions: the copies that takes cost the driver's compiler
@@ -122,6 +127,16 @@ struct PacketBounds {
     float tMin;
 };
 
+// Where boxes are wider: of near planes for rays that run downwards, of far planes for others; and the other
+// way round.
+#ifdef GLINT_CERTIFY
+#define GLINT_LOWEST_ORIGIN mix(packet[r].frame.farOrigin, packet[r].frame.nearOrigin, negative)
+#define GLINT_HIGHEST_ORIGIN mix(packet[r].frame.nearOrigin, packet[r].frame.farOrigin, negative)
+#else
+#define GLINT_LOWEST_ORIGIN origin
+#define GLINT_HIGHEST_ORIGIN origin
+#endif
+
 PacketBounds boundsOf(bvec3 negative) {
     vec3 inverseLow = vec3(kInfinity), inverseHigh = vec3(-kInfinity), originLow = vec3(kInfinity),
          originHigh = vec3(-kInfinity);
@@ -132,8 +147,8 @@ PacketBounds boundsOf(bvec3 negative) {
         vec3 origin = packet[r].ray.origin;
         inverseLow = least3(inverseLow, live ? inverse : inverseLow);
         inverseHigh = larger3(inverseHigh, live ? inverse : inverseHigh);
-        originLow = least3(originLow, live ? origin : originLow);
-        originHigh = larger3(originHigh, live ? origin : originHigh);
+        originLow = least3(originLow, live ? GLINT_LOWEST_ORIGIN : originLow);
+        originHigh = larger3(originHigh, live ? GLINT_HIGHEST_ORIGIN : originHigh);
         tMin = leastFloat(tMin, live ? packet[r].ray.tMin : tMin);
     }
     PacketBounds bounds;
@@ -151,8 +166,13 @@ PacketBounds boundsOf(bvec3 negative) {
 // lane with a box of its own. Rounding is monotone, so the same operations on the bounds enclose what they
 // give for any ray, to the bit: a box that a ray enters is never left out.
 bool enters(Ray ray, RayFrame frame, vec3 nearPlane, vec3 farPlane, float tEnd) {
+#ifdef GLINT_CERTIFY
+    precise vec3 t0 = (nearPlane - frame.nearOrigin) * frame.inverse;
+    precise vec3 t1 = (farPlane - frame.farOrigin) * frame.inverse;
+#else
     precise vec3 t0 = (nearPlane - ray.origin) * frame.inverse;
     precise vec3 t1 = (farPlane - ray.origin) * frame.inverse;
+#endif
     float near = largest4(t0, ray.tMin);
     precise float padded = least(t1) * kFarPad;
     return near <= leastFloat(padded, tEnd);
@@ -195,7 +215,7 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
     stack.top += pushed ? 1u : 0u;
 }
 
-#ifndef GLINT_CROSSINGS
+#if !defined(GLINT_CROSSINGS) && !defined(GLINT_CERTIFY)
 // What the walk keeps of a hit.
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
@@ -220,6 +240,20 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
 #endif
 
 // Of a kind by itself (shaders/shared/primitives.h): each ray against each.
+#ifdef GLINT_CERTIFY
+#define GLINT_PACKET_TEST(Kind, FEATURE)                               \
+    void testPacket##Kind(uint first, uint end, inout uint trips) {    \
+        uint index = first;                                            \
+        do {                                                           \
+            if (index < end) {                                         \
+                Kind one = load##Kind(index);                          \
+                GLINT_EACH_RAY { judge##Kind(packet[r], one, index); } \
+                ++index;                                               \
+                ++trips;                                               \
+            }                                                          \
+        } while (index < end);                                         \
+    }
+#else
 #define GLINT_PACKET_TEST(Kind, FEATURE)                                                       \
     void testPacket##Kind(uint first, uint end, inout uint trips) {                            \
         uint index = first;                                                                    \
@@ -238,6 +272,7 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
             }                                                                                  \
         } while (index < end);                                                                 \
     }
+#endif
 #define GLINT_PACKET_TESTS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                            loops, uv)                                                                      \
     GLINT_PACKET_TEST_##ROLE(Kind, FEATURE)
@@ -320,7 +355,8 @@ bool tracePacket(Environment environment) {
     GLINT_EACH_RAY {
         if (!prepare(packet[r], environment)) packet[r].ray.tMax = -1.0;
         if (FEATURE_PLANES)
-            testPlanes(packet[r], packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
+            GLINT_MEET_PLANES(packet[r],
+                              packet[r].ray.tMax > packet[r].ray.tMin ? environment.planeCount : 0u);
 #ifdef GLINT_CROSSINGS
         // Of a packet that is given up, planes alone are not met again.
         packet[r].list.x = packet[r].crossed;

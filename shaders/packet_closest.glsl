@@ -25,6 +25,9 @@ uint popReachable(inout PacketStack stack, uint end, uint lane, inout uint rows)
     return empty ? kNone : child;
 }
 
+#ifdef GLINT_CERTIFY
+#include "packet_certainty.glsl"
+#else
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id) {
     accept(one, t, u, v, primitive, id);
 }
@@ -80,6 +83,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
         }
     } while (left != 0u);
 }
+#endif
 
 // The padded ends of the rays' intervals, and the farthest of all lanes' as a key. An any-hit ray that has
 // hit needs nothing more.

@@ -32,6 +32,8 @@
 #include "light_packet_texel.spv.h"
 #include "light_texel.spv.h"
 #include "light_together.spv.h"
+#include "packet_certify.spv.h"
+#include "packet_certify_texel.spv.h"
 #include "packet_count.spv.h"
 #include "packet_count_texel.spv.h"
 #include "packet_intersect.spv.h"
@@ -62,7 +64,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                        count_list_spv,
                                        whole_spv,
                                        packet_count_spv,
-                                       certify_spv};
+                                       certify_spv,
+                                       packet_certify_spv};
     static const KernelCode texel = {generate_texel_spv,
                                      intersect_texel_spv,
                                      intersect_any_texel_spv,
@@ -76,7 +79,8 @@ const KernelCode& embeddedKernels(gpu::Access access) {
                                      count_list_texel_spv,
                                      whole_texel_spv,
                                      packet_count_texel_spv,
-                                     certify_texel_spv};
+                                     certify_texel_spv,
+                                     packet_certify_texel_spv};
     return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 
@@ -94,7 +98,8 @@ const KernelCode& togetherKernels() {
                                         count_list_together_spv,
                                         whole_together_spv,
                                         {},
-                                        certify_together_spv};
+                                        certify_together_spv,
+                                        {}};
     return together;
 }
 

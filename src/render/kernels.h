@@ -13,7 +13,7 @@ namespace glint::render {
 // of rays (shaders/packet.glsl), `list` is count.comp that writes down what it counts.
 struct KernelCode {
     std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect,
-        packetIntersectAny, packetLight, adapt, count, list, whole, packetCount, certify;
+        packetIntersectAny, packetLight, adapt, count, list, whole, packetCount, certify, packetCertify;
 };
 
 // How kernels are given the arrays: each by a binding of its own, or all but the samples in one storage

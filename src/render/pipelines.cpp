@@ -36,6 +36,8 @@ std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
             return code.packetCount;
         case KernelId::Certify:
             return code.certify;
+        case KernelId::PacketCertify:
+            return code.packetCertify;
     }
     return {};
 }
@@ -54,7 +56,8 @@ const char* nameOf(KernelId id) {
                                         "list",
                                         "whole path",
                                         "packet count",
-                                        "certify"};
+                                        "certify",
+                                        "packet certify"};
     return names[static_cast<int>(id)];
 }
 
@@ -141,6 +144,7 @@ uint32_t raysOfLane(KernelId id) {
     switch (id) {
         case KernelId::PacketIntersect:
         case KernelId::PacketCount:
+        case KernelId::PacketCertify:
             return kPacketRays;
         case KernelId::PacketIntersectAny:
         case KernelId::PacketLight:
@@ -153,6 +157,7 @@ uint32_t raysOfLane(KernelId id) {
 KernelId packetKernel(KernelId id) {
     if (id == KernelId::Light) return KernelId::PacketLight;
     if (id == KernelId::Count) return KernelId::PacketCount;
+    if (id == KernelId::Certify) return KernelId::PacketCertify;
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 

@@ -27,7 +27,8 @@ enum class KernelId {
     List,
     Whole,
     PacketCount,
-    Certify
+    Certify,
+    PacketCertify
 };
 
 // The kernel that does for packets what `id` does for single rays, which must trace some.

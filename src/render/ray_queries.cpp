@@ -201,8 +201,7 @@ struct RayQueries::State {
     RayOrder orderOf(const RayTask& task, size_t first) const;
     // Packets count triangles and planes alone.
     bool packetsKnow(RayTask::Ask ask) const {
-        return traversal.packets && ask != RayTask::Ask::Certain &&
-               (ask != RayTask::Ask::Count || !features.spheres);
+        return traversal.packets && (ask != RayTask::Ask::Count || !features.spheres);
     }
     unsigned hostThreads() const { return inPlace ? 0 : 1; }
 };

@@ -32,10 +32,12 @@ struct Asked {
     std::vector<uint8_t> sure, hit;
     std::vector<double> t, lower, upper;
     std::vector<uint32_t> geometry, primitive;
+    bool coherent = false;  // in packets, on a device
 
     void ask(const glint_scene* scene) {
         const size_t count = origins.size();
         GLINT_INIT(glint_rays, rays);
+        if (coherent) rays.flags = GLINT_RAYS_COHERENT;
         rays.origins = viewOf(origins);
         rays.directions = viewOf(directions);
         if (!tMin.empty()) rays.t_min = viewOf(tMin);
@@ -150,15 +152,22 @@ class Judge {
     std::vector<Known> known_;
 };
 
-Asked aimedAt(const Closed& mesh, double offset, Aim aim, size_t count, uint64_t seed) {
+constexpr size_t kPacket = 32;
+
+// So many rays at a time go to the same point, the first from a little farther than the next.
+Asked aimedAt(const Closed& mesh, double offset, Aim aim, size_t count, uint64_t seed, size_t together) {
     Random random(seed);
     Asked asked;
+    asked.coherent = together > 1;
+    std::pair<D3, D3> aimed;
     for (size_t i = 0; i < count; ++i) {
-        const auto [from, to] = random.aimed(mesh, aim, i % 2 == 1);
+        if (i % together == 0) aimed = random.aimed(mesh, aim, i / together % 2 == 1);
+        const auto& [from, to] = aimed;
+        const double part = 1 - 1e-3 * static_cast<double>(i % together);
         D3 origin, direction;
         for (size_t k = 0; k < 3; ++k) {
-            origin[k] = from[k] + offset;
-            direction[k] = to[k] - from[k];
+            direction[k] = part * (to[k] - from[k]);
+            origin[k] = to[k] - direction[k] + offset;
         }
         asked.add(origin, direction);
     }
@@ -177,11 +186,13 @@ TEST_F(LibraryCertain, AimedRaysAreDecidedAsRationalsDo) {
             judge.add(addMesh(vertices, mesh.corners), vertices, mesh.corners);
             commit();
             for (const Aim aim : {Aim::Corners, Aim::Edges, Aim::Planes}) {
-                Asked rays =
-                    aimedAt(mesh, offset, aim, aimedRays(kCertifiedRays), 17 + static_cast<uint64_t>(aim));
-                rays.ask(scene());
-                wrong += judge.wrongs(rays);
-                asked += rays.origins.size();
+                for (const size_t together : {size_t{1}, kPacket}) {
+                    Asked rays = aimedAt(mesh, offset, aim, aimedRays(kCertifiedRays) / 2,
+                                         17 + static_cast<uint64_t>(aim), together);
+                    rays.ask(scene());
+                    wrong += judge.wrongs(rays);
+                    asked += rays.origins.size();
+                }
             }
         }
     }
@@ -338,6 +349,84 @@ TEST_F(LibraryCertain, LargeSpheresAreNotMissed) {
         }
     }
     EXPECT_GE(sure, rays.origins.size() - 2);
+}
+
+// Rays at the limbs of balls, from outside and from inside, as far beside them as rounding decides about.
+Asked raysAtLimbs(const std::vector<D3>& centers, const std::vector<double>& radii, size_t count,
+                  size_t together) {
+    Random random(7);
+    Asked asked;
+    asked.coherent = together > 1;
+    glm::dvec3 from(0), to(0), side(0);
+    double radius = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (i % together == 0) {
+            const size_t target = random.index(centers.size());
+            radius = radii[target];
+            to = vectorOf(centers[target]);
+            const double away = random.uniform() < 0.2 ? 0.5 : 1 + 4 * random.uniform();
+            from = to + away * radius * vectorOf(random.direction());
+            side = glm::normalize(glm::cross(to - from, vectorOf(random.direction())));
+        }
+        const double beside = radius * (1 + (2 * random.uniform() - 1) * std::pow(10, -9 * random.uniform()));
+        const glm::dvec3 way = to - from;
+        const double sine = std::min(beside / glm::length(way), 1.0);
+        const glm::dvec3 d = std::sqrt(1 - sine * sine) * glm::normalize(way) + sine * side;
+        asked.add({from.x, from.y, from.z}, {d.x, d.y, d.z});
+    }
+    return asked;
+}
+
+TEST_F(LibraryCertain, LimbsOfSpheresAreExact) {
+    for (const double offset : {0.0, 1e3, 1e6}) {
+        useScene(nullptr);
+        Random random(3);
+        std::vector<D3> centers;
+        std::vector<double> radii;
+        for (int i = 0; i < 64; ++i) {  // enough for packets
+            const D3 out = random.direction();
+            centers.push_back({offset + 10 * out[0], offset + 10 * out[1], offset + 10 * random.uniform()});
+            radii.push_back(0.1 + random.uniform());
+        }
+        GLINT_INIT(glint_spheres, spheres);
+        spheres.centers = viewOf(centers);
+        spheres.radii = viewOf(radii);
+        ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_OK) << glint_last_error();
+        commit();
+        for (const size_t together : {size_t{1}, kPacket}) {
+            Asked rays = raysAtLimbs(centers, radii, aimedRays(kCertifiedRays), together);
+            rays.ask(scene());
+            size_t sure = 0, wrong = 0, hit = 0;
+            for (size_t i = 0; i < rays.origins.size(); ++i) {
+                double nearest = kInfinity;
+                size_t first = 0;
+                for (size_t k = 0; k < centers.size(); ++k) {
+                    const oracle::Truth truth =
+                        oracle::sphere(vectorOf(centers[k]), radii[k],
+                                       {vectorOf(rays.origins[i]), vectorOf(rays.directions[i])});
+                    if (!truth.hit || truth.t >= nearest) continue;
+                    nearest = truth.t;
+                    first = k;
+                }
+                if (rays.sure[i] == 0) continue;
+                ++sure;
+                hit += rays.hit[i];
+                const bool right = rays.hit[i] == 0
+                                       ? nearest == kInfinity && rays.lower[i] == kInfinity
+                                       : rays.geometry[i] == first && rays.lower[i] <= nearest &&
+                                             nearest <= rays.upper[i] && rays.lower[i] <= rays.t[i] &&
+                                             rays.t[i] <= rays.upper[i];
+                if (!right && ++wrong < 5)
+                    ADD_FAILURE() << "offset " << offset << ", ray " << i << ": geometry " << rays.geometry[i]
+                                  << ", t " << rays.t[i] << " in " << rays.lower[i] << " to " << rays.upper[i]
+                                  << "; truth " << first << " at " << nearest;
+            }
+            EXPECT_EQ(wrong, 0u);
+            // Not decided is what passes a limb by less than double rounds.
+            EXPECT_GT(sure, rays.origins.size() * 9 / 10);
+            EXPECT_GT(hit, rays.origins.size() / 4);
+        }
+    }
 }
 
 // fp32 outputs are rounded outwards; what nobody wants is not needed; lists have none of it.

@@ -327,7 +327,9 @@ Answer Tracer::at(const WorldRay& ray, uint32_t primitive, uint32_t instance) co
     const PreparedRay prepared(ray);
     std::optional<Span> span;
     uint32_t id = 0;
-    if (primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle) {
+    const uint32_t kind = primitive >> shared::kPrimitiveKindShift;
+    if (kind != shared::kKindTriangle && kind != shared::kKindPlane) return closest(ray);
+    if (kind == shared::kKindTriangle) {
         const ExactSurface surface = triangle(index, instance);
         span = prepared.span(surface.corners, surface.place);
         id = surface.id;

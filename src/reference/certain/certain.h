@@ -32,7 +32,7 @@ class Tracer {
 
     // In world coordinates. A ray that is not finite or has no direction misses, for sure.
     Answer closest(const WorldRay& ray) const;
-    // The same for a ray whose nearest hit is known to be that triangle or plane.
+    // The same for a ray whose nearest hit is known to be that surface.
     Answer at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const;
 
     // How far off points of rays and of the scene are in local coordinates, beside what rounding them to fp32
