@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import collections
 import ctypes
+import functools
 import math
 import os
 import traceback
@@ -88,7 +89,7 @@ def devices() -> list[dict[str, Any]]:
     return found
 
 
-class Device:
+class Device(_native.Owner):
     """An open device; scenes keep theirs alive.
 
     threads: that a call uses at most, 0 for one a processor. max_bytes: what the device and its scenes may hold, 0 for no limit;
@@ -97,9 +98,11 @@ class Device:
     thread. log: called with lines about what was opened, committed, ignored and mended.
     """
 
+    _release = "glint_device_release"
+
     def __init__(self, selector: str | int = "", threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None,
                  memory: Callable[[int], object] | None = None) -> None:
-        self._handle = ctypes.c_void_p()
+        super().__init__()
         settings = _native.make(_native.Settings)
 
         def asked(_: int | None, count: int) -> int:
@@ -117,9 +120,6 @@ class Device:
             settings.log = self._log
         _native.call("glint_device_open_with", str(selector).encode(), ctypes.byref(settings), ctypes.byref(self._handle))
 
-    def __del__(self) -> None:
-        _native.loaded.glint_device_release(self._handle)
-
     @property
     def info(self) -> dict[str, Any]:
         """Its number and name, whether it is software or the reference, and if it cannot be used, why."""
@@ -134,17 +134,20 @@ def _device(device: Selector) -> Device:
 
 def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
     """Twelve doubles of a (3, 4) or (4, 4) matrix."""
-    rows = numpy.ascontiguousarray(numpy.asarray(matrix, dtype=numpy.float64)[:3, :4])
-    if rows.shape != (3, 4):
-        raise ValueError("a transform is a (3, 4) or (4, 4) matrix")
+    given = numpy.asarray(matrix, dtype=numpy.float64)
+    if given.shape not in ((3, 4), (4, 4)):
+        raise ValueError(f"a transform is a (3, 4) or (4, 4) matrix, not one of the shape {given.shape}")
+    rows = numpy.ascontiguousarray(given[:3])
     return rows, rows.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 
 
 class _Options:
-    """Callbacks of a long call. What they raise ends it and is raised again there."""
+    """Callbacks of a long call. What they raise ends it and is raised again there. `interruptible`: Ctrl-C ends it too, which asks
+    for the interpreter's lock each time that the library asks whether to go on."""
 
-    def __init__(self, cancelled: Cancelled, progress: Progress) -> None:
+    def __init__(self, cancelled: Cancelled, progress: Progress, interruptible: bool = False) -> None:
         self.raised: BaseException | None = None
+        self.interrupts = _native.Interrupts()
         self.struct = _native.make(_native.Options)
 
         def guarded(body: Callable[[], Any], fallback: Any) -> Any:
@@ -153,16 +156,17 @@ class _Options:
             except BaseException as error:  # pylint: disable=broad-except
                 self.raised = error
                 return fallback
-        if cancelled or progress:
+        if cancelled or progress or (interruptible and self.interrupts.possible()):
             self.struct.cancelled = _native.CANCELLED_CALLBACK(
-                lambda _: 1 if self.raised else int(bool(guarded(cancelled or bool, True))))
+                lambda _: 1 if self.raised or self.interrupts.noted else int(bool(guarded(cancelled or bool, True))))
         if progress is not None:
             told = progress
             self.struct.progress = _native.PROGRESS_CALLBACK(lambda _, part: guarded(lambda: told(part), None))
 
     def call(self, name: str, *arguments: Any, result: tuple[Any, ...] = ()) -> None:
         try:
-            _native.call(name, *arguments, ctypes.byref(self.struct), *result)
+            with self.interrupts:
+                _native.call(name, *arguments, ctypes.byref(self.struct), *result)
         finally:
             if self.raised is not None:
                 raise self.raised
@@ -175,11 +179,11 @@ class _RayArrays:
                  coherent: bool) -> None:
         if directions is None:
             both = _native.numbers(rays, 6, "rays")
-            self.shape = numpy.shape(rays)[:-1]
+            self.shape = _native.shape_before(rays)
             origins, directions = both[:, :3], both[:, 3:]
         else:
             origins = _native.numbers(rays, 3, "origins")
-            self.shape = numpy.broadcast_shapes(numpy.shape(rays)[:-1], numpy.shape(directions)[:-1])
+            self.shape = numpy.broadcast_shapes(_native.shape_before(rays), _native.shape_before(directions))
             directions = _native.numbers(directions, 3, "directions")
         self.count = math.prod(self.shape)
         for array in (origins, directions):
@@ -200,9 +204,21 @@ class _RayArrays:
         self.struct.flags = _native.COHERENT if coherent else 0
 
 
+def _names(wanted: Iterable[str]) -> tuple[str, ...]:
+    return (wanted,) if isinstance(wanted, str) else tuple(wanted)
+
+
+def _real(dtype: DTypeLike) -> Any:
+    kind = numpy.dtype(dtype)
+    if kind not in (numpy.float32, numpy.float64):
+        raise ValueError(f"dtype is {kind}; it must be float32 or float64")
+    return kind
+
+
 def _hit_arrays(want: Iterable[str], count: int, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
-    for name in want:
+    dtype = _real(dtype)
+    for name in _names(want):
         if name in _FLAGS:
             arrays[name] = numpy.empty(count, numpy.uint8)
         elif name in _INDICES:
@@ -227,17 +243,30 @@ def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] |
         arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
     for flag in arrays.keys() & set(_FLAGS):
         arrays[flag] = arrays[flag].view(numpy.bool_)
-    return collections.namedtuple(name, arrays)(**arrays)
+    return _kind(name, tuple(arrays))(**arrays)
 
 
-class Scene:
+@functools.lru_cache(maxsize=None)
+def _kind(name: str, fields: tuple[str, ...]) -> Any:
+    kind: Any = collections.namedtuple(name, fields)
+    kind.__reduce__ = lambda self: (_restored, (name, fields, tuple(self)))
+    return kind
+
+
+def _restored(name: str, fields: tuple[str, ...], arrays: tuple[Any, ...]) -> Any:
+    return _kind(name, fields)(*arrays)
+
+
+class Scene(_native.Owner):
     """Geometry that rays are cast at. Geometries are numbered as they are added; hits name them by these numbers.
 
     With `vertices` (n, 3), and `faces` (m, 3) unless every three vertices are a triangle, it is one mesh, committed.
     """
 
+    _release = "glint_scene_release"
+
     def __init__(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None, device: Selector = None) -> None:
-        self._handle = ctypes.c_void_p()
+        super().__init__()
         self._device = _device(device)
         _native.call("glint_scene_create", self._device._handle, ctypes.byref(self._handle))
         if vertices is not None:
@@ -249,14 +278,11 @@ class Scene:
         """A scene or model from a file, committed. cancelled: asked now and then, ends the call if true; progress: told the part
         that is done."""
         scene = cls.__new__(cls)
-        scene._handle = ctypes.c_void_p()
+        _native.Owner.__init__(scene)
         scene._device = _device(device)
         options = _Options(cancelled, progress)
         options.call("glint_scene_load_with", scene._device._handle, os.fsencode(path), result=(ctypes.byref(scene._handle),))
         return scene
-
-    def __del__(self) -> None:
-        _native.loaded.glint_scene_release(self._handle)
 
     # ---- what is in it ----
 
@@ -267,11 +293,7 @@ class Scene:
         given.vertices = _native.view(points)
         given.material = material
         if faces is not None:
-            corners = numpy.ascontiguousarray(numpy.asarray(faces), dtype=numpy.uint32)
-            if corners.ndim != 2 or corners.shape[1] != 3:
-                raise ValueError(f"faces has the shape {corners.shape}; it must be (n, 3)")
-            if corners.size and numpy.asarray(faces).min() < 0:
-                raise ValueError("faces has a negative index")
+            corners = _native.indices(faces, "faces")
             given.indices = _native.view(corners)
         return self._added("glint_scene_add_triangles", ctypes.byref(given))
 
@@ -377,7 +399,7 @@ class Scene:
         batch = _RayArrays(rays, directions, t_min, t_max, coherent)
         arrays = _hit_arrays(want, batch.count, dtype)
         hits = _hits_struct(arrays)
-        _Options(cancelled, progress).call("glint_query_closest", self._handle, ctypes.byref(batch.struct), ctypes.byref(hits))
+        _Options(cancelled, progress, True).call("glint_query_closest", self._handle, ctypes.byref(batch.struct), ctypes.byref(hits))
         made: Hits = _record("Hits", arrays, batch.shape)
         return made
 
@@ -385,7 +407,7 @@ class Scene:
         answers = numpy.empty(batch.count, dtype)
         if batch.count:
             out = _native.view(answers)
-            _Options(cancelled, progress).call(name, self._handle, ctypes.byref(batch.struct), ctypes.byref(out))
+            _Options(cancelled, progress, True).call(name, self._handle, ctypes.byref(batch.struct), ctypes.byref(out))
         return answers.reshape(batch.shape)
 
     def occluded(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
@@ -409,7 +431,7 @@ class Scene:
         batch = _RayArrays(rays, directions, t_min, t_max, False)
         offsets = numpy.zeros(batch.count + 1, numpy.uint64)
         out, total = _native.view(offsets), ctypes.c_uint64()
-        options = _Options(cancelled, progress)
+        options = _Options(cancelled, progress, True)
         options.call("glint_query_all", self._handle, ctypes.byref(batch.struct), ctypes.byref(out), None, ctypes.byref(total))
         arrays = _hit_arrays(want, total.value, dtype)
         hits = _hits_struct(arrays)
@@ -423,8 +445,8 @@ class Scene:
         where = numpy.empty(places.shape[0], numpy.uint8)
         if places.shape[0]:
             given, out = _native.view(places), _native.view(where)
-            _Options(cancelled, progress).call("glint_query_inside", self._handle, ctypes.byref(given), ctypes.byref(out))
-        return where.reshape(numpy.shape(points)[:-1])
+            _Options(cancelled, progress, True).call("glint_query_inside", self._handle, ctypes.byref(given), ctypes.byref(out))
+        return where.reshape(_native.shape_before(points))
 
     def contains(self, points: ArrayLike) -> NDArray[numpy.bool_]:
         """Whether each point is inside of the closed surfaces; one on a surface is not."""
@@ -443,7 +465,7 @@ class Scene:
         error: instead of a number of samples, as many as it takes until color is off by at most so much (root mean square over all
         pixels and channels, full scale 1) with probability `confidence`; if `max_samples` do not do, a warning says what they did.
         """
-        layers = tuple(layers)
+        layers, dtype = _names(layers), _real(dtype)
         info = self._info()
         width, height = width or info.width, height or info.height
         picture = _native.make(_native.Picture)
@@ -453,6 +475,8 @@ class Scene:
         if isinstance(camera, str):
             picture.camera_name = camera.encode()
         elif camera is not None:
+            if not 2 <= len(camera) <= 4:
+                raise ValueError("camera is (eye, target), (eye, target, up), (eye, target, up, fov_y) or a name")
             eye, target, up, fov = tuple(camera) + ((0, 1, 0), 40)[len(camera) - 2:]
             view = _native.make(_native.Camera)
             view.eye[:], view.target[:], view.up[:], view.fov_y = eye, target, up, fov
@@ -471,7 +495,7 @@ class Scene:
             kind = numpy.uint32 if name in _INDICES else dtype
             arrays[name] = numpy.zeros((height * width, wide) if wide else height * width, kind)
             setattr(picture, name, _native.view(arrays[name]))
-        _Options(cancelled, progress).call("glint_render", self._handle, ctypes.byref(picture))
+        _Options(cancelled, progress, True).call("glint_render", self._handle, ctypes.byref(picture))
         if error is not None and bound.value > error:
             warnings.warn(f"the error may be {bound.value:.3g}, not {error:.3g}: max_samples are too few", RuntimeWarning, stacklevel=2)
         made = _record("Picture", arrays, (height, width))

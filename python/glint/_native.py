@@ -4,6 +4,8 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import os
+import signal
+import threading
 from typing import Any
 
 import numpy
@@ -21,6 +23,9 @@ class Error(RuntimeError):
     def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
         self.status = status
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Error, (self.status, str(self))
 
 
 class View(ctypes.Structure):
@@ -126,6 +131,57 @@ def call(name: str, *arguments: Any) -> None:
         raise Error(loaded.glint_status_name(status).decode(), loaded.glint_last_error().decode())
 
 
+class Owner:
+    """Holds a handle of the library's, which lives in the process that made it."""
+    _release = ""
+
+    def __init__(self) -> None:
+        self._held = ctypes.c_void_p()
+        self._process = os.getpid()
+
+    @property
+    def _handle(self) -> ctypes.c_void_p:
+        if self._process != os.getpid():
+            raise Error("state", f"this {type(self).__name__} was made in another process; make it in the one that uses it")
+        return self._held
+
+    def __del__(self) -> None:
+        if getattr(self, "_process", None) == os.getpid():
+            getattr(loaded, self._release)(self._held)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError(f"a {type(self).__name__} can be neither copied nor pickled; make another one from the same arrays or file")
+
+
+class Interrupts:
+    """While it is entered, Ctrl-C is noted instead of raised, so that a call of the library can end; it is raised at the end.
+    In the main thread alone, and unless the program has a handler of its own."""
+
+    def __init__(self) -> None:
+        self.noted = False
+        self._active = False
+
+    def possible(self) -> bool:
+        """Whether there is anything to note."""
+        return (threading.current_thread() is threading.main_thread()
+                and signal.getsignal(signal.SIGINT) is signal.default_int_handler)
+
+    def __enter__(self) -> Interrupts:
+        self._active = self.possible()
+        if self._active:
+            signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def _note(self, *_: Any) -> None:
+        self.noted = True
+
+    def __exit__(self, *_: Any) -> None:
+        if self._active:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+        if self.noted:
+            raise KeyboardInterrupt
+
+
 def view(array: NDArray[Any] | None) -> View:
     """A view of an array of elements: its last axis is what an element is made of, unless it has but one."""
     if array is None:
@@ -134,11 +190,38 @@ def view(array: NDArray[Any] | None) -> View:
     return View(array.ctypes.data_as(ctypes.c_void_p), array.shape[0], stride, _TYPES[array.dtype.name], 0)
 
 
+def indices(given: ArrayLike, what: str) -> NDArray[numpy.uint32]:
+    """As an array (n, 3) of uint32; ValueError for what is no index."""
+    array = numpy.asarray(given)
+    if array.shape == (0,):  # an empty list
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{what} has the shape {array.shape}; it must be (n, 3)")
+    if array.dtype != numpy.uint32 and array.size:
+        if array.dtype.kind not in "iu" and not (array.dtype.kind == "f" and (array == numpy.floor(array)).all()):
+            raise ValueError(f"{what} has numbers that are not whole")
+        if array.min() < 0:
+            raise ValueError(f"{what} has a negative index")
+        if array.max() >= NONE:
+            raise ValueError(f"{what} has an index that 32 bits do not hold")
+    return numpy.ascontiguousarray(array, dtype=numpy.uint32)
+
+
+def shape_before(given: ArrayLike) -> tuple[int, ...]:
+    """Of the elements of an array whose last axis is what an element is made of."""
+    shape = numpy.shape(given)
+    return shape if shape == (0,) else shape[:-1]
+
+
 def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
     """As an array of float32 or float64, (n, width) or, for width None, (n,). Copied only where it has to be."""
     array = numpy.asarray(given)
     if array.dtype not in (numpy.float32, numpy.float64):
+        if array.dtype.kind == "c":
+            raise ValueError(f"{what} has complex numbers")
         array = array.astype(numpy.float64)
+    if width is not None and array.shape == (0,):  # an empty list
+        array = array.reshape(0, width)
     if width is None:
         array = array.reshape(-1) if array.ndim != 1 else array
     else:

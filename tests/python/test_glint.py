@@ -3,10 +3,14 @@
 GLINT_LIBRARY says where libglint.so.0 is, GLINT_SOURCE where scenes/ is.
 """
 import base64
+import copy
 import inspect
 import json
+import multiprocessing
 import os
 import pathlib
+import pickle
+import signal
 import threading
 import time
 import tracemalloc
@@ -340,6 +344,85 @@ def test_errors(device, cube):
     parts = []
     cube.cast(numpy.ones((5000, 6)), progress=parts.append)
     assert parts == sorted(parts) and parts[-1] == 1
+
+
+def test_what_people_pass_by_mistake(device, cube):
+    ray = numpy.array([[0.2, 0.3, 5, 0, 0, -1]])
+    for empty in ([], numpy.zeros((0, 6))):
+        assert cube.cast(empty).t.shape == cube.count(empty).shape == (0,)
+    assert cube.contains([]).shape == (0,) and cube.cast([], []).uv.shape == (0, 2)
+    for faces in (FACES + 2**32, FACES + 0.5, FACES * numpy.nan, FACES[:, :2], FACES.ravel()):
+        with pytest.raises(ValueError):
+            glint.Scene(CUBE, faces, device)
+    assert glint.Scene(CUBE, FACES.astype(float), device).cast(ray).t == 4
+    for wrong in (int, numpy.float16):
+        with pytest.raises(ValueError):
+            cube.cast(ray, dtype=wrong)
+    with pytest.raises(ValueError):
+        cube.cast(ray * 1j)
+    for matrix in (numpy.eye(3), numpy.zeros(12)):
+        with pytest.raises(ValueError):
+            cube.add_instance(0, matrix)
+    with pytest.raises(ValueError):
+        cube.render(4, 4, 1, camera=((0, 0, 5),))
+    assert cube.cast(ray, want="normal").normal.tolist() == [[0, 0, 1]]
+    ray.setflags(write=False)
+    for odd in (ray, ray.astype(">f8"), ray.astype(">f4"), numpy.repeat(ray, 3, 0)[::-1], numpy.asfortranarray(ray)):
+        assert numpy.allclose(cube.cast(odd).t, 4)
+    for nowhere in (numpy.nan, numpy.inf, 0):  # such rays miss
+        assert cube.cast([[0.2, 0.3, 5, 0, 0, nowhere]]).t == numpy.inf
+
+
+def test_what_can_be_pickled(cube):
+    hits = pickle.loads(pickle.dumps(cube.cast([[0.2, 0.3, 5, 0, 0, -1]])))
+    assert hits.t == 4 and hits._fields == ("t", "geometry", "primitive", "uv", "normal")
+    error = pickle.loads(pickle.dumps(glint.Error("scene", "why")))
+    assert error.status == "scene" and str(error) == "why"
+    for held in (cube, cube._device):  # two owners of one handle would let go of it twice
+        for way in (pickle.dumps, copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match="neither copied nor pickled"):
+                way(held)
+
+
+def _in_child(queue, scene, device):
+    try:
+        scene.cast([[0.2, 0.3, 5, 0, 0, -1]])
+        queue.put("answered")
+    except glint.Error as error:
+        queue.put(error.status)
+    queue.put(glint.Scene(CUBE, FACES, device).cast([[0.2, 0.3, 5, 0, 0, -1]]))
+
+
+def test_a_forked_process_makes_its_own(device, cube):
+    queue = multiprocessing.get_context("fork").SimpleQueue()
+    child = multiprocessing.get_context("fork").Process(target=_in_child, args=(queue, cube, "cpu" if device.info["reference"] else ""))
+    child.start()
+    assert queue.get() == "state" and queue.get().t == 4
+    child.join()
+    assert child.exitcode == 0
+
+
+def test_ctrl_c_ends_a_call(device):
+    scene = glint.Scene.load(SCENES / "knot.json", device)
+    rays = numpy.random.default_rng(3).normal(size=(100_000 if device.info["reference"] else 1_500_000, 6))
+    scene.count(rays[:1000])  # kernels are made with the first call
+    start = time.process_time()
+    scene.count(rays)
+    whole = time.process_time() - start
+    start = time.process_time()
+
+    def press():
+        while time.process_time() - start < 0.1 * whole:
+            time.sleep(0.001)
+        os.kill(os.getpid(), signal.SIGINT)
+    presser = threading.Thread(target=press)
+    presser.start()
+    with pytest.raises(KeyboardInterrupt):
+        scene.count(rays)
+    assert time.process_time() - start < 0.8 * whole
+    presser.join()
+    assert scene.count(rays[:10]).shape == (10,)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_threads_share_a_scene(cube):
