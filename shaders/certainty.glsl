@@ -5,12 +5,14 @@
 // host decides (src/reference/certain).
 //
 // With u = 2^-24, a point x of the space that the ray is in (its axes turned, z along the ray) and the corner
-// a = x - o: rounding the corner, the origin and their difference leaves `offset` + 2 u |a| of error on each
+// a = x - o: rounding the corner, the origin and their difference leaves 2 u |o| + 2 u |a| of error on each
 // axis; a direction's components err by u of themselves, so the shear, at most 1 in size, by 5 u; the product
-// with depth and the difference by a unit each. So the place of a corner across the ray errs by
+// with depth and the difference by a unit each. A corner's place across the ray has two axes' errors, so it
+// errs by
 //     e = offset + spread depth + kAcross reach,     reach the greatest such coordinate of the three corners
-// in which the sum |a| <= depth + reach is taken apart. An edge function, the difference of two products of
-// such places, then errs by 4 e reach + 2 e^2 and three units of 2 reach^2, which 2 e reach exceeds.
+// with 4 u |o|, 10 u and 3 u in them, as |a| <= depth + reach. An edge function, the difference of two
+// products of such places, then errs by 4 e reach + 2 e^2 and four units of reach^2, which e reach exceeds.
+// What is more in the constants is for the rounding of these bounds.
 #ifndef GLINT_CERTAINTY_GLSL
 #define GLINT_CERTAINTY_GLSL
 
@@ -27,8 +29,8 @@ struct Certainty {
     float threat;  // where the first span of another surface begins
 };
 
-const float kAcross = 8.0 * kUnit;
-const float kSpread = 24.0 * kUnit;
+const float kAcross = 4.0 * kUnit;
+const float kSpread = 12.0 * kUnit;
 const float kAlike = 4.0 * kUnit;  // the ends of the interval are rounded too
 
 // Products this small are rounded by more than a unit of themselves.
@@ -36,12 +38,16 @@ const float kLeastDoubt = 1e-36;
 // Differences too.
 const float kLeastOffset = 1e-36;
 
+float offsetInWorld(vec3 origin, float slack) {
+    vec3 size = abs(origin);
+    return 5.0 * kUnit * larger(size.x, larger(size.y, size.z)) + 4.0 * slack + kLeastOffset;
+}
+
 Certainty beginCertainty(Ray ray, float slack, float boxSlack) {
     Certainty c;
-    vec3 size = abs(ray.origin);
     c.slack = slack;
     c.boxSlack = boxSlack;
-    c.offset = 8.0 * kUnit * larger(size.x, larger(size.y, size.z)) + 4.0 * slack + kLeastOffset;
+    c.offset = offsetInWorld(ray.origin, slack);
     c.spread = kSpread;
     c.lower = 0.0;
     c.threat = kInfinity;
@@ -82,8 +88,8 @@ float enterWithErrors(inout Certainty c, Ray world, Ray ray, Instance instance, 
                           16.0 * kUnit * larger(away.x, larger(away.y, away.z)));
     vec3 own = abs(ray.origin);
     float ownSize = larger(own.x, larger(own.y, own.z));
-    c.offset = toWorld ? outside : moved + 8.0 * kUnit * ownSize + kLeastOffset;
-    c.spread = toWorld ? kSpread : kSpread + 32.0 * kUnit * stretch;
+    c.offset = toWorld ? offsetInWorld(world.origin, c.slack) : moved + 8.0 * kUnit * ownSize + kLeastOffset;
+    c.spread = toWorld ? kSpread : 2.0 * kSpread + 32.0 * kUnit * stretch;
     Node root = loadNode(instance.root);
     float reach = larger(greatestOfBox(root.lo0, root.hi0), greatestOfBox(root.lo1, root.hi1));
     return toWorld ? worldPad : c.offset + c.spread * (ownSize + reach);
@@ -120,7 +126,7 @@ Span spanOfTurned(Certainty c, Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 d) 
     across = mix(across, abs(seen.c), greaterThan(abs(seen.c), across));
     float reach = larger(across.x, across.y);
     precise float e = c.offset + c.spread * depth + kAcross * reach;
-    precise float doubt = e * (6.0 * reach + 2.0 * e) + kLeastDoubt;
+    precise float doubt = e * (5.5 * reach + 2.0 * e) + kLeastDoubt;
 
     float least = seen.ea < seen.eb ? seen.ea : seen.eb;
     least = seen.ec < least ? seen.ec : least;
