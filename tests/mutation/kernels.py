@@ -33,7 +33,8 @@ OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-loca
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
              "--eliminate-dead-code-aggressive --compact-ids").split()
 # What verify never draws: double precision is for `glint report`, counts of crossings are for the library, the probe is for the device.
-LEFT_OUT = ("double.glsl", "count.comp", "crossings.glsl", "packet_count.comp", "packet_crossings.glsl", "certify.comp", "certainty.glsl", "probe.comp")
+LEFT_OUT = ("double.glsl", "count.comp", "crossings.glsl", "packet_count.comp", "packet_crossings.glsl", "certify.comp", "certainty.glsl", "packet_certify.comp",
+            "packet_certainty.glsl", "probe.comp")
 
 
 def includes(name, seen=None):
