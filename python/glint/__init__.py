@@ -10,9 +10,7 @@ the reference in double precision; none is the best there is.
 """
 from __future__ import annotations
 
-import collections
 import ctypes
-import functools
 import math
 import os
 import traceback
@@ -243,18 +241,7 @@ def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] |
         arrays = {key: array.reshape(shape + array.shape[1:]) for key, array in arrays.items()}
     for flag in arrays.keys() & set(_FLAGS):
         arrays[flag] = arrays[flag].view(numpy.bool_)
-    return _kind(name, tuple(arrays))(**arrays)
-
-
-@functools.lru_cache(maxsize=None)
-def _kind(name: str, fields: tuple[str, ...]) -> Any:
-    kind: Any = collections.namedtuple(name, fields)
-    kind.__reduce__ = lambda self: (_restored, (name, fields, tuple(self)))
-    return kind
-
-
-def _restored(name: str, fields: tuple[str, ...], arrays: tuple[Any, ...]) -> Any:
-    return _kind(name, fields)(*arrays)
+    return _native.record(name, tuple(arrays))(**arrays)
 
 
 class Scene(_native.Owner):

@@ -1,8 +1,10 @@
 """libglint's C API (include/glint/glint.h) by ctypes. Calls release the interpreter's lock."""
 from __future__ import annotations
 
+import collections
 import ctypes
 import ctypes.util
+import functools
 import os
 import signal
 import threading
@@ -151,6 +153,18 @@ class Owner:
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         raise TypeError(f"a {type(self).__name__} can be neither copied nor pickled; make another one from the same arrays or file")
+
+
+@functools.lru_cache(maxsize=None)
+def record(name: str, fields: tuple[str, ...]) -> Any:
+    """A kind of named tuple, the same for the same names, that can be pickled."""
+    kind: Any = collections.namedtuple(name, fields)
+    kind.__reduce__ = lambda self: (_restored, (name, fields, tuple(self)))
+    return kind
+
+
+def _restored(name: str, fields: tuple[str, ...], arrays: tuple[Any, ...]) -> Any:
+    return record(name, fields)(*arrays)
 
 
 class Interrupts:
