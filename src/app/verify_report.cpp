@@ -104,6 +104,7 @@ std::string verdict(const verify::Report& report) {
     if (report.plainDiffers > 0)
         return "FAILED: the picture that glint render draws, without layers, has other bits";
     if (report.filmDiffers > 0) return "FAILED: the picture of all samples is not what they add up to";
+    if (report.lossesDiffer > 0) return "FAILED: other branches are left out than the reference leaves out";
     if (report.representation && report.representation->unexplained > 0)
         return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
     if (report.ties > report.allowedTies())
@@ -139,6 +140,11 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     if (report.filmDiffers > 0)
         out << "    " << report.filmDiffers
             << " pixels take other samples than they need, or are not their mean\n";
+    if (report.lossesDiffer > 0)
+        out << "    in " << report.lossesDiffer
+            << " samples other reflections and refractions are not followed, or another bound is given of "
+               "what they "
+               "could bring\n";
     std::snprintf(line, sizeof(line),
                   "    kappa %.2g (%s): fp32 may err by %.2g, errs by %.2g, at most %.2g (99th percentile of "
                   "the pixels)\n",
@@ -173,6 +179,7 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
           {"unexplained", report.unexplained}}},
         {"plainDiffers", report.plainDiffers},
         {"filmDiffers", report.filmDiffers},
+        {"lossesDiffer", report.lossesDiffer},
     };
     if (!report.representation) return json;
     const verify::Representation& r = *report.representation;

@@ -18,11 +18,12 @@ inline constexpr double kProductRoundings = 16;
 // roundings of a and b, at most 11 units; twice that for its square, and for the sum of two, halved, as much.
 inline constexpr double kReflectanceError = 32;
 
-// Of a light's direction: subtraction, length (8 units by Vulkan's square root) and division, 16 together,
-// and what the hit point itself may be off by, 9 units of the numbers that it is a sum of (Site::offset),
-// seen from the light. scale: of the point; infinity: a light infinitely far away, whose direction is given.
+// Of a light's direction: subtraction, length and division, 5 units together (a sum of squares errs by 3, its
+// root by half of that and one), and what the hit point itself may be off by, 9 units of the numbers that it
+// is a sum of (Site::offset), seen from the light. scale: of the point; infinity: a light infinitely far
+// away, whose direction is given.
 inline double lightTurn(double scale, double distance) {
-    return std::isinf(distance) ? 1 : 16 + 9 * scale / distance;
+    return std::isinf(distance) ? 1 : 5 + 9 * scale / distance;
 }
 
 // Of a unit normal: 4 for its own arithmetic, and what the point's error turns it by on a surface of this
@@ -39,18 +40,20 @@ inline double cosineError(double turn, double normal) {
 }
 
 // Of cosine^n, cosine the normal's with the vector half way between two directions that add up to `length`,
-// one of them off by `turn`, the other by 4 units; n times the relative error of the cosine, and Vulkan's
-// pow: exp2(y) of y = n log2(cosine) errs by 3 + 2 |y| ulp, log2 by 2^-21 where it is near 0.
+// one of them off by `turn`, the other by 4 units; n times the relative error of the cosine, and the power's
+// own (docs/numerics.md 1.1): log2 errs by 1.5 ulp, at most 3 units, its product y with n by one more, which
+// exp2 makes 4 |y| log(2), and by 1.2 ulp itself; then comes the product with the light.
 inline double powerError(double cosine, double n, double power, double length, double turn, double normal) {
     const double sway = cosineError(2 * (turn + 6) / length, normal) / cosine;
     const double y = 1.45 * n * std::max(1 - cosine, 0.0) / cosine;  // at least n |log2(cosine)|
-    const double relative = n * sway + 6 * n + 2 * (3 + 2 * y) + 2;
+    const double relative = n * sway + 2.8 * y + 2.4 + 2;
     return std::min(power * relative, 0x1p24);
 }
 
-// Of e^-x for an x that is a sum of magnitudes `sum`, by 8 roundings each; exp by 3 + 2 x / log 2 ulp.
+// Of e^-x for an x that is a sum of magnitudes `sum`, by 8 roundings each; exp by an ulp, at most 2 units,
+// and by its product with the light.
 inline double exponentialRoundings(double sum) {
-    return 8 + 16 * sum;
+    return 4 + 8 * sum;
 }
 
 }  // namespace glint::reference

@@ -10,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "reference/sampling.h"
+#include "verify/account.h"
 #include "verify/ceiling.h"
 #include "verify/explain.h"
 #include "verify/film.h"
@@ -20,6 +21,8 @@ namespace {
 
 // Sums over pixels, one row at a time so that the result does not depend on the threads.
 struct RowSums {
+    explicit RowSums(double radianceBound) : account(radianceBound) {}
+    Account account;
     double squares = 0, squaresSamePath = 0, maxSamePath = 0;
     uint64_t samePath = 0, idsDiffer = 0;
     std::vector<DifferingPixel> differing;
@@ -48,9 +51,11 @@ class Comparison {
         explainIfPossible(rayThrough(pixel.x, pixel.y, filmSampleAt(pixel.x, pixel.y)), pixel, true);
     }
 
+    double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
+
     // unexplained: of all rows so far. The others need not be looked at once there are more than `enough`.
     RowSums row(int y, std::atomic<uint64_t>& unexplained, uint64_t enough) const {
-        RowSums sums;
+        RowSums sums(radianceBound());
         for (int x = 0; x < options_.width && unexplained <= enough; ++x) {
             const size_t before = sums.differing.size();
             comparePixel(x, y, sums);
@@ -95,6 +100,11 @@ class Comparison {
         const glm::dvec3 rounding = expected.rounding;
         sums.floors.push_back(static_cast<float>(std::max({rounding.x, rounding.y, rounding.z})));
         const Quantities seen = quantitiesOf(color, data);
+        const double weight = std::abs(s.weight);
+        if (samePath && isSameHit(data, expected))
+            sums.account.addAlike(expected.lost, weight);
+        else
+            sums.account.addOther(data.bounces, weight);
         if (finite && samePath && isSameHit(data, expected) &&
             isPredicted(tracer_, ray, expected, scene_, seen))
             return;
@@ -238,7 +248,7 @@ struct Gathered {
 bool addSample(const Comparison& comparison, const Picture& device, const Options& options, uint32_t sample,
                Report& report, Gathered& all) {
     const auto isInterrupted = [&] { return !device.complete || (options.cancelled && options.cancelled()); };
-    std::vector<RowSums> rows(options.height);
+    std::vector<RowSums> rows(options.height, RowSums(comparison.radianceBound()));
     std::mutex mutex;
     size_t finished = size_t{sample} * options.height;
     std::atomic<uint64_t> unexplained = report.unexplained;
@@ -255,12 +265,15 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
     });
     if (isInterrupted()) return false;
     const bool convicted = report.unexplained > 0;
+    Account account(comparison.radianceBound());
     for (int y = 0; y < options.height; ++y) {
+        account.add(rows[y].account);
         addRow(rows[y], y, report, sample);
         all.differences.insert(all.differences.end(), rows[y].differences.begin(), rows[y].differences.end());
         all.floors.insert(all.floors.end(), rows[y].floors.begin(), rows[y].floors.end());
         all.samePath += rows[y].samePath;
     }
+    if (!account.agrees(device.losses, report.allowedOthers())) ++report.lossesDiffer;
     if (!convicted) searchOn(comparison, report, sample);
     keepWorst(report, options.worstCount);
     return true;
@@ -269,7 +282,7 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
 // Pixels of which the same request without data has another colour. What is verified must be what people get.
 uint64_t plainDifferences(render::Renderer& renderer, const shared::Camera& camera, Request request,
                           const Picture& device, Report& report) {
-    request.data = false;
+    request.data = request.ledger = false;
     const Picture plain = renderer.render(camera, request);
     report.interrupted = report.interrupted || !plain.complete;
     uint64_t differing = 0;
@@ -284,7 +297,7 @@ uint64_t plainDifferences(render::Renderer& renderer, const shared::Camera& came
 uint64_t filmDifferences(render::Renderer& renderer, const shared::Camera& camera, Request request,
                          Film& film, Report& report) {
     const PackedSamples samples = request.samples;
-    request.data = false;
+    request.data = request.ledger = false;
     request.progress = {};
     for (uint32_t sample = samples.round; sample < samples.count(); ++sample) {
         request.samples = samples.only(sample);
@@ -311,11 +324,13 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
     Gathered all;
     Request request = options;
     request.region = {};
+    const bool branches = scene.features.mirrors || scene.features.transmission;
     const PackedSamples rounds = firstRounds(samples);
     Film film(rounds, options.width, options.height, scene.lights.size());
     for (uint32_t sample = 0; sample < samples.round; ++sample) {
         request.samples = samples.only(sample);
         request.data = true;
+        request.ledger = branches;
         request.progress = {};
         const Picture device = renderer.render(camera, request);
         const Comparison comparison(scene, camera, options, device, samples, sample, tracer,

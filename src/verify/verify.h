@@ -76,6 +76,7 @@ struct Report {
     uint64_t ties = 0, edges = 0, roundings = 0, unexplained = 0;
     uint64_t plainDiffers = 0;  // pixels that the picture without data has with other bits
     uint64_t filmDiffers = 0;   // pixels whose samples, drawn together, are not what they are one by one
+    uint64_t lossesDiffer = 0;  // samples of which other branches were not followed
     uint64_t idsDiffer = 0;     // of the differing pixels, those whose paths hit other primitives
     double rmse = 0;            // colour, all pixels
     double rmseSamePath = 0;    // colour, pixels whose paths hit the same primitives: pure arithmetic
@@ -99,8 +100,8 @@ struct Report {
     double allowedP99() const;
     bool passed() const {
         return !interrupted && unexplained == 0 && plainDiffers == 0 && filmDiffers == 0 &&
-               ties <= allowedTies() && edges + roundings <= allowedOthers() && p99 <= allowedP99() &&
-               (!representation || representation->passed());
+               lossesDiffer == 0 && ties <= allowedTies() && edges + roundings <= allowedOthers() &&
+               p99 <= allowedP99() && (!representation || representation->passed());
     }
 };
 

@@ -67,6 +67,17 @@ TEST(VerifyReport, SamplesThatAreAddedUpWrong) {
         << text;
 }
 
+TEST(VerifyReport, BranchesThatAreNotTheOnesLeftOut) {
+    verify::Report report = cleanReport();
+    report.lossesDiffer = 2;
+    const std::string text = reportText(report);
+    EXPECT_TRUE(
+        text.starts_with("a.json: FAILED: other branches are left out than the reference leaves out\n"));
+    EXPECT_NE(text.find("\n    in 2 samples other reflections and refractions are not followed"),
+              std::string::npos)
+        << text;
+}
+
 TEST(VerifyReport, TiesUpToWhatTheSceneDemands) {
     verify::Report report = cleanReport();
     report.ties = 9;

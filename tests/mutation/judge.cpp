@@ -141,12 +141,14 @@ class Judge {
     static std::vector<Picture> picturesOf(render::Renderer& renderer, const Trial& trial, bool data) {
         std::vector<Picture> pictures;
         Request request = trial.options;
+        const SceneFeatures& features = trial.scene.packed.features;
         request.data = data;
+        request.ledger = data && (features.mirrors || features.transmission);
         for (uint32_t sample = 0; sample < trial.options.samples.round; ++sample) {
             request.samples = trial.options.samples.only(sample);
             pictures.push_back(renderer.render(trial.scene.camera, request));
         }
-        request.data = false;
+        request.data = request.ledger = false;
         request.samples = verify::firstRounds(trial.options.samples);
         if (request.samples.count() > 1) pictures.push_back(renderer.render(trial.scene.camera, request));
         return pictures;
@@ -161,6 +163,7 @@ class Judge {
         if (report.unexplained > 0) return "unexplained";
         if (report.plainDiffers > 0) return "other without data";
         if (report.filmDiffers > 0) return "wrong sum";
+        if (report.lossesDiffer > 0) return "wrong account";
         if (report.edges + report.roundings > report.allowedOthers()) return "too many";
         return report.ties > report.allowedTies() ? "too many ties" : "percentile";
     }
@@ -237,10 +240,11 @@ class Judge {
         const bool plain = drawsWholePaths(trial, broken);
         const std::vector<Picture> drawn = picturesOf(renderer, trial, !plain);
         pictures = "other bits";
-        const bool same = std::equal(drawn.begin(), drawn.end(), sound.pictures.begin(),
-                                     [](const Picture& a, const Picture& b) {
-                                         return a.samples == b.samples && bool(render::test::sameBits(a, b));
-                                     });
+        const bool same = std::equal(
+            drawn.begin(), drawn.end(), sound.pictures.begin(), [](const Picture& a, const Picture& b) {
+                return a.samples == b.samples && bool(render::test::sameBits(a, b)) &&
+                       bool(render::test::sameLosses(a, b));
+            });
         if (same) pictures = "same bits";
         return same ? "" : verdict(renderer, trial, plain);
     }

@@ -14,6 +14,24 @@
 
 namespace glint::mutation {
 
+// Shaders that were read.
+class Replacements {
+  public:
+    // Nothing if there is no such file.
+    void replace(const std::filesystem::path& file, std::span<const uint32_t>& shader) {
+        std::error_code none;
+        const auto bytes = std::filesystem::file_size(file, none);
+        if (none) return;
+        std::vector<uint32_t>& words = words_.emplace_back(bytes / sizeof(uint32_t));
+        std::ifstream(file, std::ios::binary)
+            .read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(bytes));
+        shader = words;
+    }
+
+  private:
+    std::list<std::vector<uint32_t>> words_;
+};
+
 // The embedded kernels for `access`, but those that the folder has: intersect.spv, intersect_any.spv ...
 class KernelFolder {
   public:
@@ -38,17 +56,11 @@ class KernelFolder {
 
   private:
     void replace(const std::filesystem::path& file, std::span<const uint32_t>& kernel) {
-        std::error_code none;
-        const auto bytes = std::filesystem::file_size(file, none);
-        if (none) return;
-        std::vector<uint32_t>& words = words_.emplace_back(bytes / sizeof(uint32_t));
-        std::ifstream(file, std::ios::binary)
-            .read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(bytes));
-        kernel = words;
+        replaced_.replace(file, kernel);
     }
 
     render::KernelCode code_;
-    std::list<std::vector<uint32_t>> words_;
+    Replacements replaced_;
 };
 
 }  // namespace glint::mutation

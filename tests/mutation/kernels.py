@@ -27,7 +27,7 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
 WALKS = ("traversal.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
-         "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
+         "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
 OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
@@ -87,6 +87,11 @@ class Compiler:
     def compile_all(self, kernels, folder, texel=True):
         folder.mkdir(parents=True)
         return all(self.compile(k, folder / f"{k}.spv", texel) for k in kernels)
+
+    def compile_probe(self, file, output):
+        """The test's shader for arithmetic, if the file is that."""
+        if file == "arithmetic.glsl":
+            self.call("glslangValidator", f"-I{self.shaders}", SOURCE / "tests/render/arithmetic_probe.comp", "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
 
     def text(self, kernel):
         """The kernel behind the preprocessor, without its lines' numbers."""

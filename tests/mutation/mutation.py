@@ -282,6 +282,7 @@ class Suite:
         kernels = [k for k in KERNELS if site.file in self.compiler.files[k]]
         for access in ("texel", "storage"):
             self.compiler.compile_all(kernels, self.kernels / access, access == "texel")
+        self.compiler.compile_probe(site.file, self.kernels / "arithmetic_probe.spv")
         self.compiler.mend(site)
         for case, known in self.hashes.items():
             if site.file not in WALKS and not case.endswith(("lane", "own")):

@@ -31,6 +31,8 @@ mutant(diffuse_gain scatter.glsl "at.material.diffuse * max(" "1.01 * at.materia
 # Of defects that are small, or rare, or in the dark.
 mutant(diffuse_little scatter.glsl "at.material.diffuse * max(" "1.001 * at.material.diffuse * max(" light)
 mutant(shininess_little scatter.glsl "clamp(cosine, 0.0, 1.0), shininess)" "clamp(cosine, 0.0, 1.0), 1.005 * shininess)" light)
+mutant(power_little arithmetic.glsl "5.550332471e-2" "5.555882803e-2" light)
+mutant(lost_reason tree.glsl "kLostDepth = 1u" "kLostDepth = 2u" shade)
 mutant(no_light lighting.glsl "evaluate(lit.at, sight.direction) * sight.intensity;" "evaluate(lit.at, sight.direction) * sight.intensity * 0.0;" light)
 mutant(rare_near_hit intersect.comp "uvec4(floatBitsToUint(hit.t),"
        "uvec4(floatBitsToUint((path & 255u) == 0u && hit.primitive != kNone ? 1e-5 * hit.t : hit.t)," intersect)

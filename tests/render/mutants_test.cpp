@@ -50,6 +50,14 @@ const char* const kDimScene = R"({
               {"type": "sphere", "center": [0, 0, 0], "radius": 1}]
 })";
 
+// Highlights so broad that a power's own error is most of what a pixel may err by.
+const char* const kBroadScene = R"({
+  "camera": {"eye": [0, 0, 6], "target": [0, 0, 0], "fovY": 45},
+  "lights": [{"type": "directional", "direction": [0.9, -0.3, -0.6]}],
+  "materials": {"m": {"diffuse": 0, "specular": 1, "shininess": 1}},
+  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "material": "m"}]
+})";
+
 struct Defect {
     const char* mutant;
     const char* scene;  // a name, or text
@@ -100,9 +108,9 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"flipped_film", "orthographic"}, Defect{"straight_penumbra", "spots"},
         Defect{"wide_cone", "spots"}, Defect{"diffuse_gain", "spheres"}, Defect{"diffuse_little", "spheres"},
         Defect{"shininess_little", "spheres"}, Defect{"no_light", kDimScene},
-        Defect{"rare_near_hit", "spheres"}, Defect{"mirror_sign", kMirrorScene},
-        Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"}, Defect{"inner_first", "glass"},
-        Defect{"one_way_beer", "glass"}, Defect{"texel_corner", "textures"},
+        Defect{"power_little", kBroadScene}, Defect{"rare_near_hit", "spheres"},
+        Defect{"mirror_sign", kMirrorScene}, Defect{"wrong_fresnel", "glass"}, Defect{"no_nesting", "glass"},
+        Defect{"inner_first", "glass"}, Defect{"one_way_beer", "glass"}, Defect{"texel_corner", "textures"},
         Defect{"upside_down", "textures"}, Defect{"late_checker", "checker"},
         Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"packet_bounds", "knot"},
         Defect{"packet_pair", "knot"}, Defect{"instance_normal", "instances"},
@@ -208,6 +216,23 @@ TEST_F(VerdictTest, TheSumOfSamplesIsVerified) {
             EXPECT_EQ(report.filmDiffers > 0, broken) << mutant << ' ' << report.filmDiffers;
             EXPECT_EQ(report.passed(), !broken) << mutant;
         }
+    }
+}
+
+// Branches that are not followed leave no trace in a picture, but for the account that is given of them.
+TEST_F(VerdictTest, TheAccountOfLostBranchesIsVerified) {
+    const Case c = fileCase("glass", 48, 36);
+    const KernelCode code = mutantKernels("lost_reason");
+    for (const bool broken : {false, true}) {
+        Options options;
+        options.access = gpu::Access::TexelBuffer;
+        options.traversal = Traversal::Lane;
+        if (broken) options.kernels = &code;
+        Renderer renderer(device(), c.packed, options);
+        const verify::Report report = verified(renderer, c);
+        EXPECT_EQ(report.unexplained, 0u);
+        EXPECT_EQ(report.lossesDiffer, broken ? 1u : 0u);
+        EXPECT_EQ(report.passed(), !broken);
     }
 }
 
