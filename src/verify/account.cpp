@@ -1,6 +1,6 @@
 #include "verify/account.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace glint::verify {
 
@@ -13,12 +13,14 @@ void Account::addAlike(const reference::Losses& lost, double weight) {
     add(depth_, lost.depth);
     add(room_, lost.room);
     crowded_ += lost.crowdedMedia;
+    greatestWeight_ = std::max(greatestWeight_, weight);
 }
 
 void Account::addOther(uint32_t bounces, double weight) {
     const uint64_t branches = 2 * (uint64_t{bounces} + 1);
     other_.count += branches;
     other_.bound += static_cast<double>(branches) * radianceBound_ * weight;
+    greatestWeight_ = std::max(greatestWeight_, weight);
 }
 
 void Account::add(const Account& other) {
@@ -31,19 +33,22 @@ void Account::add(const Account& other) {
     add(room_, other.room_);
     add(other_, other.other_);
     crowded_ += other.crowded_;
+    greatestWeight_ = std::max(greatestWeight_, other.greatestWeight_);
 }
 
 // Counts are exact, but for what may be decided otherwise. Bounds are products of weights, which are judged
 // pixel by pixel where they count: here it is enough that the sum is right to a 256th, and each of them to a
-// 16,384th of the greatest that may be. Where they are near the greatest floats the device may say infinity.
+// 16,384th of the greatest that there may be. Where that is near the greatest floats the device may say
+// infinity.
 bool Account::agrees(const Kind& kind, const LostBranches& device, uint64_t otherwise) const {
-    const uint64_t most = other_.count + otherwise;
-    if (device.count + otherwise < kind.count || device.count > kind.count + most) return false;
-    const double greatest = radianceBound_ * static_cast<double>(kind.count + most);
-    if (!(kind.bound + other_.bound + greatest < 0x1p120)) return true;
-    const double room =
-        kind.bound / 256 + 0x1p-14 * greatest + static_cast<double>(otherwise) * radianceBound_;
-    return device.sum >= kind.bound - room && device.sum <= kind.bound + room + other_.bound;
+    const uint64_t most = kind.count + other_.count + otherwise;
+    if (device.count + otherwise < kind.count || device.count > most) return false;
+    const double greatest = radianceBound_ * greatestWeight_;
+    if (!(greatest * static_cast<double>(most) < 0x1p120)) return true;
+    const double room = kind.bound / 256 + greatest * (0x1p-14 * static_cast<double>(device.count) +
+                                                       static_cast<double>(otherwise));
+    return device.sum >= kind.bound - room && device.sum <= kind.bound + room + other_.bound &&
+           device.sum <= 1.001 * greatest * static_cast<double>(device.count);
 }
 
 bool Account::agrees(const TreeLosses& device, uint64_t otherwise) const {

@@ -32,6 +32,7 @@ class Account {
     double radianceBound_;
     Kind cut_, depth_, room_, other_;
     uint64_t crowded_ = 0;
+    double greatestWeight_ = 0;
 };
 
 }  // namespace glint::verify

@@ -2,15 +2,15 @@
 """Breaks the shaders by itself, one small defect at a time, and asks verify whether it notices.
 
     mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--files NAMES] [--again [--cases NAMES]]
-    mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N]
+    mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N] [--files NAMES]
     mutation.py table [--results FILE] [--output docs/lab/mutation.md]
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent. Results are lines of JSON; a run goes on where
 the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, unless reasons.json explains
 it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
-suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first the gallery's hashes, as
-tools/test-drivers asks for them, by JUDGE, then PROGRAM (render_test), run on the mutant's kernels.
+suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first those of PROGRAM
+(render_test), run on the mutant's kernels, then the gallery's hashes, as tools/test-drivers asks for them, by JUDGE.
 table: writes what came out.
 """
 import argparse
@@ -271,9 +271,7 @@ class Suite:
         self.judge = Judge(arguments.judge, folder, 60, folder / "gallery.txt")
         self.compiler.compile_all(KERNELS, folder / "sound")
         (folder / "none").mkdir()
-        for case in self.hashes:
-            if self.judge.ask("hash", folder / "none", case)["hash"] != self.hashes[case]:
-                raise RuntimeError(f"sound kernels do not draw the known {case}")
+        self.sound = set()  # pictures that the sound kernels have drawn as they must
 
     def verdict(self, site):
         """The test that finds the mutant, or nothing."""
@@ -284,12 +282,19 @@ class Suite:
             self.compiler.compile_all(kernels, self.kernels / access, access == "texel")
         self.compiler.compile_probe(site.file, self.kernels / "arithmetic_probe.spv")
         self.compiler.mend(site)
+        tests = failed_test(self.arguments.program, self.arguments.filter, self.kernels, self.arguments.seconds)
+        return tests or ("tools/gallery-hashes" if self.changes_gallery(site.file) else "")
+
+    def changes_gallery(self, file):
         for case, known in self.hashes.items():
-            if site.file not in WALKS and not case.endswith(("lane", "own")):
+            if file not in WALKS and not case.endswith(("lane", "own")):
                 continue
+            if case not in self.sound and self.judge.ask("hash", self.compiler.folder / "none", case)["hash"] != known:
+                raise RuntimeError(f"sound kernels do not draw the known {case}")
+            self.sound.add(case)
             if self.judge.ask("hash", self.kernels / "texel", case).get("hash") != known:
-                return "tools/gallery-hashes"
-        return failed_test(self.arguments.program, self.arguments.filter, self.kernels, self.arguments.seconds)
+                return True
+        return False
 
 
 def suite(arguments):
@@ -300,12 +305,15 @@ def suite(arguments):
         tests = Suite(arguments, Path(name))
         for result in page.read_results(arguments.results):
             site, _ = found.get(sites.key(result), (None, None))
-            if result["state"] != "survived" or "suite" in result or not site or page.reason_of(result) or time.monotonic() > deadline:
+            asked = result.get("suite") or arguments.filter in result.get("tests", "").split(" + ")
+            if result["state"] != "survived" or asked or not site or page.reason_of(result) or time.monotonic() > deadline:
+                continue
+            if arguments.files and site.file not in arguments.files.split(","):
                 continue
             verdict = tests.verdict(site)
             print(f"{result['file']}:{result['line']}: {result['kind']}: {verdict or 'survived'}", flush=True)
             with open(arguments.results, "a") as file:
-                file.write(json.dumps(result | {"suite": verdict, "tests": arguments.filter}) + "\n")
+                file.write(json.dumps(result | {"suite": verdict, "tests": " + ".join(filter(None, (result.get("tests"), arguments.filter)))}) + "\n")
         tests.judge.end()
     return 0
 
@@ -332,6 +340,7 @@ def main():
         if name == "suite":
             command.add_argument("program")
         command.add_argument("--minutes", type=float, default=1e6)
+        command.add_argument("--files", help="whose mutants are drawn or asked about, with commas between")
         command.add_argument("--seconds", type=float, default=30 if name == "run" else 600,
                              help="for a case, of processor time, or the program: then it hangs")
         if name == "run":
@@ -339,7 +348,6 @@ def main():
             command.add_argument("--count", type=int, default=600)
             command.add_argument("--jobs", type=int, default=2)
             command.add_argument("--require", type=float, default=0)
-            command.add_argument("--files", help="whose mutants are drawn, with commas between")
             command.add_argument("--cases", help="that are asked, with commas between")
             command.add_argument("--again", action="store_true", help="try what survived again, by cases that were added since")
         else:

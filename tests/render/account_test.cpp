@@ -62,6 +62,16 @@ TEST(AccountTest, BoundsAreRightToA256th) {
     }
 }
 
+// None can bring more than the brightest light there is.
+TEST(AccountTest, WhatNoBranchLosesIsNothing) {
+    Account account(1);
+    account.addAlike(lossesOf(0, 9, 0, 0), 1);
+    TreeLosses device = deviceOf(lossesOf(0, 9, 0, 0));
+    EXPECT_TRUE(account.agrees(device, 5));
+    device.room.sum = 0.1;
+    EXPECT_FALSE(account.agrees(device, 5));
+}
+
 // Of a path of two bounces that met other things, three hits, up to six branches.
 TEST(AccountTest, PixelsOfOtherPathsMayLoseWhatTheirHitsCan) {
     Account row(1), account(1);

@@ -152,6 +152,40 @@ TEST_F(InstanceTest, T77normalsUnderUnevenScale) {
     EXPECT_LE(errors.back(), 1e-3);
 }
 
+// Blown up 1e20 times, so that squares of what normals become are no normal floats; flattened so much that
+// normals of corners, here tilted at random, come to look away from their face.
+TEST_F(InstanceTest, ExtremeScalesKeepTheirNormals) {
+    const auto tiny = std::make_shared<Mesh>(*bumpyBall()), tilted = std::make_shared<Mesh>(*bumpyBall());
+    for (dvec3& p : tiny->positions) p *= 1e-4;
+    Random random(81);
+    for (const dvec3& p : tilted->positions)
+        tilted->normals.push_back(glm::normalize(p) + 0.7 * random.direction());
+    tilted->normalCorners = tilted->corners;
+    const struct {
+        std::shared_ptr<const Mesh> mesh;
+        dvec3 scale;
+        double size;
+    } kinds[] = {{tiny, dvec3(1e20, 2e20, -1e20), 1e16}, {tilted, dvec3(1, 0.1, -1), 1}};
+    for (const auto& [mesh, scale, size] : kinds) {
+        Scene scene = emptyScene();
+        scene.ambient = Color(0.1);
+        scene.lights.push_back(DirectionalLight{{-0.5, -1, -0.7}, Color(0.8)});
+        for (const double x : {-1.3, 1.3})
+            addObject(scene, MeshShape{mesh}, then(scaling(scale), translation({x * size, 0, 0})));
+        scene.camera.eye = size * dvec3(0, 2, 6);
+        scene.camera.target = {0, 0, 0};
+        const Case c = makeCase(scene, 64, 48);
+        ASSERT_EQ(c.packed.instances.size(), 2u);
+        Renderer renderer(device(), c.packed);
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+        EXPECT_EQ(report.unexplained, 0u) << scale.y;
+        EXPECT_TRUE(report.passed()) << scale.y;
+    }
+}
+
 // T79. Two ellipsoids 2e7 apart, so that no local frame helps: seen from near by, the hit's position and its
 // normal are within 2 ulp(1e7) = 2 of where they belong; in a local frame, where 1e7 - 1e7 is exact, within
 // 1e-5.

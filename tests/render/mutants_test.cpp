@@ -50,12 +50,12 @@ const char* const kDimScene = R"({
               {"type": "sphere", "center": [0, 0, 0], "radius": 1}]
 })";
 
-// Highlights so broad that a power's own error is most of what a pixel may err by.
+// A highlight so broad that a power's own error is most of what a pixel may err by.
 const char* const kBroadScene = R"({
   "camera": {"eye": [0, 0, 6], "target": [0, 0, 0], "fovY": 45},
-  "lights": [{"type": "directional", "direction": [0.9, -0.3, -0.6]}],
+  "lights": [{"type": "directional", "direction": [-0.98, 0, -0.2]}],
   "materials": {"m": {"diffuse": 0, "specular": 1, "shininess": 1}},
-  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "material": "m"}]
+  "objects": [{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "m"}]
 })";
 
 struct Defect {

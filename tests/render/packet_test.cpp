@@ -275,6 +275,24 @@ TEST_F(PacketTest, TiesGoToTheLowestId) {
     expectSameTrace(tied.c.packed, tied.rays);
 }
 
+// A node costs its eight boxes, each box that the packet enters one more, and a primitive one: of a ball
+// alone, which the camera's ray meets and the light's begins on, each ray pays ten.
+TEST_F(PacketTest, ARayPaysForWhatItTests) {
+    Scene scene = emptyScene();
+    addSphere(scene, {0, 0, 0}, 1);
+    scene.camera.eye = {0.5, 0, 5};
+    scene.camera.target = {0.5, 0, 0};
+    Request request;
+    request.width = request.height = 1;
+    request.data = request.cost = true;
+    for (const bool lit : {false, true}) {
+        if (lit) scene.lights.push_back(DirectionalLight{{0, 0, -1}, Color(1)});
+        const Case c = makeCase(scene, 1, 1);
+        Renderer renderer(device(), c.packed, with(Traversal::Packet));
+        EXPECT_EQ(renderer.render(c.camera, request).at(0, 0).cost, lit ? 20u : 10u);
+    }
+}
+
 TEST_F(PacketTest, VerifyPasses) {
     for (const char* name : {"knot", "triangles", "spheres"}) {
         const Case c = fileCase(name, 64, 48);
