@@ -83,7 +83,7 @@ bool sameBits(float a, float b) {
 }
 
 // Any bits; equal exponents; the neighbourhood of 0, of the greatest floats, of powers of two; 0, infinity,
-// NaN.
+// NaN. Last, quotients in the middle between two multiples of the least float, which go to the even one.
 std::vector<Operands> hardOperands() {
     std::mt19937 random(11);
     const auto bits = [&](uint32_t kind) {
@@ -111,6 +111,11 @@ std::vector<Operands> hardOperands() {
     for (uint32_t i = 0; i < kCases; ++i) {
         cases[i] = {std::bit_cast<float>(bits(i % 6)), std::bit_cast<float>(bits(i / 6 % 6)),
                     std::bit_cast<float>(bits(i % 6)), 0};
+    }
+    for (uint32_t i = 0; i < 4096; ++i) {
+        const uint32_t half = 1 + static_cast<uint32_t>(random()) % 0x80000u;
+        cases[kCases - 1 - i] = {std::bit_cast<float>((2 * (i % 8) + 1) * half), static_cast<float>(2 * half),
+                                 1, 0};
     }
     return cases;
 }
