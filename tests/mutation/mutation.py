@@ -321,7 +321,7 @@ def suite(arguments):
             verdict = tests.verdict(site)
             print(f"{result['file']}:{result['line']}: {result['kind']}: {verdict or 'survived'}", flush=True)
             with open(arguments.results, "a") as file:
-                file.write(json.dumps(result | {"suite": verdict, "tests": " + ".join(filter(None, (result.get("tests"), arguments.filter)))}) + "\n")
+                file.write(json.dumps(result | {"suite": verdict, "tests": " + ".join(filter(None, (result.get("tests"), arguments.filter, "gallery" * arguments.gallery)))}) + "\n")
         tests.judge.end()
     return 0
 

@@ -103,7 +103,7 @@ def figures(results, score, places):
              f"- of the {score.tried} others `verify` alone finds {score.killed}, **{100 * score.by_verify:.1f} %** (" +
              ", ".join(f"{n} {w}" for w, n in why.most_common()) + ").", ""]
     if score.asked:
-        lines += [f"Of the {score.tried - score.killed} that it lets pass, {score.asked} were given to the gallery's hashes and to GPU tests near to them, which find {len(score.by_suite)}: "
+        lines += [f"Of the {score.tried - score.killed} that it lets pass, {score.asked} were given to GPU tests near to them or to the gallery's hashes, which find {len(score.by_suite)}: "
                   f"**{100 * score.by_all:.1f} %** together.", ""]
     lines += ["Kinds are drawn in turns, so rare ones count for more than they have places: an `abs`, which mostly stands in a bound of what rounding adds, as "
               f"much as an operator. By the places of each kind in the shaders ({sum(places.values())} in all) `verify` finds "
@@ -124,7 +124,7 @@ SEEN = {"same code": "not run", "same bits": "same bits", "other bits": "other b
 
 def survivors(score):
     lines = ["## What is left", "", "What neither `verify` nor the tests that were asked find, and no reason explains. *Seen*: whether any case ran it, and drew other bits, "
-             "within what is predicted. *Tests*: which of render_test were run, besides pictures of the gallery that show the file's work; - none.", "", "| where | was | is | seen | tests |", "|---|---|---|---|---|"]
+             "within what is predicted. *Tests*: which of render_test were run, and whether pictures of the gallery that show the file's work were drawn; - none.", "", "| where | was | is | seen | tests |", "|---|---|---|---|---|"]
     for r in sorted(score.left, key=lambda r: (r["file"], r["line"])):
         asked = code(r["tests"]) if "suite" in r else "-"
         lines.append(f"| {r['file']}: {code(r['within'])} | {code(r['was'])} | {code(r['is'])} | {SEEN[r['pictures']]} | {asked} |")
