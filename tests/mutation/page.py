@@ -76,7 +76,9 @@ tests/mutation/mutation.py suite build/bin/mutation_judge build/bin/render_test 
 tests/mutation/mutation.py table --results tests/mutation/results.jsonl
 ```
 
-The results are kept in the repository, and a further `run` goes on where they end.
+The results are kept in the repository, and a further `run` goes on where they end. Cases and tests were added for what survived of this sample, so it says
+what has been looked into. Of the sample that CI draws (`--seed 7 --count 36`), for which nothing was done, `verify` finds 23 of 33 (70 %), and for the ten
+others no reasons were looked for; it takes 247 s of processor time.
 """
 COLUMNS = "mutants | equivalent | no defect | found by verify | by the tests | left |\n|---|---|---|---|---|---|---|"
 
