@@ -37,7 +37,8 @@ std::vector<std::pair<std::string, Words>> allKernels() {
                                                              {"list", code.list},
                                                              {"whole", code.whole},
                                                              {"packetCount", code.packetCount},
-                                                             {"certify", code.certify}};
+                                                             {"certify", code.certify},
+                                                             {"packetCertify", code.packetCertify}};
             static_assert(sizeof(KernelCode) == std::size(kernels) * sizeof(Words), "a kernel is missing");
             for (const auto& [name, words] : kernels) all.emplace_back(name + suffix, words);
         }
