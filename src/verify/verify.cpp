@@ -52,6 +52,8 @@ class Comparison {
     }
 
     double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
+    // Where no ray follows another the device has no code for mirrors, and counts none that are left out.
+    bool countsBranches() const { return tracer_.environment().maxDepth > 0; }
 
     // unexplained: of all rows so far. The others need not be looked at once there are more than `enough`.
     RowSums row(int y, std::atomic<uint64_t>& unexplained, uint64_t enough) const {
@@ -273,7 +275,8 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
         all.floors.insert(all.floors.end(), rows[y].floors.begin(), rows[y].floors.end());
         all.samePath += rows[y].samePath;
     }
-    if (!account.agrees(device.losses, report.allowedOthers())) ++report.lossesDiffer;
+    if (comparison.countsBranches() && !account.agrees(device.losses, report.allowedOthers()))
+        ++report.lossesDiffer;
     if (!convicted) searchOn(comparison, report, sample);
     keepWorst(report, options.worstCount);
     return true;

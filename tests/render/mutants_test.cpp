@@ -236,6 +236,18 @@ TEST_F(VerdictTest, TheAccountOfLostBranchesIsVerified) {
     }
 }
 
+// At depth 0 a device has no code for mirrors, which the reference counts all the same.
+TEST_F(VerdictTest, MirrorsWithoutDepthAreNoDifference) {
+    const Case c = textCase(R"({
+  "camera": {"eye": [0, 1, 5], "target": [0, 0, 0]}, "maxDepth": 0, "background": 0.3,
+  "materials": {"mirror": {"diffuse": 0.5, "mirror": 0.5}}, "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
+  "objects": [{"type": "sphere", "material": "mirror"}, {"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0]}]
+})",
+                            32, 24);
+    Renderer renderer(device(), c.packed);
+    EXPECT_TRUE(verified(renderer, c).passed());
+}
+
 // Who wants the verdict alone gets the same one, and waits for fewer pixels.
 TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
     const Case c = fileCase("spheres", 64, 48);

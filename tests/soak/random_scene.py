@@ -312,3 +312,29 @@ class Maker:
         return {"camera": self.camera(), "background": background, "ambient": color(dice, 0, 0.3), "maxDepth": profile.depth,
                 "transmissiveShadows": profile.shadows, "lights": [self.light() for _ in range(profile.lights)],
                 "materials": materials, "meshes": self.meshes, "objects": objects}
+
+    def crowd(self, dice, scene):
+        """Adds a mesh of a few thousand triangles with texture coordinates that several objects share, some of them mirrored: instances.
+        What else chance makes of the scene stays as it is without."""
+        self.dice, around = dice, 40
+        bumps = dice.uniform(0, 0.2)
+        lines, faces = [], []
+        for ring in range(around + 1):
+            for step in range(around):
+                polar, turn = math.pi * ring / around, 2 * math.pi * step / around
+                r = 1 + bumps * math.sin(3 * turn) * math.sin(polar) * math.sin(5 * polar)
+                x, y, z = r * math.sin(polar) * math.cos(turn), r * math.cos(polar), -r * math.sin(polar) * math.sin(turn)
+                lines.append(f"v {x!r} {y!r} {z!r}\nvt {0.5 + x / 3!r} {0.5 + z / 3!r}\n")
+                a, b = ring * around + step + 1, ring * around + (step + 1) % around + 1
+                faces += [f"f {a}/{a} {a + around}/{a + around} {b}/{b}\n",
+                          f"f {b}/{b} {a + around}/{a + around} {b + around}/{b + around}\n"] if ring < around else []
+        path = self.path("obj")
+        path.write_text("".join(lines) + "".join(faces))
+        self.meshes[path.stem] = {"file": path.name}
+        scene["materials"]["crowd"] = self.material(True)
+        for _ in range(dice.randint(4, 9)):
+            size = self.unit * dice.uniform(0.1, 0.6)
+            scales = [size * dice.uniform(0.5, 1.5) * dice.choice([1, -1]) for _ in range(3)]
+            scene["objects"].append({"type": "mesh", "mesh": path.stem, "material": "crowd", "transform": [
+                {"scale": scales}, {"rotate": direction(dice) + [dice.uniform(-360, 360)]}, {"translate": self.at()}]})
+        return scene
