@@ -241,7 +241,8 @@ TEST_F(VerdictTest, MirrorsWithoutDepthAreNoDifference) {
     const Case c = textCase(R"({
   "camera": {"eye": [0, 1, 5], "target": [0, 0, 0]}, "maxDepth": 0, "background": 0.3,
   "materials": {"mirror": {"diffuse": 0.5, "mirror": 0.5}}, "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
-  "objects": [{"type": "sphere", "material": "mirror"}, {"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0]}]
+  "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "mirror"},
+              {"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0]}]
 })",
                             32, 24);
     Renderer renderer(device(), c.packed);
