@@ -30,7 +30,7 @@ bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalCh
         .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,
         .tripBudget = wholeTripBudget(device.info(), features, scene.polygonTripsPerLeaf, of),
         .rays = options.cameraRays * (1 + uint64_t{of.lightCount})};
-    return free && wholePathsPay(device.info(), features, choice, work);
+    return free && wholePathsPay(device.info(), choice, work);
 }
 
 std::vector<KernelId> Renderer::State::kernelsFor(const Request& request, const TraceModes& modes,

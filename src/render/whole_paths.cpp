@@ -12,8 +12,8 @@ namespace {
 constexpr uint32_t kFewestTrips = 1500;
 // scenes/glass.json follows up to 82.
 constexpr uint32_t kMostOfTree = 200;
-// From where on what tracing saves pays for a longer start, of packets and of alpha masks: between 0.7
-// million rays (scenes/arcade.json) and two.
+// From where on what packets save pays for their longer start: between 0.7 million rays (scenes/arcade.json)
+// and two.
 constexpr uint64_t kManyRays = 1'000'000;
 
 }  // namespace
@@ -39,12 +39,10 @@ bool wholePathsKnow(const TraceModes& modes) {
     return pictureAlone && modes.nodes == NodeFormat::Two;
 }
 
-bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
-                   const TraversalChoice& choice, const WholePathsWork& work) {
+bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {
     if (!device.llvmpipe || work.tripBudget < kFewestTrips) return false;
     const bool many = work.rays == 0 || work.rays >= kManyRays;
-    if (choice.packets && !work.furtherRays) return !many;
-    return many || !features.alphaMask;
+    return !(choice.packets && !work.furtherRays && many);
 }
 
 }  // namespace glint::render

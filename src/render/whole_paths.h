@@ -42,13 +42,9 @@ struct WholePathsWork {
 };
 
 // On llvmpipe, where the rows that the other kernels hand each other cost as much as tracing a few
-// primitives. Of a small picture the driver's translation of kernels takes longer than tracing
-// (docs/lab/whole-pictures.md has the figures), so it counts too:
-// - where packets trace all the rays there are they win, but by three kernels more, which only many rays pay;
-// - alpha masks have their texture code in both walks, which in one kernel takes the driver longer: again
-//   only many rays pay that.
-// Not where so many rays may come that few trips are left for each. Not measured on other devices.
-bool wholePathsPay(const gpu::DeviceInfo& device, const SceneFeatures& features,
-                   const TraversalChoice& choice, const WholePathsWork& work);
+// primitives. Where packets trace all the rays there are they win, but by three kernels more, whose
+// translation only many rays pay (docs/lab/whole-pictures.md has the figures). Not where so many rays may
+// come that few trips are left for each. Not measured on other devices.
+bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work);
 
 }  // namespace glint::render

@@ -133,8 +133,7 @@ class Judge {
                                                        scene.polygonTripsPerLeaf, scene.environment);
         return trial.device.traversal == render::Traversal::Lane &&
                trial.device.compaction == render::Compaction::Auto &&
-               render::wholePathsPay(device_.info(), scene.features, {},
-                                     {.furtherRays = true, .tripBudget = trips});
+               render::wholePathsPay(device_.info(), {}, {.furtherRays = true, .tripBudget = trips});
     }
 
     // As verify draws them: sample by sample, and if there are several, all of them.

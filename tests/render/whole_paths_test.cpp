@@ -52,28 +52,15 @@ TEST(WholePathsRuleTest, PacketsKeepPicturesOfManyRaysWithoutFurtherOnes) {
     gpu::DeviceInfo device;
     device.llvmpipe = true;
     const TraversalChoice lanes = {false, ""}, packets = {true, ""};
-    const SceneFeatures plain;
     for (const uint64_t rays : {uint64_t{0}, uint64_t{1} << 30}) {
-        EXPECT_TRUE(wholePathsPay(device, plain, lanes, {false, 3000, rays}));
-        EXPECT_FALSE(wholePathsPay(device, plain, packets, {false, 3000, rays}));
-        EXPECT_TRUE(wholePathsPay(device, plain, packets, {true, 3000, rays}));
+        EXPECT_TRUE(wholePathsPay(device, lanes, {false, 3000, rays}));
+        EXPECT_FALSE(wholePathsPay(device, packets, {false, 3000, rays}));
+        EXPECT_TRUE(wholePathsPay(device, packets, {true, 3000, rays}));
     }
-    EXPECT_TRUE(wholePathsPay(device, plain, packets, {false, 3000, 1000}))
-        << "too few for three kernels more";
-    EXPECT_FALSE(wholePathsPay(device, plain, lanes, {true, 100, 1000})) << "too few trips";
+    EXPECT_TRUE(wholePathsPay(device, packets, {false, 3000, 1000})) << "too few for three kernels more";
+    EXPECT_FALSE(wholePathsPay(device, lanes, {true, 100, 1000})) << "too few trips";
     device.llvmpipe = false;
-    EXPECT_FALSE(wholePathsPay(device, plain, lanes, {true, 3000, 1000}));
-}
-
-TEST(WholePathsRuleTest, AlphaMasksAreDrawnInOneKernelForManyRays) {
-    gpu::DeviceInfo device;
-    device.llvmpipe = true;
-    SceneFeatures masks;
-    masks.alphaMask = true;
-    const TraversalChoice lanes = {false, ""};
-    EXPECT_TRUE(wholePathsPay(device, masks, lanes, {true, 3000, 0}));
-    EXPECT_TRUE(wholePathsPay(device, masks, lanes, {true, 3000, 1 << 30}));
-    EXPECT_FALSE(wholePathsPay(device, masks, lanes, {true, 3000, 1000}));
+    EXPECT_FALSE(wholePathsPay(device, lanes, {true, 3000, 1000}));
 }
 
 // The more rays may come, the fewer trips are left: what no lane counts is more.
