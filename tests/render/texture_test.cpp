@@ -328,6 +328,21 @@ TEST_F(MaskTest, OpenBallsShowTheirInside) {
     EXPECT_EQ(viewer({0, 4, 4}, {0, 0.9, 0}).x, 9);                   // in and out through the upper half
 }
 
+// A ray that goes on through a hole goes on behind it: one that met the same hole again would run out of
+// trips, and its picture, drawn once more by other walks, be right all the same.
+TEST_F(MaskTest, NoRayMeetsAHoleTwice) {
+    Scene scene = maskScene();
+    addSphere(scene, {0, 0, 0}, 1, mask_);
+    scene.camera.eye = {0.3, 4, 0.3};
+    scene.camera.target = {0, 0, 0};
+    const Case c = makeCase(scene, 16, 16);
+    Options options;
+    options.wholePaths = WholePaths::Off;
+    Renderer renderer(device(), c.packed, options);
+    draw(renderer, c);
+    EXPECT_EQ(renderer.times().resumes, 0u);
+}
+
 // Rays that run out of loop trips in the middle, with a mask, end up the same.
 TEST_F(MaskTest, AnyTripBudgetDrawsTheSame) {
     const Case c = fileCase("textures", 96, 72);
