@@ -55,7 +55,9 @@ void AnimatedScene::override() {
 
 void AnimatedScene::pack() {
     const Stopwatch watch;
-    loaded_.packed = packScene(loaded_.scene, 0, options_.buildQuality, true, &memory_);
+    // To find a tree again costs as much memory as it has, and a picture that stands still has no use for it.
+    TreeMemory* const memory = loaded_.scene.animation ? &memory_ : nullptr;
+    loaded_.packed = packScene(loaded_.scene, 0, options_.buildQuality, true, memory);
     loaded_.packSeconds = watch.seconds();
 }
 

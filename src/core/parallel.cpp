@@ -93,4 +93,9 @@ void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned
     loop.rethrow();
 }
 
+void parallelTasks(const std::vector<std::function<void()>>& tasks, unsigned threads) {
+    parallelFor(
+        tasks.size(), [&](size_t i) { tasks[i](); }, threads);
+}
+
 }  // namespace glint

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace glint {
 
@@ -13,5 +14,8 @@ unsigned defaultThreadCount();
 // handing out indices one at a time in ascending order. The first exception thrown by a body stops further
 // indices and is rethrown here after all threads have ended.
 void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned threads = 0);
+
+// Runs the tasks, which do not depend on each other, as parallelFor does.
+void parallelTasks(const std::vector<std::function<void()>>& tasks, unsigned threads = 0);
 
 }  // namespace glint

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 #include "import/polygon_split.h"
@@ -27,8 +28,6 @@ bool hasThreeDifferent(const std::vector<uint32_t>& corners) {
 
 void MeshBuilder::reserve(size_t triangles) {
     mesh_.corners.reserve(triangles);
-    mesh_.faces.reserve(triangles);
-    mesh_.materials.reserve(triangles);
     if (!normals.empty()) mesh_.normalCorners.reserve(triangles);
     if (!uvs.empty()) mesh_.uvCorners.reserve(triangles);
     if (!colors.empty()) mesh_.colorCorners.reserve(triangles);
@@ -42,7 +41,26 @@ void MeshBuilder::addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t mater
     if (!normals.empty()) mesh_.normalCorners.push_back(pick(normalCorners_));
     if (!uvs.empty()) mesh_.uvCorners.push_back(pick(uvCorners_));
     if (!colors.empty()) mesh_.colorCorners.push_back(pick(colorCorners_));
+    keepFace(mesh_.corners.size() - 1);
+    keepMaterial(mesh_.corners.size() - 1, material);
+}
+
+// The list begins with the first triangle that is not the face of its own number.
+void MeshBuilder::keepFace(size_t triangle) {
+    if (mesh_.faces.empty()) {
+        if (polygons_ == triangle) return;
+        mesh_.faces.resize(triangle);
+        std::iota(mesh_.faces.begin(), mesh_.faces.end(), 0u);
+    }
     mesh_.faces.push_back(polygons_);
+}
+
+// With the first that has a material.
+void MeshBuilder::keepMaterial(size_t triangle, uint32_t material) {
+    if (mesh_.materials.empty()) {
+        if (material == Mesh::kNoIndex) return;
+        mesh_.materials.resize(triangle, Mesh::kNoIndex);
+    }
     mesh_.materials.push_back(material);
 }
 
@@ -91,8 +109,7 @@ void MeshBuilder::dropBadNormals() {
 
 void MeshBuilder::assignDefaultMaterial(std::vector<Material>& materials) {
     const auto missing = [](uint32_t material) { return material == Mesh::kNoIndex; };
-    if (std::all_of(mesh_.materials.begin(), mesh_.materials.end(), missing)) {
-        mesh_.materials.clear();
+    if (mesh_.materials.empty()) {
         materials.clear();
         return;
     }
@@ -129,9 +146,6 @@ ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> 
     if (badNormals_ > 0)
         warnings.push_back(file + ": the vertex normals of " + counted(badNormals_, "triangle", "triangles") +
                            " are not finite and are not used");
-    bool identity = true;
-    for (size_t i = 0; i < mesh_.faces.size() && identity; i++) identity = mesh_.faces[i] == i;
-    if (identity) mesh_.faces.clear();
     mesh_.positions = std::move(positions);
     mesh_.normals = std::move(normals);
     return {std::move(mesh_), std::move(materials), {}, std::move(warnings)};

@@ -39,6 +39,8 @@ class MeshBuilder {
   private:
     // Of the polygon at hand, by the places of its corners in the scratch.
     void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
+    void keepFace(size_t triangle);
+    void keepMaterial(size_t triangle, uint32_t material);
     void dropBadNormals();
     void finishAttributes();
     void assignDefaultMaterial(std::vector<Material>& materials);

@@ -2,6 +2,8 @@
 #include "pack/leaf_order.h"
 
 #include <array>
+#include <functional>
+#include <vector>
 
 #include "core/parallel.h"
 
@@ -37,16 +39,21 @@ Counts sumUp(std::vector<Counts>& chunks) {
     return total;
 }
 
-// Planes are written already.
-void makeRoom(const Counts& total, PackedScene& packed) {
+// Planes are written already. Side by side, as memory that nobody has touched takes longest here.
+void makeRoom(const Counts& total, PackedScene& packed, unsigned threads) {
+    std::vector<std::function<void()>> tasks;
+    const auto make = [&](auto& array, size_t size) {
+        if (size > 0) tasks.push_back([&array, size] { array.resize(size); });
+    };
     visitPrimitiveArrays(packed, [&](shared::PrimitiveKind kind, auto& array) {
-        if (kind != shared::PrimitiveKind::Plane) array.resize(total.kinds[static_cast<size_t>(kind)]);
+        if (kind != shared::PrimitiveKind::Plane) make(array, total.kinds[static_cast<size_t>(kind)]);
     });
-    packed.triangleSurfaces.resize(packed.triangles.size());
-    packed.polygonVertices.resize(total.rows.polygonVertices);
-    packed.vertexNormals.resize(total.rows.normals);
+    make(packed.triangleSurfaces, total.kinds[shared::kKindTriangle]);
+    make(packed.polygonVertices, total.rows.polygonVertices);
+    make(packed.vertexNormals, total.rows.normals);
     // At most 5 rows for each of 2^25 triangles: the number fits kAttributeFirstMask.
-    packed.vertexAttributes.resize(total.rows.attributes);
+    make(packed.vertexAttributes, total.rows.attributes);
+    parallelTasks(tasks, threads);
 }
 
 }  // namespace
@@ -61,7 +68,7 @@ void writeInLeafOrder(const Packing& packing, const Primitives& primitives,
         });
     };
     parallelFor(chunks.size(), count, threads);
-    makeRoom(sumUp(chunks), packing.packed);
+    makeRoom(sumUp(chunks), packing.packed, threads);
     const auto write = [&](size_t i) {
         Counts next = chunks[i];
         visitChunk(primitives, order, i, [&](shared::PrimitiveKind kind, Primitives::Source source) {

@@ -183,9 +183,9 @@ Primitives collectPrimitives(const Scene& scene, const PrimitiveNumbers& numbers
     for (uint32_t kind = 0; kind < shared::kKindCount; ++kind)
         checkLimit(kKindNames[kind], out.counts[kind], uint64_t{shared::kLeafFirstMask} + 1);
 
-    out.boxes.resize(total);
-    out.kinds.resize(out.boxes.size());
-    out.sources.resize(out.boxes.size());
+    parallelTasks(
+        {[&] { out.boxes.resize(total); }, [&] { out.kinds.resize(total), out.sources.resize(total); }},
+        threads);
     const auto collect = [&](size_t i) { collectChunk(scene, numbers, frame, i, fates, first[i], out); };
     parallelFor(counts.size(), collect, threads);
     return out;

@@ -16,16 +16,25 @@ uint64_t hashOf(const std::vector<T>& items) {
     return contentHash(std::span(reinterpret_cast<const uint8_t*>(items.data()), items.size() * sizeof(T)));
 }
 
-// Splitting looks at the triangles themselves.
-std::vector<glm::dvec3> cornersOf(const Primitives& primitives, const Scene& scene) {
+// Of the triangles' corners, at which splitting looks; by pieces, as together they would take half as much
+// memory as the tree.
+uint64_t hashOfCorners(const Primitives& primitives, const Scene& scene) {
+    constexpr size_t kPiece = 4096;
     std::vector<glm::dvec3> corners;
+    std::vector<uint64_t> hashes;
+    const auto close = [&] {
+        hashes.push_back(hashOf(corners));
+        corners.clear();
+    };
     for (size_t i = 0; i < primitives.sources.size(); ++i) {
         if (primitives.kinds[i] != shared::kKindTriangle) continue;
         const Primitives::Source source = primitives.sources[i];
         const auto vertices = TriangleSource(scene.objects[source.object]).vertices(source.face);
         corners.insert(corners.end(), vertices.begin(), vertices.end());
+        if (corners.size() >= kPiece) close();
     }
-    return corners;
+    close();
+    return hashOf(hashes);
 }
 
 }  // namespace
@@ -67,7 +76,7 @@ uint64_t treeKey(const Primitives& primitives, const Scene& scene, const Frame& 
                                     hashOf(primitives.sources),
                                     hashOf(std::vector(numbers.begin(), numbers.end()))};
     if (options.split && options.quality != BuildQuality::Fast)
-        hashes.push_back(hashOf(cornersOf(primitives, scene)));
+        hashes.push_back(hashOfCorners(primitives, scene));
     return hashOf(hashes);
 }
 

@@ -87,27 +87,38 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
                            const TraversalChoice& traversal, Arrays arrays)
     : arrays_(arrays), nodes_(traversal.nodes) {
     WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
-    const Others others{
-        {},
-        traversal.packets ? packetTree(scene.nodes, &packetSlots_) : std::vector<shared::PacketCorner>(),
-        std::move(tree.rows),
-        {}};
+    Others others;
+    others.wideRows = std::move(tree.rows);
+    std::vector<shared::PacketCorner> corners;
+    const auto buildPacketTree = [&] {
+        if (traversal.packets) corners = packetTree(scene.nodes, &packetSlots_);
+    };
     zeros_ = gpu::Buffer(device, "zeros", kZeroBytes, access, gpu::MemoryKind::Device);
     gpu::upload(device, zeros_, kZeros);
-    if (arrays == Arrays::Together) {
-        std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
-        visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
-            sizes[binding] = data.size();
-        });
-        placeTogether(device, sizes);
-    }
-    visitArrays(scene, others, [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+    const auto put = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
         if (arrays == Arrays::Together) return write(device, binding, data);
         buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
                                         access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);
-    });
+    };
+    if (arrays == Arrays::Together) {
+        buildPacketTree();
+        others.packetCorners = std::move(corners);
+        std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
+        visitArrays(scene, others, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
+            sizes[binding] = data.size();
+        });
+        placeTogether(device, sizes);
+        visitArrays(scene, others, put);
+    } else {
+        // That tree is built while the other arrays are copied.
+        const auto putAllElse = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
+            if (binding != packetCornersBinding) put(binding, name, data);
+        };
+        parallelTasks({buildPacketTree, [&] { visitArrays(scene, others, putAllElse); }});
+        put(packetCornersBinding, "packetCorners", std::as_bytes(std::span(corners)));
+    }
     if (tree.roots.empty()) return;
     std::vector<shared::Instance> instances = scene.instances;
     for (size_t i = 0; i < instances.size(); ++i) instances[i].wideRoot = tree.roots[i];

@@ -42,6 +42,7 @@ std::string header(const std::string& format, const std::string& rest) {
 const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
 const std::string kList = "property list uchar int vertex_indices\n";
 const std::string kSquare = "element vertex 4\n" + kXyz + "element face 2\n" + kList;
+const std::string kStrips = "element tristrips 1\nproperty list int int vertex_indices\n";
 const std::string kSquareVertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 // The same square with every scalar type somewhere, elements and properties to skip, and lists in the wrong
@@ -206,6 +207,15 @@ TEST(Ply, FacesMayStandBeforeVertices) {
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}}));
 }
 
+TEST(Ply, FacesOnBothSidesOfTheVerticesKeepTheirOrder) {
+    const Mesh mesh =
+        import(header("ascii", "element face 1\n" + kList + "element vertex 4\n" + kXyz + kStrips) +
+               "3 3 2 1\n" + kSquareVertices + "3 0 1 2\n")
+            .mesh;
+    EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{3, 2, 1}, {0, 1, 2}}));
+    EXPECT_TRUE(mesh.faces.empty());
+}
+
 TEST(Ply, HeadersThatAreNotUnderstood) {
     EXPECT_EQ(importErrorOf("solid cube\n"), "m.ply:1: not a PLY file: it must start with \"ply\"");
     EXPECT_EQ(importErrorOf("ply\nformat ascii 2.0\nend_header\n"),
@@ -251,8 +261,6 @@ TEST(Ply, ContentsThatCannotBeDrawn) {
                             "0 0 0\n"),
               "m.ply: \"vertex_index\" must be a list of integers");
 }
-
-const std::string kStrips = "element tristrips 1\nproperty list int int vertex_indices\n";
 
 // A row of four triangles over five vertices and, after -1, one of a sixth: (0 1 2), (1 2 3) turned round,
 // ... Runs of fewer than three vertices and repeated vertices make none.
@@ -318,6 +326,13 @@ TEST(Ply, MessagesArePrintable) {
         EXPECT_NE(message.find("[31m"), std::string::npos) << message;
         EXPECT_EQ(message.find('\x1b'), std::string::npos) << message;
     }
+}
+
+TEST(Ply, FacesAreListedFromTheFirstThatIsMoreThanATriangleOn) {
+    const Mesh mesh = import(header("ascii", "element vertex 4\n" + kXyz + "element face 3\n" + kList) +
+                             kSquareVertices + "3 0 1 2\n3 1 2 3\n4 0 1 2 3\n")
+                          .mesh;
+    EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 1, 2, 2}));
 }
 
 TEST(Ply, DegenerateFacesAreCounted) {
