@@ -200,7 +200,8 @@ def rates(options, kinds):
         if not path.exists():
             print(f"{name}: {path} is missing, left out", file=sys.stderr)
             continue
-        vertices, faces = (np.array(a) for a in compare_povray.read_ply(path))
+        mesh = compare_povray.meshes.read(path)
+        vertices, faces = np.array(mesh.vertices), np.array([face[0] for face in mesh.faces])
         contenders = [kind(vertices, faces) for kind in kinds]
         pictures, scattered = camera_rays(eye, target, up, fov, options.size), random_rays(vertices, options.size**2)
         for kind, rays in (("camera", pictures), ("random", scattered)):
