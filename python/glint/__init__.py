@@ -267,7 +267,7 @@ class Scene(_native.Owner):
         scene = cls.__new__(cls)
         _native.Owner.__init__(scene)
         scene._device = _device(device)
-        options = _Options(cancelled, progress)
+        options = _Options(cancelled, progress, True)
         options.call("glint_scene_load_with", scene._device._handle, os.fsencode(path), result=(ctypes.byref(scene._handle),))
         return scene
 
@@ -329,7 +329,7 @@ class Scene(_native.Owner):
         """Makes what was added and changed what queries see. Where vertices and transforms alone changed, the trees stay and their
         boxes follow, see `refits`; the answers are those of a scene made anew. Cancelled, the scene stays as it was committed
         before."""
-        _Options(cancelled, progress).call("glint_scene_commit_with", self._handle)
+        _Options(cancelled, progress, True).call("glint_scene_commit_with", self._handle)
         return self
 
     def _added(self, name: str, *arguments: Any) -> int:

@@ -425,6 +425,39 @@ def test_ctrl_c_ends_a_call(device):
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.parametrize("selector", ["cpu", ""])
+def test_ctrl_c_ends_commits_and_loads(selector, tmp_path):
+    """Pressed where memory is first asked for, so that no clock decides what it comes upon."""
+    _mesh_files(tmp_path)
+    taken, presses = [], []
+
+    def memory(count):
+        taken.append(count)
+        if presses:
+            presses.pop()
+            os.kill(os.getpid(), signal.SIGINT)
+        return True
+    device, ray = glint.Device(selector, memory=memory), [[70, 70, 9, 0, 0, -1]]
+    whole = glint.Scene.load(tmp_path / "a.obj", device)
+    asked = sum(count > 0 for count in taken)
+    taken.clear()
+    presses.append(True)
+    with pytest.raises(KeyboardInterrupt):
+        glint.Scene.load(tmp_path / "a.obj", device)
+    assert not presses and sum(taken) == 0 and sum(count > 0 for count in taken) < asked
+    vertices = numpy.array([[0, 0, 0], [200, 0, 0], [0, 200, 0]] * 20_000, numpy.float32)
+    scene = glint.Scene(device=device)
+    scene.add_triangles(vertices)
+    presses.append(True)
+    with pytest.raises(KeyboardInterrupt):
+        scene.commit()
+    assert not presses
+    with pytest.raises(glint.Error, match="has not been committed"):
+        scene.count(ray)
+    assert scene.commit().count(ray) == 20_000 and whole.occluded(ray).all()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_threads_share_a_scene(cube):
     random = numpy.random.default_rng(2)
     rays = numpy.hstack([5 * _unit(random, 3000), random.normal(size=(3000, 3))])
