@@ -98,10 +98,12 @@ class Device(_native.Owner):
 
     _release = "glint_device_release"
 
-    def __init__(self, selector: str | int = "", threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None,
+    def __init__(self, selector: str | int | None = None, threads: int = 0, max_bytes: int = 0, log: Callable[[str], None] | None = None,
                  memory: Callable[[int], object] | None = None) -> None:
         super().__init__()
         settings = _native.make(_native.Settings)
+        if threads < 0 or max_bytes < 0:
+            raise ValueError("threads and max_bytes cannot be negative")
 
         def asked(_: int | None, count: int) -> int:
             try:
@@ -116,7 +118,7 @@ class Device(_native.Owner):
         self._log = _native.LOG_CALLBACK(lambda user, level, text: log(text.decode()) if log else None)
         if log:
             settings.log = self._log
-        _native.call("glint_device_open_with", str(selector).encode(), ctypes.byref(settings), ctypes.byref(self._handle))
+        _native.call("glint_device_open_with", _native.text("" if selector is None else str(selector)), ctypes.byref(settings), ctypes.byref(self._handle))
 
     @property
     def info(self) -> dict[str, Any]:
@@ -127,7 +129,7 @@ class Device(_native.Owner):
 
 
 def _device(device: Selector) -> Device:
-    return device if isinstance(device, Device) else Device("" if device is None else device)
+    return device if isinstance(device, Device) else Device(device)
 
 
 def _transform(matrix: ArrayLike) -> tuple[NDArray[numpy.float64], Any]:
@@ -180,13 +182,11 @@ class _RayArrays:
             self.shape = _native.shape_before(rays)
             origins, directions = both[:, :3], both[:, 3:]
         else:
-            origins = _native.numbers(rays, 3, "origins")
-            self.shape = numpy.broadcast_shapes(_native.shape_before(rays), _native.shape_before(directions))
-            directions = _native.numbers(directions, 3, "directions")
+            shapes = [_native.shape_before(given) for given in (rays, directions)]
+            self.shape = numpy.broadcast_shapes(*shapes)
+            origins, directions = (self._spread(_native.numbers(given, 3, what), shape)
+                                   for given, what, shape in zip((rays, directions), ("origins", "directions"), shapes))
         self.count = math.prod(self.shape)
-        for array in (origins, directions):
-            if array.shape[0] not in (1, self.count):
-                raise ValueError("origins and directions must be as many, or one for all")
         # One origin and one direction for a shape of no axes, or of many.
         if self.count > 1 and origins.shape[0] == directions.shape[0] == 1:
             origins = numpy.repeat(origins, self.count, axis=0)
@@ -200,6 +200,12 @@ class _RayArrays:
                 self.kept.append(array)
                 setattr(self.struct, name, _native.view(array))
         self.struct.flags = _native.COHERENT if coherent else 0
+
+    def _spread(self, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+        """As many as the rays, by numpy's rules; or one, which stands for all to the library too."""
+        if array.shape[0] in (1, math.prod(self.shape)):
+            return array
+        return numpy.broadcast_to(array.reshape(shape + (3,)), self.shape + (3,)).reshape(-1, 3)
 
 
 def _names(wanted: Iterable[str]) -> tuple[str, ...]:
@@ -268,7 +274,7 @@ class Scene(_native.Owner):
         _native.Owner.__init__(scene)
         scene._device = _device(device)
         options = _Options(cancelled, progress, True)
-        options.call("glint_scene_load_with", scene._device._handle, os.fsencode(path), result=(ctypes.byref(scene._handle),))
+        options.call("glint_scene_load_with", scene._device._handle, _native.text(os.fsencode(path)), result=(ctypes.byref(scene._handle),))
         return scene
 
     # ---- what is in it ----
@@ -297,7 +303,7 @@ class Scene(_native.Owner):
     def add_json(self, text: str, folder: Path | None = None) -> range:
         """What the text of a scene file describes; returns the numbers of its geometries, as a range."""
         first, count = ctypes.c_uint32(), ctypes.c_uint32()
-        _native.call("glint_scene_add_json", self._handle, text.encode(), None if folder is None else os.fsencode(folder),
+        _native.call("glint_scene_add_json", self._handle, _native.text(text), None if folder is None else _native.text(os.fsencode(folder)),
                      ctypes.byref(first), ctypes.byref(count))
         return range(first.value, first.value + count.value)
 
@@ -322,7 +328,7 @@ class Scene(_native.Owner):
     def material(self, name: str) -> int:
         """The number of the material of that name."""
         found = ctypes.c_uint32()
-        _native.call("glint_scene_find_material", self._handle, name.encode(), ctypes.byref(found))
+        _native.call("glint_scene_find_material", self._handle, _native.text(name), ctypes.byref(found))
         return found.value
 
     def commit(self, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
@@ -460,7 +466,7 @@ class Scene(_native.Owner):
         if max_depth is not None:
             picture.max_depth = max_depth or -1
         if isinstance(camera, str):
-            picture.camera_name = camera.encode()
+            picture.camera_name = _native.text(camera)
         elif camera is not None:
             if not 2 <= len(camera) <= 4:
                 raise ValueError("camera is (eye, target), (eye, target, up), (eye, target, up, fov_y) or a name")

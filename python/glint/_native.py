@@ -149,7 +149,8 @@ class Owner:
 
     def __del__(self) -> None:
         if getattr(self, "_process", None) == os.getpid():
-            getattr(loaded, self._release)(self._held)
+            held, self._held = self._held, ctypes.c_void_p()  # whoever calls this by hand does so once more in the end
+            getattr(loaded, self._release)(held)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         raise TypeError(f"a {type(self).__name__} can be neither copied nor pickled; make another one from the same arrays or file")
@@ -202,6 +203,14 @@ def view(array: NDArray[Any] | None) -> View:
         return View()
     stride = array.strides[0] if array.size else 0
     return View(array.ctypes.data_as(ctypes.c_void_p), array.shape[0], stride, _TYPES[array.dtype.name], 0)
+
+
+def text(given: str | bytes) -> bytes:
+    """As C reads it: up to the first null character, so there may be none."""
+    encoded = given.encode() if isinstance(given, str) else given
+    if b"\0" in encoded:
+        raise ValueError("there is a null character in the text")
+    return encoded
 
 
 def indices(given: ArrayLike, what: str) -> NDArray[numpy.uint32]:

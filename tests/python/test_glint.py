@@ -51,6 +51,16 @@ def test_a_known_hit_and_a_miss(cube):
     assert hits.normal[0] == pytest.approx([0, 0, 1])
 
 
+def test_origins_and_directions_as_numpy_broadcasts_them(cube):
+    origins = numpy.array([[[0.2, 0.3, 5]], [[0.2, 0.3, -5]]])
+    directions = numpy.array([[[0, 0, -1], [0, 0, 1], [0, 0, -2]]], numpy.float32)
+    for dtype in (numpy.float32, numpy.float64):
+        assert cube.cast(origins.astype(dtype), directions).t.tolist() == [[4, numpy.inf, 2], [numpy.inf, 4, numpy.inf]]
+    assert cube.cast(origins, directions[0, 0]).t.tolist() == [[4], [numpy.inf]]
+    assert cube.cast(origins[0, 0], directions).t.tolist() == [[4, numpy.inf, 2]]
+    assert cube.cast(origins[0], directions[0, 0]).t.tolist() == [4]
+
+
 def test_only_what_is_wanted(cube):
     assert cube.cast([[0, 0, 5, 0, 0, -1]], want=("t",))._fields == ("t",)
     with pytest.raises(ValueError):
@@ -365,6 +375,17 @@ def test_what_people_pass_by_mistake(device, cube):
             cube.add_instance(0, matrix)
     with pytest.raises(ValueError):
         cube.render(4, 4, 1, camera=((0, 0, 5),))
+    for wrong in ({"threads": -1}, {"max_bytes": -1}, {"selector": "cpu\0"}):
+        with pytest.raises(ValueError):
+            glint.Device(**wrong)
+    for call in (cube.add_json, cube.material, lambda name: glint.Scene.load(name, device)):
+        with pytest.raises(ValueError, match="null character"):
+            call("{}\0")
+    assert glint.Device(None).info["usable"]
+    other = glint.Scene(CUBE, FACES, device)
+    other.__del__()
+    with pytest.raises(glint.Error, match="scene is NULL"):
+        other.cast(ray)
     assert cube.cast(ray, want="normal").normal.tolist() == [[0, 0, 1]]
     ray.setflags(write=False)
     for odd in (ray, ray.astype(">f8"), ray.astype(">f4"), numpy.repeat(ray, 3, 0)[::-1], numpy.asfortranarray(ray)):
