@@ -98,9 +98,10 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
                 {glm::dvec3(rays.origins[numbers[i]]), glm::dvec3(rays.directions[numbers[i]])}, origin));
     };
     std::atomic<size_t> certain = 0;
-    task.take = [&](const render::RayNumbers&, std::span<const render::FoundHit> found) {
-        certain += static_cast<size_t>(
-            std::count_if(found.begin(), found.end(), [](const auto& hit) { return hit.certain; }));
+    task.take = [&](const render::RayNumbers&, const render::FoundHits& found) {
+        size_t some = 0;
+        for (size_t i = 0; i < found.size(); ++i) some += found[i].certain ? 1 : 0;
+        certain += some;
     };
     queries.run(task);
     uncertain = kRays - certain;

@@ -51,14 +51,15 @@ class Run {
             if (!std::all_of(inputs.begin(), inputs.end(), suitsDevice))
                 suited.store(false, std::memory_order_relaxed);
         };
-        task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
+        task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
             hits_.write(numbers, found, rays_, rescaled.load(std::memory_order_relaxed));
             const bool all = suited.load(std::memory_order_relaxed);
             for (size_t i = 0; i < found.size(); ++i) {
                 const uint64_t ray = numbers[i];
+                const render::FoundHit one = found[i];
                 const bool certain =
-                    found[i].certain && (all || suitsDevice(render::roundedRay(rays_.local(ray))));
-                certain ? takeCertain(ray, found[i]) : decide(ray);
+                    one.certain && (all || suitsDevice(render::roundedRay(rays_.local(ray))));
+                certain ? takeCertain(ray, one) : decide(ray);
             }
         };
         if (!snapshot_.part().queries->run(task)) throw Cancelled();

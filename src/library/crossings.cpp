@@ -42,12 +42,13 @@ struct CountRun {
         task.cancelled = callbacks.cancelled;
         task.progress = callbacks.progress;
         task.fill = read;
-        task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
+        task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
             for (size_t i = 0; i < found.size(); ++i) {
+                const render::FoundHit one = found[i];
                 const uint32_t crossings =
-                    found[i].doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(numbers[i])).size())
-                                      : found[i].crossings;
-                take(numbers[i], crossings, found[i].doubtful);
+                    one.doubtful ? static_cast<uint32_t>(crossingsOf(part, ray(numbers[i])).size())
+                                 : one.crossings;
+                take(numbers[i], crossings, one.doubtful);
             }
         };
         if (!part.queries->run(task)) throw Cancelled();

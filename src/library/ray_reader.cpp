@@ -17,6 +17,14 @@ namespace {
 // So many rays before it is needed the processor is told to load what is in no order.
 constexpr size_t kAhead = 32;
 
+// The surface of a ray that misses, or hits what is no triangle.
+const shared::TriangleSurface kNothing = {.normal = glm::vec3(0),
+                                          .object = GLINT_NONE,
+                                          .primitive = GLINT_NONE,
+                                          .material = GLINT_NONE,
+                                          .vertexNormals = shared::kNone,
+                                          .attributes = 0};
+
 std::optional<NumberView> bounds(const glint_view& view, uint64_t count, const char* what) {
     if (view.data == nullptr) return std::nullopt;
     return NumberView(view, 1, std::max<uint64_t>(count, 1), what);
@@ -50,24 +58,35 @@ WorldRay RayReader::world(uint64_t i) const {
     return ray;
 }
 
+// fp32 rays that no rounding but that of the origin changes, which most are: straight on, without a branch.
+// False if there are others among them, and nothing is right then.
+bool RayReader::roundedNarrow(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const {
+    const NumberView origins = origins_, directions = directions_;
+    const glm::dvec3 from = origin_;
+    bool harmless = true;
+    for (size_t i = 0; i < inputs.size(); ++i) {
+        if (numbers.order != nullptr && i + kAhead < inputs.size()) {
+            origins.foresee(numbers[i + kAhead]);
+            directions.foresee(numbers[i + kAhead]);
+        }
+        const glm::vec3 direction = directions.narrowThree(numbers[i]);
+        const glm::dvec3 origin(origins.narrowThree(numbers[i]));
+        const float greatest =
+            std::max(std::max(std::abs(direction.x), std::abs(direction.y)), std::abs(direction.z));
+        harmless &= isHarmless(static_cast<double>(greatest));
+        inputs[i] = {glm::vec3(origin - from), direction, 0, shared::kInfinity};
+    }
+    return harmless;
+}
+
 bool RayReader::rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const {
     const bool narrow = !origins_.wide() && !directions_.wide() && !tMin_ && !tMax_;
+    if (narrow && roundedNarrow(numbers, inputs)) return false;
     bool rescaled = false;
     for (size_t i = 0; i < inputs.size(); ++i) {
         if (numbers.order != nullptr && i + kAhead < inputs.size()) {
             origins_.foresee(numbers[i + kAhead]);
             directions_.foresee(numbers[i + kAhead]);
-        }
-        if (narrow) {
-            // What follows, for numbers that no rounding but that of the origin changes.
-            const glm::vec3 direction = directions_.narrowThree(numbers[i]);
-            const glm::vec3 size = glm::abs(direction);
-            const float greatest = std::max(std::max(size.x, size.y), size.z);
-            if (isHarmless(static_cast<double>(greatest))) {
-                const glm::dvec3 origin(origins_.narrowThree(numbers[i]));
-                inputs[i] = {glm::vec3(origin - origin_), direction, 0, shared::kInfinity};
-                continue;
-            }
         }
         const LocalRay ray = local(numbers[i]);
         rescaled = rescaled || ray.exponent != 0;
@@ -129,71 +148,107 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     normal_.put(i, surface.geometricNormal);
 }
 
-// What Tracer::surfaceAt would say of triangles, by the same operations; array by array, as that is what
-// costs least. Points and normals are of triangles without instances alone. triangles: kNone for a miss.
-void HitWriter::writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
-                               std::span<const uint32_t> triangles) const {
+// What Tracer::surfaceAt would say of triangles, array by array, as that is what costs least.
+void HitWriter::writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
+                               const Rows& rows) const {
+    const auto hits = found;
+    const auto* const own = rows.data();
+    if (places_) writePlaces(numbers, found, rows);
+    uv_.putAll(numbers, hits.size(), [=](size_t k) {
+        const glm::vec2 uv(hits.u(k), hits.v(k));
+        return own[k] == &kNothing ? glm::vec2(0) : uv;
+    });
+    if (surfaces_) writeSurfaces(numbers, found, rows);
+}
+
+void HitWriter::writePlaces(const render::RayNumbers& numbers, const render::FoundHits& found,
+                            const Rows& rows) const {
+    const size_t count = found.size();
+    const auto* const own = rows.data();
+    primitive_.putAllWhole(numbers, count, [=](size_t k) { return own[k]->primitive; });
+    if (part_.packed.instances.empty()) {
+        geometry_.putAllWhole(numbers, count, [=](size_t k) { return own[k]->object; });
+        material_.putAllWhole(numbers, count, [=](size_t k) { return own[k]->material; });
+        return;
+    }
+    // An instance is a geometry of its own, and may have a material of its own.
+    const shared::Instance* const instances = part_.packed.instances.data();
+    geometry_.putAllWhole(numbers, count, [&](size_t k) {
+        const uint32_t instance = own[k] == &kNothing ? shared::kNone : found.instance(k);
+        return instance == shared::kNone ? own[k]->object : instances[instance].object;
+    });
+    material_.putAllWhole(numbers, count, [&](size_t k) {
+        const uint32_t instance = own[k] == &kNothing ? shared::kNone : found.instance(k);
+        const uint32_t other = instance == shared::kNone ? shared::kNone : instances[instance].material;
+        return other == shared::kNone ? own[k]->material : other;
+    });
+}
+
+// Of triangles without instances.
+void HitWriter::writeSurfaces(const render::RayNumbers& numbers, const render::FoundHits& found,
+                              const Rows& rows) const {
     const PackedScene& packed = part_.packed;
-    const auto put = [&](const Output& out, const auto& of) {
-        out.putAllWhole(numbers, found.size(), [&](size_t k) {
-            return triangles[k] == shared::kNone
-                       ? GLINT_NONE
-                       : of(packed.triangleSurfaces[triangles[k]], found[k].instance);
-        });
-    };
-    put(geometry_, [&](const shared::TriangleSurface& own, uint32_t instance) {
-        return instance == shared::kNone ? own.object : packed.instances[instance].object;
-    });
-    put(primitive_, [](const shared::TriangleSurface& own, uint32_t) { return own.primitive; });
-    put(material_, [&](const shared::TriangleSurface& own, uint32_t instance) {
-        const uint32_t other =
-            instance == shared::kNone ? shared::kNone : packed.instances[instance].material;
-        return other == shared::kNone ? own.material : other;
-    });
-    uv_.putAll(numbers, found.size(), [&](size_t k) {
-        return triangles[k] == shared::kNone ? glm::dvec2(0) : glm::dvec2(found[k].u, found[k].v);
-    });
+    const size_t count = found.size();
+    const auto* const own = rows.data();
     const auto cornersOf = [&](size_t k) {
-        const shared::Triangle& t = packed.triangles[triangles[k]];
+        const shared::Triangle& t =
+            packed.triangles[static_cast<size_t>(own[k] - packed.triangleSurfaces.data())];
         return std::array{glm::dvec3(t.v0), glm::dvec3(t.v1), glm::dvec3(t.v2)};
     };
-    normal_.putAll(numbers, found.size(), [&](size_t k) {
-        if (triangles[k] == shared::kNone) return glm::dvec3(0);
+    if (normal_.wide()) {
+        const shared::TriangleSurface* last = &kNothing;  // neighbours often hit the same
+        glm::dvec3 normal(0);
+        normal_.putAll(numbers, count, [&](size_t k) {
+            if (own[k] == last) return normal;
+            last = own[k];
+            if (last == &kNothing) return normal = glm::dvec3(0);
+            const auto [v0, v1, v2] = cornersOf(k);
+            return normal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
+        });
+    } else {
+        normal_.putAll(numbers, count, [=](size_t k) { return own[k]->normal; });
+    }
+    point_.putAll(numbers, count, [&](size_t k) {
+        if (own[k] == &kNothing) return glm::dvec3(0);
         const auto [v0, v1, v2] = cornersOf(k);
-        return glm::normalize(glm::cross(v1 - v0, v2 - v0));
-    });
-    point_.putAll(numbers, found.size(), [&](size_t k) {
-        if (triangles[k] == shared::kNone) return glm::dvec3(0);
-        const auto [v0, v1, v2] = cornersOf(k);
-        const double u = static_cast<double>(found[k].u), v = static_cast<double>(found[k].v);
+        const double u = static_cast<double>(found.u(k)), v = static_cast<double>(found.v(k));
         return packed.origin + ((1 - u - v) * v0 + u * v1 + v * v2);
     });
 }
 
-void HitWriter::write(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
+void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits& found,
                       const RayReader& rays, bool rescaled) const {
-    std::array<uint32_t, render::RayTask::kBlock> triangles;
+    const auto hits = found;
+    Rows rows;
+    const auto** const own = rows.data();
+    const shared::TriangleSurface* const surfaces = part_.packed.triangleSurfaces.data();
     bool others = false;
-    for (size_t k = 0; k < found.size(); ++k) {
-        const uint32_t primitive = found[k].primitive;
+    for (size_t k = 0; k < hits.size(); ++k) {
+        const uint32_t primitive = hits.primitive(k);
         const bool triangle = primitive >> shared::kPrimitiveKindShift == shared::kKindTriangle &&
-                              (found[k].instance == shared::kNone || !surfaces_);
-        triangles[k] = triangle ? primitive & shared::kPrimitiveIndexMask : shared::kNone;
-        others = others || (!triangle && primitive != shared::kNone);
+                              (!surfaces_ || hits.instance(k) == shared::kNone);
+        own[k] = triangle ? surfaces + (primitive & shared::kPrimitiveIndexMask) : &kNothing;
+        if (places_ || surfaces_) __builtin_prefetch(own[k]);
+        others |= !triangle && primitive != shared::kNone;
     }
-    hit_.putAllWhole(numbers, found.size(),
-                     [&](size_t k) -> uint8_t { return triangles[k] != shared::kNone ? 1 : 0; });
-    t_.putAll(numbers, found.size(), [&](size_t k) {
-        if (triangles[k] == shared::kNone) return std::numeric_limits<double>::infinity();
-        const double t = static_cast<double>(found[k].t);
-        return rescaled ? rays.local(numbers[k]).worldT(t) : t;
-    });
-    writeTriangles(numbers, found, std::span(triangles).first(found.size()));
+    hit_.putAllWhole(numbers, hits.size(), [=](size_t k) -> uint8_t { return own[k] != &kNothing ? 1 : 0; });
+    if (rescaled) {
+        t_.putAll(numbers, hits.size(), [&](size_t k) {
+            return own[k] == &kNothing ? std::numeric_limits<double>::infinity()
+                                       : rays.local(numbers[k]).worldT(static_cast<double>(hits.t(k)));
+        });
+    } else {
+        t_.putAll(numbers, hits.size(), [=](size_t k) {
+            const float t = hits.t(k);
+            return own[k] == &kNothing ? std::numeric_limits<float>::infinity() : t;
+        });
+    }
+    writeTriangles(numbers, found, rows);
     if (!others) return;
     const reference::Tracer* const tracer = places_ || surfaces_ ? &part_.tracer() : nullptr;
     for (size_t k = 0; k < found.size(); ++k) {
-        const render::FoundHit& hit = found[k];
-        if (hit.primitive == shared::kNone || triangles[k] != shared::kNone) continue;
+        const render::FoundHit hit = found[k];
+        if (hit.primitive == shared::kNone || own[k] != &kNothing) continue;
         write(numbers[k], rays.local(numbers[k]),
               {static_cast<double>(hit.t), static_cast<double>(hit.u), static_cast<double>(hit.v),
                hit.primitive, 0, hit.instance},

@@ -1,6 +1,8 @@
 // The caller's rays and hits: read, followed in local coordinates, written.
 #pragma once
 
+#include <array>
+
 #include "library/snapshot.h"
 #include "library/views.h"
 #include "trace/ray_batch.h"
@@ -19,6 +21,8 @@ class RayReader {
     bool rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;
 
   private:
+    bool roundedNarrow(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;
+
     glint_rays given_;
     NumberView origins_, directions_;
     std::optional<NumberView> tMin_, tMax_;
@@ -35,8 +39,8 @@ class HitWriter {
     // hit: what the tracer found for a local ray, with hit.primitive kNone on a miss.
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit) const;
     // What a device found; rescaled: some of all rays are.
-    void write(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
-               const RayReader& rays, bool rescaled) const;
+    void write(const render::RayNumbers& numbers, const render::FoundHits& found, const RayReader& rays,
+               bool rescaled) const;
     bool wantsAny() const;
     // t, u and v once more, t in units of the caller's direction.
     void writePlace(uint64_t i, const reference::Hit& hit) const {
@@ -49,8 +53,13 @@ class HitWriter {
     void write(uint64_t i, const LocalRay& ray, const reference::Hit& hit,
                const reference::Tracer* tracer) const;
     void writeMiss(uint64_t i) const;
-    void writeTriangles(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
-                        std::span<const uint32_t> triangles) const;
+    using Rows = std::array<const shared::TriangleSurface*, render::RayTask::kBlock>;
+    void writeTriangles(const render::RayNumbers& numbers, const render::FoundHits& found,
+                        const Rows& rows) const;
+    void writePlaces(const render::RayNumbers& numbers, const render::FoundHits& found,
+                     const Rows& rows) const;
+    void writeSurfaces(const render::RayNumbers& numbers, const render::FoundHits& found,
+                       const Rows& rows) const;
 
     const Snapshot::Part& part_;
     Output hit_, t_, geometry_, primitive_, material_, uv_, point_, normal_;

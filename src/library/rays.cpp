@@ -11,8 +11,8 @@ namespace glint::library {
 namespace {
 
 using Write = std::function<void(uint64_t i, const LocalRay& ray, const reference::Hit& hit)>;
-using Take = std::function<void(const render::RayNumbers& numbers, std::span<const render::FoundHit> found,
-                                bool rescaled)>;
+using Take =
+    std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
 void askDevice(const RayReader& rays, bool any, const Callbacks& callbacks, render::RayQueries& queries,
                const Take& take) {
@@ -26,7 +26,7 @@ void askDevice(const RayReader& rays, bool any, const Callbacks& callbacks, rend
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
         if (rays.rounded(numbers, inputs)) rescaled.store(true, std::memory_order_relaxed);
     };
-    task.take = [&](const render::RayNumbers& numbers, std::span<const render::FoundHit> found) {
+    task.take = [&](const render::RayNumbers& numbers, const render::FoundHits& found) {
         take(numbers, found, rescaled.load(std::memory_order_relaxed));
     };
     if (!queries.run(task)) throw Cancelled();
@@ -63,7 +63,7 @@ void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callba
 }  // namespace glint::library
 
 using namespace glint::library;
-using glint::render::FoundHit;
+using glint::render::FoundHits;
 using glint::render::RayNumbers;
 
 glint_status glint_query_closest(const glint_scene* scene, const glint_rays* rays, const glint_hits* hits,
@@ -78,7 +78,7 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
             *snapshot, reader, false, Callbacks(options),
-            [&](const RayNumbers& numbers, std::span<const FoundHit> found, bool rescaled) {
+            [&](const RayNumbers& numbers, const FoundHits& found, bool rescaled) {
                 writer.write(numbers, found, reader, rescaled);
             },
             [&](uint64_t i, const glint::LocalRay& ray, const glint::reference::Hit& hit) {
@@ -94,16 +94,15 @@ glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, c
         const RayReader reader(rays, *snapshot);
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");
         const Output out(*hit, Output::Kind::Flag, 1, reader.count(), "hit");
-        const auto put = [&](uint64_t i, uint32_t primitive) {
-            out.putFlag(i, primitive != glint::shared::kNone ? 1 : 0);
-        };
         ask(
             *snapshot, reader, true, Callbacks(options),
-            [&](const RayNumbers& numbers, std::span<const FoundHit> found, bool) {
-                for (size_t i = 0; i < found.size(); ++i) put(numbers[i], found[i].primitive);
+            [&](const RayNumbers& numbers, const FoundHits& found, bool) {
+                out.putAllWhole(numbers, found.size(), [hits = found](size_t i) -> uint8_t {
+                    return hits.primitive(i) != glint::shared::kNone ? 1 : 0;
+                });
             },
             [&](uint64_t i, const glint::LocalRay&, const glint::reference::Hit& found) {
-                put(i, found.primitive);
+                out.putFlag(i, found.primitive != glint::shared::kNone ? 1 : 0);
             });
     });
 }

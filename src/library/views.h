@@ -26,34 +26,27 @@ class NumberView {
     void foresee(uint64_t i) const { __builtin_prefetch(at(i)); }
     double one(uint64_t i) const { return number(at(i)); }
     // Of fp32.
-    glm::vec3 narrowThree(uint64_t i) const {
-        glm::vec3 v;
-        std::memcpy(&v, at(i), sizeof(v));
-        return v;
-    }
+    glm::vec3 narrowThree(uint64_t i) const { return threeOf<float>(at(i)); }
     glm::dvec3 three(uint64_t i) const {
-        const std::byte* p = at(i);
-        if (!wide_) {
-            float v[3];
-            std::memcpy(v, p, sizeof(v));
-            return {v[0], v[1], v[2]};
-        }
-        glm::dvec3 v;
-        std::memcpy(&v, p, sizeof(v));
-        return v;
+        return wide_ ? threeOf<double>(at(i)) : glm::dvec3(threeOf<float>(at(i)));
     }
 
   private:
     const std::byte* at(uint64_t i) const { return data_ + static_cast<int64_t>(i) * stride_; }
-    double number(const std::byte* p) const {
-        if (wide_) {
-            double v;
-            std::memcpy(&v, p, sizeof(v));
-            return v;
-        }
-        float v;
+    template <class Number>
+    static Number numberAt(const std::byte* p) {
+        Number v;
         std::memcpy(&v, p, sizeof(v));
-        return static_cast<double>(v);
+        return v;
+    }
+    // One by one: what is copied together passes through memory.
+    template <class Number>
+    static glm::vec<3, Number> threeOf(const std::byte* p) {
+        return {numberAt<Number>(p), numberAt<Number>(p + sizeof(Number)),
+                numberAt<Number>(p + 2 * sizeof(Number))};
+    }
+    double number(const std::byte* p) const {
+        return wide_ ? numberAt<double>(p) : static_cast<double>(numberAt<float>(p));
     }
 
     const std::byte* data_;
@@ -87,35 +80,22 @@ class Output {
     Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
 
     bool wanted() const { return data_ != nullptr; }
-    // Elements numbers[0] and so on are valueOf(0) and so on, each a double or a vector of them; nothing
+    // Elements numbers[0] and so on are valueOf(0) and so on, each a number or a vector of them; nothing
     // where they are not wanted.
     template <class Numbers, class ValueOf>
     void putAll(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
-        if (data_ == nullptr) return;
         if (size_ == sizeof(double)) {
-            for (size_t k = 0; k < count; ++k) {
-                foresee(numbers, k, count);
-                const auto value = valueOf(k);
-                std::memcpy(at(numbers[k]), &value, sizeof(value));
-            }
+            putEach(numbers, count, [&](size_t k) { return widened(valueOf(k)); });
         } else {
-            for (size_t k = 0; k < count; ++k) {
-                foresee(numbers, k, count);
-                const auto value = narrow(valueOf(k));
-                std::memcpy(at(numbers[k]), &value, sizeof(value));
-            }
+            putEach(numbers, count, [&](size_t k) { return narrowed(valueOf(k)); });
         }
     }
     // The same of U32 or U8.
     template <class Numbers, class ValueOf>
     void putAllWhole(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
-        if (data_ == nullptr) return;
-        for (size_t k = 0; k < count; ++k) {
-            foresee(numbers, k, count);
-            const auto value = valueOf(k);
-            std::memcpy(at(numbers[k]), &value, sizeof(value));
-        }
+        putEach(numbers, count, valueOf);
     }
+    bool wide() const { return size_ == sizeof(double); }
     void put(uint64_t i, double value) const {
         if (data_ != nullptr) store(at(i), value);
     }
@@ -149,15 +129,40 @@ class Output {
     }
 
   private:
-    static float narrow(double x) { return static_cast<float>(x); }
-    static glm::vec2 narrow(const glm::dvec2& v) { return glm::vec2(v); }
-    static glm::vec3 narrow(const glm::dvec3& v) { return glm::vec3(v); }
+    static float narrowed(double x) { return static_cast<float>(x); }
+    static float narrowed(float x) { return x; }
+    static double widened(double x) { return x; }
+    static double widened(float x) { return static_cast<double>(x); }
+    template <glm::length_t N, class T>
+    static glm::vec<N, float> narrowed(const glm::vec<N, T>& v) {
+        return glm::vec<N, float>(v);
+    }
+    template <glm::length_t N, class T>
+    static glm::vec<N, double> widened(const glm::vec<N, T>& v) {
+        return glm::vec<N, double>(v);
+    }
 
-    // Numbers in no order: the processor is told early to load where they go.
-    template <class Numbers>
-    void foresee(const Numbers& numbers, size_t k, size_t count) const {
+    // What is stored may, for all that the compiler knows, be members of ours: it is told that they stay.
+    template <class Numbers, class ValueOf>
+    void putEach(const Numbers& numbers, size_t count, const ValueOf& valueOf) const {
+        if (data_ == nullptr) return;
+        const int64_t stride = stride_;
+        std::byte* const data = data_ + static_cast<int64_t>(numbers.first) * stride;
+        const auto put = [&](std::byte* p, size_t k) {
+            const auto value = valueOf(k);
+            std::memcpy(p, &value, sizeof(value));
+        };
+        const auto* const order = numbers.order;
+        if (order == nullptr) {
+            for (size_t k = 0; k < count; ++k) put(data + static_cast<int64_t>(k) * stride, k);
+            return;
+        }
+        // Numbers in no order: the processor is told early to load where they go.
         constexpr size_t kAhead = 64;
-        if (numbers.order != nullptr && k + kAhead < count) __builtin_prefetch(at(numbers[k + kAhead]), 1);
+        for (size_t k = 0; k < count; ++k) {
+            if (k + kAhead < count) __builtin_prefetch(data + int64_t{order[k + kAhead]} * stride, 1);
+            put(data + int64_t{order[k]} * stride, k);
+        }
     }
 
     void putTowards(uint64_t i, double value, int side) const {

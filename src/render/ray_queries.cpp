@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <condition_variable>
 #include <cstddef>
 #include <cstring>
@@ -70,6 +71,9 @@ class Unset {
     static_assert(std::is_trivially_destructible_v<Element> && std::is_aggregate_v<Element>);
     alignas(Element) std::byte bytes_[kBlock * sizeof(Element)];
 };
+
+// A row's entry in one register: words one by one take twice the time.
+using Four = float __attribute__((vector_size(16)));
 
 // Where the blocks of a piece stand.
 struct Placement {
@@ -220,19 +224,18 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
             RowEntry* const origin = slot.row(0) + place * kBlock;
             RowEntry* const direction = slot.row(1) + place * kBlock;
             RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
-            RowEntry untouched = {{0, 0, 0, 0}};
-            untouched.u[3] = task.ask == RayTask::Ask::Count ? 0 : shared::kNone;
+            const float nobody = std::bit_cast<float>(shared::kNone);
+            Four found = {0, task.slack, task.boxSlack, task.ask == RayTask::Ask::Count ? 0 : nobody};
             for (size_t i = 0; i < kBlock; ++i) {
-                const RayInput& ray = rays[i];
-                // Four numbers that lie side by side, where words one by one would take twice the time.
-                std::memcpy(&origin[i], &ray.origin, sizeof(RowEntry));
-                origin[i].u[3] = shared::kNone;
+                Four from, along;
+                std::memcpy(&from, &rays[i].origin, sizeof(from));
                 static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
-                std::memcpy(&direction[i], &ray.direction, sizeof(RowEntry));
-                hit[i] = untouched;
-                hit[i].f[0] = ray.tMax;
-                hit[i].f[1] = task.slack;
-                hit[i].f[2] = task.boxSlack;
+                std::memcpy(&along, &rays[i].direction, sizeof(along));
+                from[3] = nobody;
+                found[0] = rays[i].tMax;
+                std::memcpy(&origin[i], &from, sizeof(from));
+                std::memcpy(&direction[i], &along, sizeof(along));
+                std::memcpy(&hit[i], &found, sizeof(found));
             }
             if (!features.instances) return;
             RowEntry none;
@@ -280,27 +283,12 @@ void RayQueries::State::take(const Slot& slot, const Placement& placement, const
         [&](size_t place) {
             const size_t start = placement.at(place) * kBlock;
             if (start >= count) return;
-            Unset<FoundHit> block;
-            const std::span hits = block.all();
-            const size_t present = std::min(kBlock, count - start);
-            const RowEntry* const found = slot.row(kHitRow) + place * kBlock;
-            if (task.ask == RayTask::Ask::Count) {
-                for (size_t i = 0; i < present; ++i)
-                    hits[i] = {.crossings = found[i].u[1], .doubtful = found[i].u[2] != 0};
-            } else if (task.ask == RayTask::Ask::Certain) {
-                for (size_t i = 0; i < present; ++i) {
-                    hits[i] = {std::abs(found[i].f[0]), found[i].f[1], found[i].f[2], found[i].u[3]};
-                    hits[i].certain = !std::signbit(found[i].f[0]);
-                }
-            } else {
-                for (size_t i = 0; i < present; ++i)
-                    hits[i] = {found[i].f[0], found[i].f[1], found[i].f[2], found[i].u[3]};
-            }
-            if (features.instances && task.ask != RayTask::Ask::Count) {
-                const RowEntry* const instance = slot.row(kInstanceRow) + place * kBlock;
-                for (size_t i = 0; i < present; ++i) hits[i].instance = instance[i].u[0];
-            }
-            task.take(numbers.from(start), hits.first(present));
+            const size_t present = std::min(kBlock, count - start), at = place * kBlock;
+            const bool counted = task.ask == RayTask::Ask::Count;
+            const RowEntry* const instances =
+                features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
+            task.take(numbers.from(start), {slot.row(kHitRow) + at, instances, present, counted,
+                                            task.ask == RayTask::Ask::Certain});
         },
         hostThreads());
 }

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
+#include "render/path_state.h"
 #include "render/ray_order.h"
 #include "trace/ray_batch.h"
 
@@ -25,12 +27,39 @@ struct FoundHit {
     bool certain = false;  // of Ask::Certain alone
 };
 
+// Of rays that follow each other, read where the device wrote it.
+class FoundHits {
+  public:
+    // instances: null where none are; negated: the sign of t says what is not certain.
+    FoundHits(const RowEntry* hits, const RowEntry* instances, size_t count, bool counted, bool negated)
+        : hits_(hits), instances_(instances), count_(count), counted_(counted), negated_(negated) {}
+
+    size_t size() const { return count_; }
+    uint32_t primitive(size_t i) const { return counted_ ? shared::kNone : hits_[i].u[3]; }
+    uint32_t instance(size_t i) const { return instances_ != nullptr ? instances_[i].u[0] : shared::kNone; }
+    float t(size_t i) const { return negated_ ? std::abs(hits_[i].f[0]) : hits_[i].f[0]; }
+    float u(size_t i) const { return hits_[i].f[1]; }
+    float v(size_t i) const { return hits_[i].f[2]; }
+    FoundHit operator[](size_t i) const {
+        if (counted_) return {.crossings = hits_[i].u[1], .doubtful = hits_[i].u[2] != 0};
+        FoundHit hit{t(i), u(i), v(i), primitive(i), instance(i)};
+        hit.certain = negated_ && !std::signbit(hits_[i].f[0]);
+        return hit;
+    }
+
+  private:
+    const RowEntry* hits_;
+    const RowEntry* instances_;
+    size_t count_;
+    bool counted_, negated_;
+};
+
 // `fill` and `take` are called for blocks of at most kBlock rays, from several threads at a time.
 struct RayTask {
     static constexpr size_t kBlock = 1024;
     size_t count = 0;
     ReadRays fill;  // local rays; also called to look at some of them
-    std::function<void(const RayNumbers& numbers, std::span<const FoundHit> hits)> take;
+    std::function<void(const RayNumbers& numbers, const FoundHits& hits)> take;
     // Nearest; Any: whether there is a hit, FoundHit::primitive alone and any of them; Count:
     // FoundHit::crossings, of a scene packed without split triangles; Certain: as Nearest, and whether exact
     // arithmetic on the rays and the scene before they were rounded would say so.

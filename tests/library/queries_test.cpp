@@ -121,6 +121,39 @@ TEST_F(LibraryQueries, AgreeWithTheReference) {
     }
 }
 
+// Numbers asked for in fp32 are those in fp64, rounded; normals of triangles come from the packed scene then.
+TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
+    for (const char* name : {"knot.json", "instances.json", "quadrics.json"}) {
+        load(name);
+        Cast cast = raysInto(scene(), 3000, 5);
+        closest(cast);
+        const glint_rays rays = cast.rays();
+        using F3 = std::array<float, 3>;
+        std::vector<float> t(cast.t.size());
+        std::vector<F3> normal(t.size()), point(t.size());
+        std::vector<D3> exactPoint(t.size());
+        GLINT_INIT(glint_hits, hits);
+        hits.t = outOf(t);
+        hits.normal = outOf(normal);
+        hits.point = outOf(point);
+        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        GLINT_INIT(glint_hits, exact);
+        exact.point = outOf(exactPoint);
+        ASSERT_EQ(glint_query_closest(scene(), &rays, &exact, nullptr), GLINT_OK) << glint_last_error();
+        size_t found = 0;
+        for (size_t i = 0; i < t.size(); ++i) {
+            found += cast.geometry[i] != GLINT_NONE;
+            EXPECT_EQ(t[i], static_cast<float>(cast.t[i]));
+            for (size_t axis = 0; axis < 3; ++axis) {
+                const double n = cast.normal[i][axis];
+                EXPECT_NEAR(static_cast<double>(normal[i][axis]), n, 0x1p-24 * std::abs(n) + 1e-12);
+                EXPECT_EQ(point[i][axis], static_cast<float>(exactPoint[i][axis]));
+            }
+        }
+        EXPECT_GT(found, 300u) << name;
+    }
+}
+
 // More rays than a piece holds: each is answered as by itself, neighbours or not.
 TEST_F(LibraryQueries, PiecesAndNeighboursChangeNothing) {
     load("knot.json");
