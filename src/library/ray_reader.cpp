@@ -84,10 +84,7 @@ bool RayReader::rounded(const render::RayNumbers& numbers, std::span<render::Ray
     if (narrow && roundedNarrow(numbers, inputs)) return false;
     bool rescaled = false;
     for (size_t i = 0; i < inputs.size(); ++i) {
-        if (numbers.order != nullptr && i + kAhead < inputs.size()) {
-            origins_.foresee(numbers[i + kAhead]);
-            directions_.foresee(numbers[i + kAhead]);
-        }
+        if (numbers.order != nullptr && i + kAhead < inputs.size()) foresee(numbers[i + kAhead]);
         const LocalRay ray = local(numbers[i]);
         rescaled = rescaled || ray.exponent != 0;
         inputs[i] = render::roundedRay(ray);
@@ -140,7 +137,8 @@ void HitWriter::write(uint64_t i, const LocalRay& ray, const reference::Hit& hit
     uv_.put(i, triangle ? hit.u : 0, triangle ? hit.v : 0);
     if (tracer == nullptr) return;
     const PackedScene& packed = part_.packed;
-    const reference::Surface surface = tracer->surfaceAt(referenceRay(ray), hit);
+    const reference::Surface surface =
+        surfaces_ ? tracer->surfaceAt(referenceRay(ray), hit) : tracer->namesAt(hit);
     geometry_.putIndex(i, surface.object);
     primitive_.putIndex(i, surface.primitive);
     material_.putIndex(i, surface.material);
@@ -246,10 +244,13 @@ void HitWriter::write(const render::RayNumbers& numbers, const render::FoundHits
     writeTriangles(numbers, found, rows);
     if (!others) return;
     const reference::Tracer* const tracer = places_ || surfaces_ ? &part_.tracer() : nullptr;
-    for (size_t k = 0; k < found.size(); ++k) {
-        const render::FoundHit hit = found[k];
+    const bool needsRay = surfaces_ || rescaled;
+    for (size_t k = 0; k < hits.size(); ++k) {
+        if (needsRay && numbers.order != nullptr && k + kAhead < hits.size())
+            rays.foresee(numbers[k + kAhead]);
+        const render::FoundHit hit = hits[k];
         if (hit.primitive == shared::kNone || own[k] != &kNothing) continue;
-        write(numbers[k], rays.local(numbers[k]),
+        write(numbers[k], needsRay ? rays.local(numbers[k]) : LocalRay{},
               {static_cast<double>(hit.t), static_cast<double>(hit.u), static_cast<double>(hit.v),
                hit.primitive, 0, hit.instance},
               tracer);

@@ -16,6 +16,11 @@ class RayReader {
     uint64_t count() const { return count_; }
     bool coherent() const { return coherent_; }
     WorldRay world(uint64_t i) const;
+    // Ray i will be asked for.
+    void foresee(uint64_t i) const {
+        origins_.foresee(i);
+        directions_.foresee(i);
+    }
     LocalRay local(uint64_t i) const { return localRay(world(i), origin_); }
     // As the device reads them; true if some of them are rescaled (LocalRay::exponent).
     bool rounded(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const;

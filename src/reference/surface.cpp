@@ -91,4 +91,24 @@ Surface Tracer::surfaceAt(const Ray& worldRay, const Hit& worldHit) const {
     return surface;
 }
 
+Surface Tracer::namesAt(const Hit& hit) const {
+    Surface surface;
+    const auto take = [&](const auto& named) {
+        surface.object = named.object;
+        surface.primitive = named.primitive;
+        surface.material = named.material;
+    };
+    visitHit(scene_, hit.primitive, [&](const auto& primitive) {
+        if constexpr (requires { primitive.material; })
+            take(primitive);
+        else
+            take(scene_.triangleSurfaces[indexOf(hit.primitive)]);
+    });
+    if (hit.instance == shared::kNone) return surface;
+    const rows::Instance& instance = scene_.instances[hit.instance];
+    surface.object = instance.object;
+    if (instance.material != shared::kNone) surface.material = instance.material;
+    return surface;
+}
+
 }  // namespace glint::reference

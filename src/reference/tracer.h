@@ -189,6 +189,8 @@ class Tracer {
     bool crosses(const Ray& ray, const Hit& hit) const;
 
     Surface surfaceAt(const Ray& ray, const Hit& hit) const;
+    // Its object, primitive and material alone.
+    Surface namesAt(const Hit& hit) const;
 
     // The camera ray through film point (x, y), in pixels from the top left corner (a pixel's centre is at
     // +0.5), and, of a camera with a lens, point `lens` of the unit disc.

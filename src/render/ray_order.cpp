@@ -60,10 +60,10 @@ size_t rowLength(const ReadRays& read, const RayNumbers& numbers, size_t count, 
 }
 
 // Four rows at a time, in blocks from left to right.
-std::vector<uint32_t> blocksOf(size_t row, size_t count) {
-    std::vector<uint32_t> numbers(count);
+std::unique_ptr<uint32_t[]> blocksOf(size_t row, size_t count) {
+    auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
     parallelFor(count / (kBlockHeight * row), [&](size_t strip) {
-        uint32_t* out = numbers.data() + strip * kBlockHeight * row;
+        uint32_t* out = numbers.get() + strip * kBlockHeight * row;
         const auto first = static_cast<uint32_t>(strip * kBlockHeight * row);
         for (size_t left = 0; left < row; left += kBlockWidth) {
             const size_t width = std::min(kBlockWidth, row - left);
@@ -152,7 +152,8 @@ void sortBy(uint32_t shift, size_t count, std::unique_ptr<uint64_t[]>& from,
     from.swap(to);
 }
 
-std::vector<uint32_t> sorted(const ReadRays& read, const RayNumbers& rays, size_t count, const Space& space) {
+std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays, size_t count,
+                                   const Space& space) {
     const glm::vec3 size = space.upper - space.lower;
     glm::vec3 scale(0);
     for (int axis = 0; axis < 3; ++axis)
@@ -168,8 +169,11 @@ std::vector<uint32_t> sorted(const ReadRays& read, const RayNumbers& rays, size_
             entries[start + i] = uint64_t{keyOf(inputs[i], space, scale)} << 32 | (start + i);
     });
     for (uint32_t shift = 32; shift < 32 + 6 * kAxisBits; shift += 10) sortBy(shift, count, entries, other);
-    std::vector<uint32_t> numbers(count);
-    for (size_t i = 0; i < count; ++i) numbers[i] = static_cast<uint32_t>(entries[i]);
+    auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
+    parallelFor((count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
+        const size_t end = std::min((block + 1) * kReadBlock, count);
+        for (size_t i = block * kReadBlock; i < end; ++i) numbers[i] = static_cast<uint32_t>(entries[i]);
+    });
     return numbers;
 }
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "render/renderer.h"
 
@@ -25,11 +25,13 @@ struct RayNumbers {
 using ReadRays = std::function<void(const RayNumbers&, std::span<RayInput>)>;
 
 struct RayOrder {
-    size_t count = 0;               // rays that it is of, the first ones of those it was made for
-    bool coherent = false;          // packets pay
-    std::vector<uint32_t> numbers;  // a permutation of them; empty: as they are given
+    size_t count = 0;       // rays that it is of, the first ones of those it was made for
+    bool coherent = false;  // packets pay
+    // A permutation of them; null: as they are given. Not a vector, which would be zeroed first, by one
+    // thread.
+    std::unique_ptr<uint32_t[]> numbers;
 
-    const uint32_t* data() const { return numbers.empty() ? nullptr : numbers.data(); }
+    const uint32_t* data() const { return numbers.get(); }
 };
 
 struct Space {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <fstream>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "support.h"
@@ -151,6 +152,27 @@ TEST_F(LibraryQueries, FloatsAreDoublesRounded) {
             }
         }
         EXPECT_GT(found, 300u) << name;
+    }
+}
+
+// Who is hit is the same whether or not its surface is wanted too, which it takes more to know.
+TEST_F(LibraryQueries, NamesAreTheSameByThemselves) {
+    for (const char* name : {"knot.json", "instances.json", "quadrics.json", "groups.json"}) {
+        load(name);
+        Cast cast = raysInto(scene(), 3000, 6);
+        const glint_rays rays = cast.rays();
+        std::array<std::vector<uint32_t>, 3> alone, with;
+        for (auto* names : {&alone, &with}) {
+            glint_hits hits = cast.hits();
+            if (names == &alone) hits.t = hits.normal = glint_out{};
+            for (auto& one : *names) one.assign(cast.t.size(), 77);
+            hits.geometry = outOf((*names)[0]);
+            hits.primitive = outOf((*names)[1]);
+            hits.material = outOf((*names)[2]);
+            ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        }
+        EXPECT_EQ(alone, with) << name;
+        EXPECT_GT(std::set<uint32_t>(with[2].begin(), with[2].end()).size(), 1u) << name;  // GLINT_NONE too
     }
 }
 

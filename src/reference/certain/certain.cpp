@@ -34,9 +34,19 @@ bool asksForNothing(const WorldRay& ray) {
 
 // A ray in the coordinates of a tree, as boxes see it.
 struct BoxRay {
+    BoxRay(const dvec3& from, const dvec3& along, double originPad, double directionSpread)
+        : origin(from),
+          direction(along),
+          pad(originPad),
+          spread(directionSpread),
+          inverse(1.0 / along),
+          reach(greatest(from)) {}
+
     dvec3 origin, direction;
-    double pad = 0;     // what its origin is off, on each axis
-    double spread = 0;  // and its direction, as a part of the distance from the origin
+    double pad;     // what its origin is off, on each axis
+    double spread;  // and its direction, as a part of the distance from the origin
+    dvec3 inverse;  // of the direction
+    double reach;   // the greatest coordinate of the origin
 };
 
 double greatestSum(const dvec3& x, const dvec3& y, const dvec3& z) {
@@ -49,12 +59,12 @@ BoxRay entered(const BoxRay& ray, const shared::Instance& instance) {
     const dvec3 x(instance.toObjectX), y(instance.toObjectY), z(instance.toObjectZ), place(instance.place);
     const dvec3 away = ray.origin - place;
     const auto times = [&](const dvec3& v) { return dvec3(glm::dot(x, v), glm::dot(y, v), glm::dot(z, v)); };
-    BoxRay inside{times(away), times(ray.direction)};
     const double rows = greatestSum(x, y, z);
-    inside.pad = rows * (ray.pad + kFloatUnit * (4 * greatest(place) + 16 * greatest(away)));
-    const double size = greatest(inside.direction);
-    inside.spread = size > 0 ? 16 * kFloatUnit * rows * greatest(ray.direction) / size : 1;
-    return inside;
+    const dvec3 direction = times(ray.direction);
+    const double size = greatest(direction);
+    return {times(away), direction,
+            rows * (ray.pad + kFloatUnit * (4 * greatest(place) + 16 * greatest(away))),
+            size > 0 ? 16 * kFloatUnit * rows * greatest(ray.direction) / size : 1};
 }
 
 dmat3 magnitudes(const dmat3& m) {
@@ -108,11 +118,19 @@ class Search {
         bool exact = false;  // nearestExactly can tell
     };
 
+    struct Waiting {
+        uint32_t node;
+        double near;  // where the ray enters its box
+    };
+
     void walk(uint32_t root, const BoxRay& ray, uint32_t instance) {
-        std::vector<uint32_t> waiting{root};
-        while (!waiting.empty()) {
-            const shared::Node& node = packed_.nodes[waiting.back()];
-            waiting.pop_back();
+        const size_t others = waiting_.size();  // of a walk that led here, through an instance
+        waiting_.push_back({root, 0});
+        while (waiting_.size() > others) {
+            const Waiting next = waiting_.back();
+            waiting_.pop_back();
+            if (next.near > end_) continue;
+            const shared::Node& node = packed_.nodes[next.node];
             const double near0 = enter(ray, node.child0, node.lo0, node.hi0);
             const double near1 = enter(ray, node.child1, node.lo1, node.hi1);
             // The nearer one is taken first.
@@ -125,7 +143,7 @@ class Search {
                     leaf(children[i], ray, instance, nears[i]);
             for (const int i : {0, 1})
                 if (nears[i] <= end_ && nears[i] < kInfinity && (children[i] & shared::kLeafFlag) == 0)
-                    waiting.push_back(children[i]);
+                    waiting_.push_back({children[i], nears[i]});
         }
     }
 
@@ -134,12 +152,11 @@ class Search {
     double enter(const BoxRay& ray, uint32_t child, const glm::vec3& lo, const glm::vec3& hi) const {
         if (child == kNone) return kInfinity;
         const double size = std::max(greatest(dvec3(lo)), greatest(dvec3(hi)));
-        const double pad = ray.pad + ray.spread * (greatest(ray.origin) + size) + 2 * kFloatUnit * size;
+        const double pad = ray.pad + ray.spread * (ray.reach + size) + 2 * kFloatUnit * size;
         double near = std::max(ray_.ray().tMin, 0.0) * (1 - 0x1p-48), far = end_ * (1 + 0x1p-48);
         for (int i = 0; i < 3; ++i) {
-            const double inverse = 1 / ray.direction[i];
-            const double t0 = (static_cast<double>(lo[i]) - pad - ray.origin[i]) * inverse;
-            const double t1 = (static_cast<double>(hi[i]) + pad - ray.origin[i]) * inverse;
+            const double t0 = (static_cast<double>(lo[i]) - pad - ray.origin[i]) * ray.inverse[i];
+            const double t1 = (static_cast<double>(hi[i]) + pad - ray.origin[i]) * ray.inverse[i];
             if (std::isnan(t0) || std::isnan(t1)) continue;
             near = std::max(near, std::min(t0, t1) * (1 - 0x1p-48));
             far = std::min(far, std::max(t0, t1) * (1 + 0x1p-48));
@@ -270,6 +287,7 @@ class Search {
     const PackedScene& packed_;
     PreparedRay ray_;
     double end_;  // something is met before that
+    std::vector<Waiting> waiting_;
     std::vector<Contender> contenders_;
 };
 
