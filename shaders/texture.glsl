@@ -64,11 +64,12 @@ vec3 checkerAt(Texture checker, vec3 cell) {
     return odd ? checker.colorB : checker.colorA;
 }
 
-// A point of an object in the object's own coordinates.
-vec3 objectPoint(ObjectFrame frame, vec3 position) {
-    precise float x = dot(frame.toObjectX, position) + frame.offsetX;
-    precise float y = dot(frame.toObjectY, position) + frame.offsetY;
-    precise float z = dot(frame.toObjectZ, position) + frame.offsetZ;
+// A point of an object in the object's own coordinates, from `corner` on. The two that may be far out are
+// subtracted first: near the corner nothing of the point is lost to them.
+vec3 objectPoint(ObjectFrame frame, vec3 position, vec3 corner) {
+    precise float x = dot(frame.toObjectX, position) + (frame.offsetX - corner.x);
+    precise float y = dot(frame.toObjectY, position) + (frame.offsetY - corner.y);
+    precise float z = dot(frame.toObjectZ, position) + (frame.offsetZ - corner.z);
     return vec3(x, y, z);
 }
 
@@ -83,8 +84,7 @@ vec4 textureAt(uint number, Surface surface) {
         if (FEATURE_TEXTURES && !checker) color = imageAt(source, uv);
         if (FEATURE_CHECKERS && checker) {
             precise vec3 inCubes =
-                (objectPoint(loadObjectFrame(surface.object), surface.position) - source.place) *
-                source.scaleU;
+                objectPoint(loadObjectFrame(surface.object), surface.position, source.place) * source.scaleU;
             color.xyz = checkerAt(source, solid ? inCubes : vec3(uv, 0.0));
         }
     }
