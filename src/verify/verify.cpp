@@ -48,7 +48,9 @@ class Comparison {
 
     // Searches on for what explains a pixel of this sample.
     void explainPersistently(DifferingPixel& pixel) const {
-        explainIfPossible(rayThrough(pixel.x, pixel.y, filmSampleAt(pixel.x, pixel.y)), pixel, true);
+        const reference::FilmSample s = filmSampleAt(pixel.x, pixel.y);
+        if (isCovered(pixel.x, pixel.y, s.weight))
+            explainIfPossible(rayThrough(pixel.x, pixel.y, s), pixel, true);
     }
 
     double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
@@ -107,7 +109,8 @@ class Comparison {
             sums.account.addAlike(expected.lost, weight);
         else
             sums.account.addOther(data.bounces, weight);
-        if (finite && samePath && isSameHit(data, expected) &&
+        const bool covered = isCovered(x, y, s.weight);
+        if (finite && covered && samePath && isSameHit(data, expected) &&
             isPredicted(tracer_, ray, expected, scene_, seen))
             return;
         DifferingPixel pixel;
@@ -119,7 +122,7 @@ class Comparison {
         pixel.device = data;
         pixel.reference = tracer_.trace(ray, {}, true);
         sums.idsDiffer += samePath ? 0 : 1;
-        explainIfPossible(ray, pixel, false);
+        if (covered) explainIfPossible(ray, pixel, false);
         sums.differing.push_back(std::move(pixel));
     }
 
@@ -128,6 +131,14 @@ class Comparison {
         if (!std::isfinite(pixel.difference)) return;
         if (data.pathHash == pixel.reference.pathHash && !isSameHit(data, pixel.reference)) return;
         explain(tracer_, ray, scene_, quantitiesOf(pixel.deviceColor, data), pixel, persistently);
+    }
+
+    // The picture's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
+    // weight is rounded once, and so are the inverse of the count and the product with it.
+    bool isCovered(int x, int y, double weight) const {
+        const double expected = device_.at(x, y).object == PixelData::kNoIndex ? 0 : weight;
+        return std::abs(static_cast<double>(device_.color.at(x, y, 3)) - expected) <=
+               4 * kFloatUnit * std::abs(expected);
     }
 
     // What the path says of the first hit, and what the device says beside it.

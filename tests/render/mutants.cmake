@@ -70,3 +70,4 @@ mutant(wrong_fresnel optics.glsl "0.5 * (along * along + across * across)" "acro
 mutant(no_nesting optics.glsl "rank >= bestRank" "best == 0u" light shade)
 mutant(inner_first tree.glsl "both ? at.entering : reflects;" "both ? !at.entering : reflects;" shade)
 mutant(one_way_beer passage.glsl "met.leaving ? -way : way" "met.leaving ? 0.0 : way" light)
+mutant(mirrored_alpha shade.comp "at.isHit && dispatch.bounce == 0u" "at.isHit" shade)

@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"turned_sky", "environment"}, Defect{"deep_cut", "textures"}, Defect{"packet_bounds", "knot"},
         Defect{"packet_pair", "knot"}, Defect{"instance_normal", "instances"},
         Defect{"instance_ray", "instances"}, Defect{"quadric_disc", "quadrics"},
-        Defect{"not_finite", "spheres"}),
+        Defect{"not_finite", "spheres"}, Defect{"mirrored_alpha", "spheres"}),
     [](const auto& p) { return std::string(p.param.mutant); });
 
 // Each mutant costs a compilation; one that no test runs convicts nobody.
