@@ -61,6 +61,30 @@ RayCase nestedCase() {
     return result;
 }
 
+RayCase outwardCase(int clusters) {
+    Scene scene = emptyScene();
+    Random random(23);
+    for (int k = 0; k < clusters; ++k) {
+        const double s = std::pow(0.8, k);
+        for (int i = 0; i < 8; ++i) addSphere(scene, dvec3(s) + random.box(0.04 * s), 1e-4 * s);
+    }
+    RayCase result{makeCase(scene, 8, 8), {}};
+    while (result.rays.size() < 256) result.rays.push_back(rayOf(vec3(0), vec3(1) + vec3(random.box(0.01))));
+    return result;
+}
+
+RayCase concentricCase() {
+    Scene scene = emptyScene();
+    for (int i = 0; i < 40; ++i) addSphere(scene, {0.5, 0.25, -0.5}, 0.75);
+    RayCase result{makeCase(scene, 8, 8), {}};
+    Random random(37);
+    while (result.rays.size() < 512) {
+        const dvec3 from = dvec3(0.5, 0.25, -0.5) + random.box(0.2);
+        result.rays.push_back(rayTowards(from, from + random.box(1)));
+    }
+    return result;
+}
+
 RayCase tiedCase() {
     Scene scene = emptyScene();
     for (int i = 0; i < 5; ++i) addGrid(scene, 16);

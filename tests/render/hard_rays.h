@@ -26,6 +26,14 @@ RayCase axisCase();
 inline constexpr uint32_t kNestedCount = 60;
 RayCase nestedCase();
 
+// Clusters of small spheres on the diagonal, smaller and smaller towards the origin, where the rays start and
+// go through all boxes: what is nearest holds all clusters but seven, so that some wait on every level.
+RayCase outwardCase(int clusters);
+
+// Concentric spheres by the same numbers, more than a leaf holds, and rays of all directions that start in
+// their middle: whichever leaf comes first, they hit object 0.
+RayCase concentricCase();
+
 // Five meshes in the same place. All rays hit object 0, as the lowest id wins.
 RayCase tiedCase();
 

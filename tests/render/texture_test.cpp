@@ -109,8 +109,8 @@ TEST_F(TextureTest, NearestAndCheckers) {
 TEST_F(TextureTest, SolidCheckersAreExactFarOut) {
     const Case c = textCase(
         R"({"camera": {"type": "orthographic", "eye": [17464, 5, -203], "target": [17466, 0, -202], "height": 6},
-        "ambient": 1, "objects": [{"type": "plane", "point": [17466.5, -2.8, -202.5], "normal": [-0.5, 0.5, 0.7]}],
-        "materials": {"default": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [17464.97, -0.66, -203.5]}}}})",
+        "ambient": 1, "objects": [{"type": "plane", "point": [17466.5, -2.8, -202.5], "normal": [-0.5, 0.5, 0.7], "material": "m"}],
+        "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [17464.97, -0.66, -203.5]}}}})",
         160, 120);
     Renderer renderer(device(), c.packed, {});
     verify::Options options;

@@ -77,6 +77,38 @@ TEST_F(TripTest, AnyBudgetDrawsTheSamePicture) {
     }
 }
 
+// A light that begins where another's ray has ended that was traced in part, through glass: what that ray has
+// lost is not the next one's. The first light, which shines on nothing, leaves no ray unfinished, so that the
+// next two share a dispatch.
+TEST_F(TripTest, ALightBeginsWithNothingOfTheOneBefore) {
+    std::string lights = R"({"type": "spot", "position": [0, 50, 0], "direction": [0, 1, 0], "angle": 1})";
+    for (const char* direction : {"[0.3, -1, -0.6]", "[-0.4, -1, -0.3]"})
+        lights +=
+            std::string(R"(, {"type": "directional", "intensity": 0.5, "direction": )") + direction + "}";
+    const std::string text =
+        R"({"camera": {"eye": [0, 0.4, 6], "target": [0, 0.1, 0], "fovY": 40}, "ambient": 0.1,
+        "materials": {"g": {"transmission": 0.9, "ior": 1.2, "attenuation": [0.3, 0.9, 0.5]}},
+        "objects": [{"type": "plane", "point": [0, -1.6, 0], "normal": [0, 1, 0]},
+            {"type": "sphere", "center": [-0.9, 0, 0.6], "radius": 0.5, "material": "g"},
+            {"type": "sphere", "center": [0.1, 0.4, 0.2], "radius": 0.6, "material": "g"},
+            {"type": "sphere", "center": [0.8, -0.2, 0.5], "radius": 0.7, "material": "g"},
+            {"type": "sphere", "center": [0.2, 0.6, -1.5], "radius": 0.7, "material": "g"}], "lights": [)" +
+        lights + "]}";
+    const Case c = textCase(text, 32, 24);
+    ASSERT_TRUE(c.packed.features.coloredShadows);
+    Options plenty;
+    plenty.traversal = Traversal::Lane;
+    const Picture picture = draw(device(), c, plenty);
+    for (const uint32_t budget : {1u, 2u, 3u, 5u}) {
+        Options tight = plenty;
+        tight.tripBudget = budget;
+        tight.sliceSeconds = 1000;  // however busy the machine is, lights are added to a dispatch
+        Renderer renderer(device(), c.packed, tight);
+        EXPECT_TRUE(sameBits(draw(renderer, c), picture)) << "budget " << budget;
+        EXPECT_GT(renderer.times().resumes, 0u);
+    }
+}
+
 TEST_F(TripTest, AnyBudgetTracesTheSameRays) {
     Scene scene = emptyScene();
     Random random(51);

@@ -170,8 +170,8 @@ TEST_P(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
     for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSameTrace(crowd.c, crowd.rays, budget);
 }
 
-// Of four children, up to three wait in each level. A compressed node lets one entry wait for a level, so
-// there is room in any case, as there is in the lane's own stack; smallStack below is for those.
+// Of four children, up to three wait in each level. A compressed node lets one entry wait for a level, for
+// which there is room here; see below.
 TEST_P(WalkTest, RaysThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
     Renderer renderer = rendererOf(nested.c);
@@ -180,6 +180,27 @@ TEST_P(WalkTest, RaysThatRunOutOfStackLoseNothing) {
         EXPECT_GT(renderer.times().resumes, 0u) << "no ray ran out of stack: the test shows nothing";
     }
     expectSameTrace(nested.c, nested.rays);
+}
+
+// More levels at which something waits than a workgroup's stack has entries.
+TEST_P(WalkTest, RaysThatRunOutOfLevelsLoseNothing) {
+    const RayCase outward = outwardCase(130);
+    if (GetParam().stack == StackPlace::Shared && GetParam().traversal == Traversal::Cwbvh) {
+        Renderer renderer = rendererOf(outward.c);
+        renderer.trace(outward.rays, false);
+        EXPECT_GT(renderer.times().resumes, 0u) << "no ray ran out of stack: the test shows nothing";
+    }
+    expectSameTrace(outward.c, outward.rays);
+}
+
+TEST_P(WalkTest, TiesFromInsideGoToTheLowestId) {
+    const RayCase concentric = concentricCase();
+    const std::vector<RayHit> hits = rendererOf(concentric.c).trace(concentric.rays, false);
+    for (size_t i = 0; i < hits.size(); ++i) {
+        ASSERT_TRUE(hits[i].hit) << text(concentric.rays[i]);
+        EXPECT_EQ(hits[i].data.object, 0u) << text(concentric.rays[i]);
+    }
+    expectSameTrace(concentric.c, concentric.rays);
 }
 
 TEST_P(WalkTest, TiesGoToTheLowestId) {

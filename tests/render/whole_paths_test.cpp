@@ -5,6 +5,7 @@
 #include "pack/pack_samples.h"
 #include "pack/request_environment.h"
 #include "render/path_limits.h"
+#include "scene/transform.h"
 #include "support.h"
 
 namespace glint::render::test::whole_paths_test {
@@ -193,6 +194,34 @@ TEST_F(WholePathsTest, FewRaysTakeOneKernelInsteadOfPackets) {
     EXPECT_TRUE(often.stepByStep());
     EXPECT_FALSE(often.whole());
     EXPECT_TRUE(sameBits(once.picture, often.picture));
+}
+
+// A shadow ray that has ended in an instance leaves nothing of it to the next ray. A mirror shows a plane,
+// the lower id, and in the same place an instance of a sheet; another one stands before the light. The sheet
+// is moved by whole numbers across the rays, so that most of them find both at the same t.
+TEST_F(WholePathsTest, AfterAShadowInAnInstanceTheWorldsIdsAreItsOwn) {
+    Scene scene = emptyScene();
+    const uint32_t mirror = addMaterial(scene, Color(0), Color(1)), red = addMaterial(scene, Color(1, 0, 0)),
+                   blue = addMaterial(scene, Color(0, 0, 1));
+    addPlane(scene, {0, 0, 8}, {0, 0, -1}, red);
+    addTriangle(scene, {-100, -100, 0}, {300, -100, 0}, {-100, 300, 0}, mirror);
+    const MeshShape sheet{glint::test::gridMesh(48, {-64, 0, 8})};
+    scene.objects.push_back({"", sheet, blue, translation({64, 0, 0})});
+    scene.objects.push_back({"", sheet, blue, translation({128, 0, -4})});
+    scene.ambient = Color(1);
+    scene.maxDepth = 1;
+    scene.lights.push_back(PointLight{{150, 24, 7.5}, Color(1)});
+    scene.camera.projection = Projection::Orthographic;
+    scene.camera.eye = {24.25, 24.125, 5};
+    scene.camera.target = {24.25, 24.125, 0};
+    scene.camera.height = 8;
+    const Case c = makeCase(scene, 8, 8);
+    ASSERT_EQ(c.packed.instances.size(), 2u);
+    expectSame(c, requestOf(c));
+    const Picture picture = drawn(c, requestOf(c), WholePaths::On).picture;
+    int planes = 0;
+    for (int i = 0; i < 64; ++i) planes += picture.color.at(i % 8, i / 8, 0) > 0.5f;
+    EXPECT_GT(planes, 32);
 }
 
 // ---- where a path does not finish ----
