@@ -1,5 +1,6 @@
 // `glint report`: error against run time.
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <ostream>
 
@@ -37,8 +38,23 @@ struct ReportCommand {
     std::optional<int> budget;      // seconds
     std::vector<std::string> only;  // how the names of families start; empty: all
     DeviceChoice device;
+    std::vector<std::string> devices;  // as --device names them, or "cpu"
     ProgressMode progress = ProgressMode::Auto;
 };
+
+constexpr const char* kReferenceName = "cpu";  // among --devices
+
+std::vector<std::string> parseDevices(const std::string& text) {
+    std::vector<std::string> names;
+    for (size_t at = 0; at <= text.size();) {
+        const size_t end = std::min(text.find(',', at), text.size());
+        names.push_back(text.substr(at, end - at));
+        if (names.back().empty())
+            throw Error(ErrorKind::Argument, "a device's name is empty in " + quoted(text));
+        at = end + 1;
+    }
+    return names;
+}
 
 void declare(OptionTable& table, ReportCommand& c) {
     addScenes(table, c.scenes, c.allowOutside);
@@ -65,7 +81,17 @@ void declare(OptionTable& table, ReportCommand& c) {
                     joinNames(std::vector<std::string_view>(families.begin(), families.end())),
                 [&](const std::string& t) { c.only = parseFamilies(t); });
     addDevice(table, c.device);
+    table.value(
+        "--devices", "LIST",
+        "with commas, devices to set beside that one, each as --device takes it; cpu is the reference",
+        [&](const std::string& t) { c.devices = parseDevices(t); });
     addProgress(table, c.progress);
+}
+
+void checkDevicesAreNamed(const ReportCommand& command) {
+    const bool asked = std::find(command.only.begin(), command.only.end(), "device") != command.only.end();
+    if (asked && command.devices.empty())
+        throw Error(ErrorKind::Argument, "--only: device sets devices side by side; --devices names them");
 }
 
 void makeFolder(const fs::path& folder) {
@@ -74,6 +100,47 @@ void makeFolder(const fs::path& folder) {
     if (error)
         throw Error(ErrorKind::Failed, folder.string() + ": cannot make this folder: " + error.message());
     checkOutputFolder(folder);
+}
+
+// The report's own device, and those that are set beside it.
+struct OpenDevices {
+    std::deque<gpu::Device> open;              // the report's own first
+    std::vector<report::DeviceBeside> beside;  // empty unless --devices asks
+};
+
+void addBeside(OpenDevices& devices, const gpu::Device& device) {
+    const gpu::DeviceInfo& info = device.info();
+    report::DeviceBeside beside{info.name, info.driver, &device};
+    // Two of a kind.
+    for (const report::DeviceBeside& other : devices.beside)
+        if (other.label() == beside.label()) beside.name = info.name + " #" + std::to_string(info.index);
+    devices.beside.push_back(beside);
+}
+
+// What compiling takes is told of each setting, so no program is kept.
+OpenDevices openDevices(const ReportCommand& command) {
+    OpenDevices devices;
+    devices.open.push_back(openDevice(command.device, false, false));
+    if (command.devices.empty()) return devices;
+    addBeside(devices, devices.open.front());
+    bool reference = false;
+    for (const std::string& name : command.devices) {
+        if (name == kReferenceName) {
+            if (!reference) devices.beside.push_back({"reference", "", nullptr});
+            reference = true;
+            continue;
+        }
+        DeviceChoice choice = command.device;
+        choice.selector = name;
+        gpu::Device device = openDevice(choice, false, false);
+        const bool known = std::any_of(devices.open.begin(), devices.open.end(), [&](const gpu::Device& d) {
+            return d.info().index == device.info().index;
+        });
+        if (known) continue;
+        devices.open.push_back(std::move(device));
+        addBeside(devices, devices.open.back());
+    }
+    return devices;
 }
 
 report::Options optionsOf(const ReportCommand& command) {
@@ -91,11 +158,13 @@ report::Options optionsOf(const ReportCommand& command) {
 
 int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
+    checkDevicesAreNamed(command);
+    const OpenDevices devices = openDevices(command);
+    const gpu::Device& device = devices.open.front();
     makeFolder(command.folder);
-    // What compiling takes is told of each setting.
-    const gpu::Device device = openDevice(command.device, false, false);
     installInterruptHandler();
     report::Options options = optionsOf(command);
+    options.devices = devices.beside;
     const double budget = command.budget.value_or(kSecondsForScene * static_cast<int>(command.scenes.size()));
     options.secondsLeft = [&watch, budget] { return budget - watch.seconds(); };
     std::string warning;
@@ -119,7 +188,7 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     progress.finish();
     out << report::toMarkdown(report) << "\nwrote " << shown(command.folder / "report.html")
         << ", report.csv, report.json and the diagrams\n";
-    reportValidation(device, command.device, err);
+    for (const gpu::Device& each : devices.open) reportValidation(each, command.device, err);
     if (!report.complete)
         throw Error(ErrorKind::Interrupted, "interrupted: " + (command.folder / "report.json").string() +
                                                 " holds what was finished; the same command goes on");

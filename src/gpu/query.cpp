@@ -98,7 +98,8 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     vk.vkGetPhysicalDeviceFeatures2(device.handle, &features);
     device.info.limits.float64 = features.features.shaderFloat64 == VK_TRUE;
     if (knowsDriver) {
-        device.info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+        device.info.driver = driver.driverName;
+        if (driver.driverInfo[0] != 0) device.info.driver += std::string(" ") + driver.driverInfo;
         device.info.llvmpipe = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     }
 }

@@ -53,13 +53,6 @@ std::string nameWithSamples(const Measured& m) {
     return m.family + ", " + std::to_string(m.spp) + " spp";
 }
 
-// "1.02 (0.99 to 1.05)": with the interval that holds a single ratio in 95 % of cases.
-std::string ratio(const std::vector<double>& a, const std::vector<double>& b) {
-    const Interval interval = ratioInterval(a, b, 0.05);
-    const std::string middle = shortNumber(std::sqrt(interval.low * interval.high));
-    return middle + " (" + shortNumber(interval.low) + " to " + shortNumber(interval.high) + ")";
-}
-
 // "0.75 (0.74 to 0.77) x the time, 1 (1 to 1) x the error".
 std::string factors(const Measured& better, const Measured& m) {
     return ratio(better.seconds, m.seconds) + " x the time, " + ratio(better.rmse, m.rmse) + " x the error";
@@ -79,8 +72,14 @@ std::string briefly(const SceneReport& scene, Contest contest) {
 
 }  // namespace
 
+std::string ratio(const std::vector<double>& a, const std::vector<double>& b) {
+    const Interval interval = ratioInterval(a, b, 0.05);
+    const std::string middle = shortNumber(std::sqrt(interval.low * interval.high));
+    return middle + " (" + shortNumber(interval.low) + " to " + shortNumber(interval.high) + ")";
+}
+
 Contest contestOf(const Measured& m) {
-    for (const char* other : {"depth", "cut", "adaptive", "error", "filter", "reference"})
+    for (const char* other : {"depth", "cut", "adaptive", "error", "filter", "reference", kOnDevice})
         if (m.family.starts_with(other)) return Contest::None;
     const auto sampler = named<Sampler>(m.family);
     return sampler && *sampler != Sampler::Auto ? Contest::Samplers : Contest::Methods;

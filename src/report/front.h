@@ -28,6 +28,9 @@ void markFront(SceneReport& scene);
 // Why a quicker or more exact setting is not the default all the same; empty if nothing speaks against it.
 std::string weaknessOf(const std::string& family);
 
+// Of what took turns: "1.02 (0.99 to 1.05)", with the interval that holds a single ratio in 95 % of cases.
+std::string ratio(const std::vector<double>& a, const std::vector<double>& b);
+
 // Needs markFront. The default of one contest: "on the front at 1, 16 spp; beaten at 4 spp by ...". Empty if
 // it was not measured.
 std::string defaultInWords(const SceneReport& scene, Contest contest);

@@ -62,7 +62,7 @@ class Page {
             const std::string name = line.substr(3);
             out_ += "<h2>" + escapeMarkup(name) + "</h2>\n";
             if (const SceneReport* scene = sceneNamed(data_, name))
-                out_ += precisionDiagram(*scene) + truncationDiagram(*scene);
+                out_ += precisionDiagram(*scene) + truncationDiagram(*scene) + devicesDiagram(*scene);
         } else if (!line.empty()) {
             out_ += "<p>" + escapeMarkup(line) + "</p>\n";
         }

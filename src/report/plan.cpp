@@ -124,6 +124,22 @@ Batch depthsAndCuts(int maxDepth) {
     return batch;
 }
 
+// By a sampler whose error falls the same way at all counts, so that the curves differ by their times alone.
+Batch devicesAt(std::initializer_list<int> counts, const std::vector<DeviceBeside>& devices) {
+    Batch batch{"devices side by side", {}};
+    for (const int spp : counts) {
+        batch.name += (spp == *counts.begin() ? " at " : ", ") + std::to_string(spp);
+        for (const DeviceBeside& beside : devices) {
+            Configuration c;
+            c.on = beside.label();
+            c.onReference = beside.device == nullptr;
+            add(c, kOnDevice + beside.name, spp, batch);
+        }
+    }
+    batch.name += " samples";
+    return batch;
+}
+
 Batch twins() {
     Batch batch{"the default against itself", {}};
     for (int twin = 1; twin <= kTwins + 1; ++twin) {
@@ -149,13 +165,15 @@ std::string keyOf(const Configuration& c) {
     if (c.contrast) key += " contrast=" + number(*c.contrast);
     if (c.filter) key += " filter=" + std::string(nameOf(*c.filter));
     if (c.onReference) key += " reference";
+    if (!c.on.empty()) key += " on " + c.on;
     if (c.twin > 0) key += " again=" + std::to_string(c.twin);
     if (!c.access) return key + " auto";
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
 
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64, bool packets) {
+                             std::optional<gpu::Access> otherAccess, bool float64, bool packets,
+                             const std::vector<DeviceBeside>& devices) {
     const auto methodsAt = [&](int spp) {
         Batch batch{"methods at " + std::to_string(spp) + (spp == 1 ? " sample" : " samples"), {}};
         add({}, kDefaultAmongMethods, spp, batch);
@@ -169,7 +187,12 @@ std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int ma
             add(wide, "fp64 tests", spp, batch);
         return batch;
     };
-    std::vector<Batch> batches{samplersAt({1, 4, 16}), methodsAt(1)};
+    std::vector<Batch> batches{samplersAt({1, 4, 16})};
+    if (!devices.empty()) {
+        batches.push_back(devicesAt({1, 4}, devices));
+        batches.push_back(devicesAt({16}, devices));
+    }
+    batches.push_back(methodsAt(1));
     if (features.mirrors || features.transmission) batches.push_back(depthsAndCuts(maxDepth));
     batches.push_back(otherWays());
     batches.push_back(filters());
@@ -186,7 +209,8 @@ const std::vector<std::string>& familyStarts() {
     static const std::vector<std::string> starts = [] {
         std::vector<std::string> list;
         for (const gpu::Access other : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
-            for (const Batch& batch : planScene(allFeatures(), true, 1, other, true, true)) {
+            for (const Batch& batch :
+                 planScene(allFeatures(), true, 1, other, true, true, {{"cpu", "", nullptr}})) {
                 for (const Configuration& c : batch.configurations) {
                     const std::string start = c.family.substr(0, c.family.find_first_of(" :"));
                     if (std::find(list.begin(), list.end(), start) == list.end()) list.push_back(start);

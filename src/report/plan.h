@@ -9,6 +9,7 @@
 
 #include "core/quartiles.h"
 #include "gpu/compute.h"
+#include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "report/measures.h"
 #include "report/statistics.h"
@@ -37,8 +38,17 @@ struct Configuration {
     // In place of the box: another picture, so it is judged by the differences of its own runs.
     std::optional<Filter> filter;
     bool onReference = false;  // drawn by the reference, in double
+    std::string on;            // DeviceBeside::label of who draws; empty: the report's own device
     int twin = 0;              // the default once more, under another name
 };
+
+// A device that is set beside the report's own.
+struct DeviceBeside {
+    std::string name, driver;
+    const gpu::Device* device = nullptr;  // null: the reference
+    std::string label() const { return driver.empty() ? name : name + ", " + driver; }
+};
+inline constexpr const char* kOnDevice = "device: ";  // its settings' family is this and its name
 
 // The default, measured once more in turns with the methods that it is compared with.
 inline constexpr const char* kDefaultAmongMethods = "default methods";
@@ -56,9 +66,10 @@ struct Batch {
 
 // Batches, most important first. `otherAccess`: the way of loading that the device would not choose;
 // `float64`: whether it computes in double precision; `packets`: whether the default methods go by packets of
-// rays or wide nodes, which do not know all others.
+// rays or wide nodes, which do not know all others. `devices`: to be set side by side; may be empty.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64, bool packets);
+                             std::optional<gpu::Access> otherAccess, bool float64, bool packets,
+                             const std::vector<DeviceBeside>& devices = {});
 
 // What the names of all families that there are start with, in order of measurement: "grid", ..., "default",
 // "triangles" ...

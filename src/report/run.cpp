@@ -78,6 +78,7 @@ void writeReport(const fs::path& folder, Report& report) {
     for (const SceneReport& scene : report.scenes) {
         add(scene.name + ".precision.svg", precisionDiagram(scene));
         add(scene.name + ".truncation.svg", truncationDiagram(scene));
+        add(scene.name + ".devices.svg", devicesDiagram(scene));
     }
     writeFiles(files);
 }
@@ -101,6 +102,7 @@ SweepLimits limitsOf(const Options& options) {
     limits.repeats = options.repeats;
     limits.truthSamples = options.truthSamples;
     limits.truth = options.truth;
+    limits.devices = options.devices;
     limits.secondsLeft = options.secondsLeft;
     limits.cancelled = options.cancelled;
     limits.wanted = [&options](const Configuration& c) {

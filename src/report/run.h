@@ -16,13 +16,14 @@
 namespace glint::report {
 
 struct Options {
-    std::filesystem::path folder;   // that exists and can be written to
-    std::string version;            // of the program; a report of another one is not gone on with
-    int width = 256;                // of the pictures, in pixels
-    int repeats = 10;               // runs of each setting
-    int truthSamples = 0;           // of each pixel of the converged picture; 0: as time allows
-    Backend truth = Backend::Cpu;   // who draws it
-    std::vector<std::string> only;  // how the names of families start; empty: all
+    std::filesystem::path folder;       // that exists and can be written to
+    std::string version;                // of the program; a report of another one is not gone on with
+    int width = 256;                    // of the pictures, in pixels
+    int repeats = 10;                   // runs of each setting
+    int truthSamples = 0;               // of each pixel of the converged picture; 0: as time allows
+    Backend truth = Backend::Cpu;       // who draws it
+    std::vector<std::string> only;      // how the names of families start; empty: all
+    std::vector<DeviceBeside> devices;  // to be set side by side; may be empty
     // A batch of settings that would take longer is left out.
     std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
     std::function<bool()> cancelled = [] { return false; };  // the report is left incomplete

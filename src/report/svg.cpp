@@ -195,6 +195,7 @@ std::string precisionDiagram(const SceneReport& scene) {
                     "RMSE against the converged picture");
     char letter = 'a';
     for (const std::string& family : familiesOf(scene)) {
+        if (family.starts_with(kOnDevice)) continue;
         Series series;
         const auto points = familyOf(scene, family);
         const bool sampler = !points.empty() && family == points.front()->sampler;
@@ -234,6 +235,19 @@ std::string truncationDiagram(const SceneReport& scene) {
     if (familyOf(scene, "depth").empty() && familyOf(scene, "cut").empty()) return "";
     add("depth", "greatest depth", [](const Measured& m) { return std::to_string(m.depth); });
     add("cut", "least contribution", [](const Measured& m) { return shortNumber(m.minContribution); });
+    return drawing.draw();
+}
+
+std::string devicesDiagram(const SceneReport& scene) {
+    Drawing drawing(scene.name + ": devices side by side, lowDiscrepancy",
+                    "seconds for the picture (median, wall clock)", "RMSE against the converged picture");
+    for (const std::string& family : familiesOf(scene)) {
+        if (!family.starts_with(kOnDevice)) continue;
+        Series series;
+        series.label = family.substr(std::string_view(kOnDevice).size());
+        for (const Measured* m : familyOf(scene, family)) series.points.push_back(totalPoint(*m, ""));
+        drawing.add(std::move(series));
+    }
     return drawing.draw();
 }
 

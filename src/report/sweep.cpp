@@ -104,7 +104,7 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     const render::Renderer probe(device_, loaded_.packed);
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
-                         nameOf(probe.traversal()) != nameOf(render::Traversal::Lane));
+                         nameOf(probe.traversal()) != nameOf(render::Traversal::Lane), limits_.devices);
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
     std::erase_if(batches_, [](const Batch& batch) { return batch.configurations.empty(); });
@@ -171,6 +171,12 @@ Request SceneSweep::requestFor(const Configuration& c, uint32_t seed) const {
     return request;
 }
 
+const gpu::Device& SceneSweep::deviceOf(const Configuration& c) const {
+    for (const DeviceBeside& beside : limits_.devices)
+        if (beside.device != nullptr && beside.label() == c.on) return *beside.device;
+    return device_;
+}
+
 render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
     std::unique_ptr<render::Renderer>& renderer = renderers_[keyOf(machineKind(c))];
     if (renderer) return *renderer;
@@ -179,7 +185,7 @@ render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
     options.doublePrecision = c.doublePrecision;
     if (c.rayByRay) options.traversal = render::Traversal::Lane;
     options.access = c.access;
-    renderer = std::make_unique<render::Renderer>(device_, loaded_.packed, options);
+    renderer = std::make_unique<render::Renderer>(deviceOf(c), loaded_.packed, options);
     return *renderer;
 }
 

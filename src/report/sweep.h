@@ -24,6 +24,7 @@ struct SweepLimits {
     int truthSamples = 0;      // 0: as many as truthSeconds allow
     double truthSeconds = 20;  // for the converged picture
     Backend truth = Backend::Cpu;
+    std::vector<DeviceBeside> devices;    // that configurations name
     std::function<double()> secondsLeft;  // a batch that would take longer is left out; infinite: none is
     std::function<bool()> cancelled;
     std::function<bool(const Configuration&)> wanted;
@@ -68,11 +69,12 @@ class SceneSweep {
     // A run's picture, against the converged one; or, of a filter, against the one of the run before.
     void judgeByTruth(Measured& measured, const Picture& picture) const;
     void judgeByRuns(Run& run, const Picture& picture) const;
-    // Of a picture of one sample, of each pixel.
-    double secondsOf(bool byReference);
+    // Of a picture of one sample of each pixel, by who draws the configuration.
+    double secondsOf(const Configuration& configuration);
     double predictedSamples(const Configuration& configuration, const SceneReport& report) const;
     bool fits(const Batch& batch, const SceneReport& report);
 
+    const gpu::Device& deviceOf(const Configuration& configuration) const;
     render::Renderer& rendererOf(const Configuration& configuration);
     Run begin(const Configuration& configuration, const SceneReport& report);
     Picture draw(Run& run, uint32_t seed);
@@ -89,9 +91,9 @@ class SceneSweep {
     shared::Camera camera_;
     std::vector<Batch> batches_;
     std::map<std::tuple<Sampler, int>, Truth> truths_;
-    std::vector<glm::dvec3> converged_;  // colours; empty before drawTruth
-    Image convergedImage_;               // the same
-    std::optional<double> deviceSeconds_, referenceSeconds_;
+    std::vector<glm::dvec3> converged_;      // colours; empty before drawTruth
+    Image convergedImage_;                   // the same
+    std::map<std::string, double> seconds_;  // secondsOf, by who draws
     double kappa_ = 0;
     std::map<std::string, std::unique_ptr<render::Renderer>> renderers_;  // by what a request cannot vary
 };

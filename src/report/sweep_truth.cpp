@@ -26,6 +26,12 @@ Configuration plain(int spp, Sampler sampler = Sampler::LowDiscrepancy) {
     return c;
 }
 
+Configuration drawnBy(Backend backend) {
+    Configuration c;
+    c.onReference = backend == Backend::Cpu;
+    return c;
+}
+
 }  // namespace
 
 const SceneSweep::Truth* SceneSweep::truthOf(const Configuration& c) {
@@ -43,25 +49,26 @@ const SceneSweep::Truth* SceneSweep::truthOf(const Configuration& c) {
     return &truths_.emplace(key, std::move(truth)).first->second;
 }
 
-double SceneSweep::secondsOf(bool byReference) {
-    std::optional<double>& known = byReference ? referenceSeconds_ : deviceSeconds_;
-    if (known) return *known;
+double SceneSweep::secondsOf(const Configuration& c) {
+    const std::string who = c.onReference ? "the reference" : c.on;
+    if (const auto known = seconds_.find(who); known != seconds_.end()) return known->second;
     const Request request = requestFor(plain(1), loaded_.scene.image.seed);
-    render::Renderer* renderer = byReference ? nullptr : &rendererOf({});
+    Configuration drawn;
+    drawn.on = c.on;
+    render::Renderer* renderer = c.onReference ? nullptr : &rendererOf(drawn);
     if (renderer) renderer->render(camera_, request);  // compiles
     const Stopwatch watch;
     if (renderer)
         renderer->render(camera_, request);
     else
         reference::render(loaded_.packed, camera_, request);
-    known = watch.seconds();
-    return *known;
+    return seconds_[who] = watch.seconds();
 }
 
 int SceneSweep::truthSamples(const SceneReport& report) {
     int samples = report.truthSamples > 0 ? report.truthSamples : limits_.truthSamples;
     if (samples == 0) {
-        const double allowed = limits_.truthSeconds / secondsOf(limits_.truth == Backend::Cpu);
+        const double allowed = limits_.truthSeconds / secondsOf(drawnBy(limits_.truth));
         samples = kLeastTruthSamples;
         while (2 * samples <= allowed && samples < kMostTruthSamples) samples *= 2;
     }
@@ -129,9 +136,9 @@ bool SceneSweep::fits(const Batch& batch, const SceneReport& report) {
     double seconds = 0;
     for (const Configuration& c : batch.configurations) {
         const double runs = limits_.repeats + 1.0 + (c.spp <= 4 ? 1 : 0);
-        seconds += predictedSamples(c, report) * runs * secondsOf(c.onReference) + kCompileSeconds;
+        seconds += predictedSamples(c, report) * runs * secondsOf(c) + kCompileSeconds;
     }
-    if (converged_.empty()) seconds += truthSamples(report) * secondsOf(limits_.truth == Backend::Cpu);
+    if (converged_.empty()) seconds += truthSamples(report) * secondsOf(drawnBy(limits_.truth));
     return seconds <= limits_.secondsLeft();
 }
 

@@ -39,6 +39,11 @@ bool isSampler(const std::string& family) {
     return sampler && *sampler != Sampler::Auto;
 }
 
+bool isSampled(const SceneReport& scene) {
+    return std::any_of(scene.measured.begin(), scene.measured.end(),
+                       [](const Measured& m) { return isSampler(m.family); });
+}
+
 std::string settingOf(const Measured& m) {
     const std::string name = m.family + ", " + shortNumber(m.samples) + " spp";
     return isSampler(m.family) ? name : name + " lowDiscrepancy";
@@ -49,24 +54,6 @@ std::string similarity(const std::optional<double>& ssim) {
     char text[32] = "-";
     if (ssim) std::snprintf(text, sizeof(text), "%.5f", *ssim);
     return text;
-}
-
-std::string samplingTable(const SceneReport& scene) {
-    std::string out = header({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM", "max",
-                              "> 1/255 %", "Mrays/s"});
-    for (const Sampler s : kSamplers) {
-        const std::string sampler(nameOf(s));
-        for (const Measured* m : familyOf(scene, sampler)) {
-            const double rate = m->wall.median > 0 ? static_cast<double>(m->rays) / m->wall.median / 1e6 : 0;
-            out += row({sampler, std::to_string(m->spp),
-                        milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
-                            milliseconds(m->wall.high) + ")",
-                        milliseconds(m->device.median), errorOf(scene, *m), shortNumber(m->total.relMse),
-                        similarity(m->ssim), shortNumber(m->total.max), shortNumber(m->total.percentVisible),
-                        shortNumber(rate)});
-        }
-    }
-    return out;
 }
 
 std::string slopeLine(const SceneReport& scene) {
@@ -87,23 +74,45 @@ std::string slopeLine(const SceneReport& scene) {
            "pictures.\n";
 }
 
+std::string samplingTable(const SceneReport& scene) {
+    std::string rows;
+    const std::string names = header({"sampler", "spp", "ms (q1..q3)", "device ms", "RMSE", "relMSE", "SSIM",
+                                      "max", "> 1/255 %", "Mrays/s"});
+    for (const Sampler s : kSamplers) {
+        const std::string sampler(nameOf(s));
+        for (const Measured* m : familyOf(scene, sampler)) {
+            const double rate = m->wall.median > 0 ? static_cast<double>(m->rays) / m->wall.median / 1e6 : 0;
+            rows += row({sampler, std::to_string(m->spp),
+                         milliseconds(m->wall.median) + " (" + milliseconds(m->wall.low) + ".." +
+                             milliseconds(m->wall.high) + ")",
+                         milliseconds(m->device.median), errorOf(scene, *m), shortNumber(m->total.relMse),
+                         similarity(m->ssim), shortNumber(m->total.max), shortNumber(m->total.percentVisible),
+                         shortNumber(rate)});
+        }
+    }
+    return rows.empty() ? "" : names + rows + "\n" + slopeLine(scene) + "\n";
+}
+
 // At one sample, where a pixel is one path: rounding alone, by method.
 std::string methodTable(const SceneReport& scene) {
-    std::string out = header({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
-                              "other path, pixels", "RMSE, all", "> 1/255 %", "> 1e-3 %", "bias"});
+    std::string rows;
+    const std::string names =
+        header({"at 1 spp", "ms (q1..q3)", "compile ms", "RMSE, same path", "max, same path",
+                "other path, pixels", "RMSE, all", "> 1/255 %", "> 1e-3 %", "bias"});
     for (const Measured& m : scene.measured) {
-        if (m.spp != 1 || !m.arithmetic || m.family == "depth" || m.family == "cut" || isSampler(m.family))
+        if (m.spp != 1 || !m.arithmetic || m.family == "depth" || m.family == "cut" || isSampler(m.family) ||
+            m.family.starts_with(kOnDevice))
             continue;
         const ArithmeticError& a = *m.arithmetic;
-        out += row({m.family,
-                    milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
-                        milliseconds(m.wall.high) + ")",
-                    milliseconds(m.compile), shortNumber(a.samePath.rmse), shortNumber(a.samePath.max),
-                    std::to_string(a.otherPath.pixels), shortNumber(a.all.rmse),
-                    shortNumber(a.all.percentVisible), shortNumber(a.all.percentSmall),
-                    shortNumber(a.all.bias)});
+        rows += row({m.family,
+                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
+                         milliseconds(m.wall.high) + ")",
+                     milliseconds(m.compile), shortNumber(a.samePath.rmse), shortNumber(a.samePath.max),
+                     std::to_string(a.otherPath.pixels), shortNumber(a.all.rmse),
+                     shortNumber(a.all.percentVisible), shortNumber(a.all.percentSmall),
+                     shortNumber(a.all.bias)});
     }
-    return out;
+    return rows.empty() ? "" : names + rows;
 }
 
 std::string truncationTable(const SceneReport& scene) {
@@ -143,6 +152,7 @@ std::string otherWaysTable(const SceneReport& scene) {
     std::string rows;
     for (const Measured& m : scene.measured) {
         if (contestOf(m) != Contest::None || m.family == "depth" || m.family == "cut") continue;
+        if (m.family.starts_with(kOnDevice)) continue;
         rows += row({m.family, shortNumber(m.samples),
                      milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
                          milliseconds(m.wall.high) + ")",
@@ -151,6 +161,29 @@ std::string otherWaysTable(const SceneReport& scene) {
     if (rows.empty()) return "";
     return "\nErrors of filters, whose pictures are others, are by the differences of their own runs.\n\n" +
            header({"in another way", "samples", "ms (q1..q3)", "RMSE", "of the error asked for"}) + rows;
+}
+
+// Times beside the first device's, turn by turn.
+std::string devicesTable(const SceneReport& scene) {
+    std::string rows;
+    for (const Measured& m : scene.measured) {
+        if (!m.family.starts_with(kOnDevice)) continue;
+        const auto first =
+            std::find_if(scene.measured.begin(), scene.measured.end(),
+                         [&](const Measured& other) { return other.batch == m.batch && other.spp == m.spp; });
+        const double rate = m.wall.median > 0 ? static_cast<double>(m.rays) / m.wall.median / 1e6 : 0;
+        rows += row({m.family.substr(std::string_view(kOnDevice).size()), std::to_string(m.spp),
+                     milliseconds(m.wall.median) + " (" + milliseconds(m.wall.low) + ".." +
+                         milliseconds(m.wall.high) + ")",
+                     &*first == &m ? "1" : ratio(m.seconds, first->seconds), errorOf(scene, m),
+                     m.arithmetic ? shortNumber(m.arithmetic->samePath.rmse) : "-",
+                     m.rays > 0 ? shortNumber(rate) : "-"});
+    }
+    if (rows.empty()) return "";
+    return "\n" +
+           header({"device", "spp", "ms (q1..q3)", "x the first one's time", "RMSE",
+                   "of which rounding (at most 4 spp, same path)", "Mrays/s"}) +
+           rows;
 }
 
 // The quickest that is good enough, among settings that any picture can be drawn with.
@@ -182,7 +215,7 @@ std::string adviceTable(const Report& data) {
         for (const double error : errors) {
             const Measured* best = cheapestFor(scene, error);
             cells.push_back(best == nullptr
-                                ? "not reached"
+                                ? (isSampled(scene) ? "not reached" : "not measured")
                                 : settingOf(*best) + ": " + milliseconds(best->wall.median) + " ms");
         }
         out += row(cells);
@@ -233,7 +266,8 @@ std::vector<const Measured*> frontOf(const SceneReport& scene) {
     std::vector<WorkPoint> points;
     std::vector<const Measured*> told;
     for (const Measured& m : scene.measured) {
-        if (m.hidden || m.family.starts_with("filter")) continue;  // another picture
+        if (m.hidden || m.family.starts_with("filter") || m.family.starts_with(kOnDevice))
+            continue;  // another picture, another machine
         points.push_back({m.wall.median, m.error});
         told.push_back(&m);
     }
@@ -244,14 +278,14 @@ std::vector<const Measured*> frontOf(const SceneReport& scene) {
 
 std::string conclusionOf(const SceneReport& scene) {
     if (scene.measured.empty()) return "Nothing was measured.";
-    std::string out = cheapestInWords(scene, 1e-2) + cheapestInWords(scene, 1e-3);
+    std::string out = isSampled(scene) ? cheapestInWords(scene, 1e-2) + cheapestInWords(scene, 1e-3) : "";
     const std::string sampler = defaultInWords(scene, Contest::Samplers);
     if (!sampler.empty()) out += "The default sampler (" + scene.defaultSampler + ") is " + sampler + ". ";
     const std::string methods = defaultInWords(scene, Contest::Methods);
     if (!methods.empty()) out += "The default methods are " + methods + ". ";
     std::string front;
     for (const Measured* m : frontOf(scene)) front += (front.empty() ? "" : "; ") + settingOf(*m);
-    return out + "The front by medians: " + front + ".";
+    return front.empty() ? out : out + "The front by medians: " + front + ".";
 }
 
 std::string toMarkdown(const Report& data) {
@@ -264,9 +298,8 @@ std::string toMarkdown(const Report& data) {
            "; converged pictures: " + data.truthBackend + ", lowDiscrepancy, other seeds\n";
     for (const SceneReport& scene : data.scenes) {
         out += "\n## " + scene.name + "\n\n" + sceneLine(scene) + "\n\n";
-        out += samplingTable(scene) + "\n" + slopeLine(scene) + "\n" + methodTable(scene) +
-               truncationTable(scene) + otherWaysTable(scene) + "\n" + defaultTable(scene) + "\n" +
-               conclusionOf(scene) + "\n";
+        out += samplingTable(scene) + methodTable(scene) + truncationTable(scene) + otherWaysTable(scene) +
+               devicesTable(scene) + "\n" + defaultTable(scene) + "\n" + conclusionOf(scene) + "\n";
         if (!scene.leftOut.empty()) {
             out += "\nLeft out for want of time (the same command goes on with it):\n";
             for (const std::string& name : scene.leftOut) out += "- " + name + "\n";

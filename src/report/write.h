@@ -21,6 +21,7 @@ std::string conclusionOf(const SceneReport& scene);
 // Drawings of a size of their own, complete files; empty if there is nothing to draw.
 std::string precisionDiagram(const SceneReport& scene);   // error against seconds
 std::string truncationDiagram(const SceneReport& scene);  // depth and least contribution
+std::string devicesDiagram(const SceneReport& scene);     // error against seconds, a curve for each device
 
 std::string toHtml(const Report& data);
 

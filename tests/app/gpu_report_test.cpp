@@ -109,7 +109,6 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
     EXPECT_TRUE(found);
 }
 
-// The scene's own file is the same: it is the mesh that is another one.
 // Filters draw other pictures than the box does, so their runs judge each other: that comes to their error
 // beside what they converge to, which is drawn here with many samples.
 TEST_F(GpuReport, RunsOfAFilterJudgeEachOther) {
@@ -137,6 +136,46 @@ TEST_F(GpuReport, RunsOfAFilterJudgeEachOther) {
     EXPECT_EQ(ran.out.find("front by medians: filter"), std::string::npos);
 }
 
+// The report's own device once, however often it is named, and the reference: the same samples, so the same
+// errors but for rounding.
+TEST_F(GpuReport, DevicesAreSetSideBySide) {
+    const std::vector<std::string> args = {"report",      "a.json", "-o",       "out",       "--only",
+                                           "device",      "--size", "16",       "--repeats", "2",
+                                           "--truth-spp", "64",     "--device", "0",         "--devices"};
+    const auto with = [&](const std::string& devices) {
+        std::vector<std::string> all = args;
+        all.push_back(devices);
+        return runGlint(all);
+    };
+    const Ran ran = with("cpu,0,cpu");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const nlohmann::json report = readJson();
+    const nlohmann::json& rows = report["scenes"][0]["configurations"];
+    ASSERT_EQ(rows.size(), 6u) << "two devices at 1, 4 and 16 samples";
+    const std::string device = report["device"];
+    for (size_t i = 0; i < rows.size(); i += 2) {
+        EXPECT_EQ(rows[i]["family"], "device: " + device);
+        EXPECT_EQ(rows[i + 1]["family"], "device: reference");
+        EXPECT_EQ(rows[i]["spp"], rows[i + 1]["spp"]);
+        EXPECT_GT(rows[i]["error"].get<double>(), 0);
+        EXPECT_NEAR(rows[i]["total"]["rmse"].get<double>(), rows[i + 1]["total"]["rmse"].get<double>(), 1e-6);
+        EXPECT_GT(rows[i]["rays"].get<uint64_t>(), 0u) << "it is the device that drew";
+        EXPECT_EQ(rows[i + 1]["rays"], 0) << "and the reference";
+    }
+    EXPECT_TRUE(std::filesystem::exists("out/a.devices.svg"));
+    EXPECT_NE(ran.out.find("| reference | 16 |"), std::string::npos) << ran.out;
+    EXPECT_EQ(with("cpu").out, ran.out) << "nothing was run again";
+
+    std::filesystem::remove_all("out");
+    const Ran wrong = with("cpu,no such device");
+    EXPECT_EQ(wrong.code, 4);
+    EXPECT_TRUE(
+        wrong.err.starts_with("glint: no Vulkan device has \"no such device\" in its name; there is 0 "))
+        << wrong.err;
+    EXPECT_FALSE(std::filesystem::exists("out"));
+}
+
+// The scene's own file is the same: it is the mesh that is another one.
 TEST_F(GpuReport, AnotherMeshStartsOver) {
     writeText("a.json", sceneText(16, 12, R"("background": 0.5, "meshes": {"m": {"file": "m.obj"}},
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},

@@ -16,6 +16,11 @@ TEST(ReportArguments, AreChecked) {
          "--budget: expected a whole number from 0 to 10000000, got \"-1\""},
         {{"report", "a.json", "-o", "x", "--only", "grod"},
          "--only: unknown setting \"grod\" (did you mean \"grid\"?)"},
+        {{"report", "a.json", "-o", "x", "--devices", ""}, "--devices: a device's name is empty in \"\""},
+        {{"report", "a.json", "-o", "x", "--devices", "cpu,,0"},
+         "--devices: a device's name is empty in \"cpu,,0\""},
+        {{"report", "a.json", "-o", "x", "--only", "device"},
+         "--only: device sets devices side by side; --devices names them"},
         {{"report", "a.json", "-o", "x", "--size", "3"},
          "--size: expected a whole number from 4 to 4096, got \"3\""},
     };

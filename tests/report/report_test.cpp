@@ -138,6 +138,32 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     EXPECT_EQ(more[2].configurations.size(), 9u);
 }
 
+// Each at the same counts, and told apart from the report's own device where that is among them.
+TEST(ReportPlan, DevicesTakeTurns) {
+    const gpu::Device* const some = reinterpret_cast<const gpu::Device*>(&kOnDevice);  // not looked at
+    const std::vector<DeviceBeside> devices = {
+        {"a", "driver", some}, {"a", "other", some}, {"cpu", "", nullptr}};
+    const auto batches = planScene({}, false, 5, std::nullopt, false, false, devices);
+    std::map<std::string, std::set<int>> counts;
+    std::set<std::string> keys;
+    for (const Batch& batch : batches) {
+        for (const Configuration& c : batch.configurations) {
+            EXPECT_TRUE(keys.insert(keyOf(c)).second) << keyOf(c);
+            if (c.on.empty()) continue;
+            EXPECT_TRUE(batch.name.starts_with("devices side by side at ")) << batch.name;
+            EXPECT_EQ(c.onReference, c.on == "cpu");
+            EXPECT_EQ(c.family, c.on == "cpu" ? "device: cpu" : "device: a");
+            EXPECT_EQ(c.sampler, Sampler::LowDiscrepancy);
+            counts[c.on].insert(c.spp);
+        }
+    }
+    const std::set<int> all = {1, 4, 16};
+    EXPECT_EQ(counts,
+              (std::map<std::string, std::set<int>>{{"a, driver", all}, {"a, other", all}, {"cpu", all}}));
+    for (const Batch& batch : planScene({}, false, 5, std::nullopt, false, false))
+        EXPECT_FALSE(batch.name.starts_with("devices")) << "nobody asked";
+}
+
 // Ten turns that scatter by a hundredth.
 void setRuns(Measured& m, double seconds, double error) {
     m.seconds.clear();
@@ -290,6 +316,38 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     expectWellFormed(toHtml({}));
     EXPECT_EQ(precisionDiagram({}), "");
     EXPECT_EQ(truncationDiagram({}), "");
+}
+
+// Devices have a table and a diagram of their own: they are no settings that a user of one device has.
+TEST(ReportWriting, DevicesAreSetSideBySide) {
+    Report data = sampleReport();
+    SceneReport& scene = data.scenes[0];
+    const std::string without = precisionDiagram(scene);
+    EXPECT_EQ(devicesDiagram(scene), "");
+    for (const auto& [family, seconds] :
+         {std::pair("device: <llvmpipe>", 2.0), std::pair("device: reference", 6.0)}) {
+        scene.measured.push_back(measuredAt(family, "lowDiscrepancy", 4, seconds, 0.001));
+        scene.measured.back().batch = "devices side by side at 1, 4 samples";
+    }
+    markFront(scene);
+    const std::string text = toMarkdown(data);
+    EXPECT_NE(text.find("| <llvmpipe> | 4 | 2000 (1800..2200) | 1 | 0.001 | 0 | - |\n"
+                        "| reference | 4 | 6000 (5400..6600) | 3 (3 to 3) | 0.001 | 0 | - |\n"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(text.find("| device: "), std::string::npos) << "no method, no other way";
+    EXPECT_NE(text.find("Nothing measured reaches an error of 0.001."), std::string::npos)
+        << "a device is no setting";
+    EXPECT_EQ(precisionDiagram(scene), without);
+    const std::string diagram = devicesDiagram(scene);
+    expectWellFormed(diagram);
+    EXPECT_NE(diagram.find("&lt;llvmpipe&gt;"), std::string::npos);
+    EXPECT_NE(toHtml(data).find(diagram), std::string::npos);
+    scene.measured.erase(scene.measured.begin(), scene.measured.end() - 2);
+    const std::string alone = toMarkdown(data);
+    EXPECT_NE(alone.find("| not measured |"), std::string::npos);
+    for (const char* empty : {"| sampler | spp |", "Slopes", "The front", "Nothing"})
+        EXPECT_EQ(alone.find(empty), std::string::npos) << empty;
 }
 
 // Turns scatter by a hundredth, so that ten of them tell a ratio to about that.
