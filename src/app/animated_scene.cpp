@@ -21,7 +21,8 @@ void overrideSampling(const SceneOptions& options, ImageSettings& image) {
     }
     if (options.seed) image.seed = *options.seed;
     if (options.adaptive) image.adaptive = options.adaptive;
-    const std::string wrong = samplingConflict(image);
+    // The scene's number of samples is not asked for then.
+    const std::string wrong = options.untilError ? "" : samplingConflict(image);
     if (!wrong.empty()) throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
 }
 

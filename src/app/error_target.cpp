@@ -1,6 +1,7 @@
 #include "app/error_target.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -41,6 +42,12 @@ double roundingOf(const LoadedScene& loaded, const Request& request, Backend bac
                                  backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
 }
 
+// As short as it can be read back from: 0.999999999 is not 1.
+std::string probability(double value) {
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+}
+
 const char* limitOf(converge::Stop stop) {
     switch (stop) {
         case converge::Stop::Samples:
@@ -76,7 +83,7 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
 void addError(OptionTable& table, ErrorTarget& target) {
     table.value("--error", "E",
                 "take samples until the picture's error is at most E (linear radiance, full scale 1)",
-                [&](const std::string& t) { target.error = parsePositive(t, "an error"); });
+                [&](const std::string& t) { target.error = parsePositive(t); });
     table.value("--confidence", "P",
                 "probability with which --error is to hold, above 0.5 and below 1 (default 0.95)",
                 [&](const std::string& t) { target.confidence = confidenceOf(t); });
@@ -93,7 +100,7 @@ void addErrorTarget(OptionTable& table, ErrorTarget& target) {
         "what --error is of: the root mean square over the picture (default), or each pixel by itself",
         target.measure);
     table.value("--max-seconds", "S", "stop there with the best picture so far, if --error takes longer",
-                [&](const std::string& t) { target.maxSeconds = parsePositive(t, "a time"); });
+                [&](const std::string& t) { target.maxSeconds = parsePositive(t); });
     table.whole("--max-spp", "N", "stop there, if --error takes more samples of a pixel (default 65536)", 2,
                 kMostErrorSamples, target.maxSamples);
     table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
@@ -147,6 +154,11 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
             ErrorKind::Argument,
             "--measure pixel: samples of the mitchell filter have no bound of their own; take another "
             "filter, or --measure rmse");
+    if (job.target.measure == converge::Measure::Rmse &&
+        regionOf(request).width() * regionOf(request).height() == 1)
+        throw Error(ErrorKind::Argument,
+                    "--error: the root mean square of one pixel's error has no bound; --measure pixel is for "
+                    "single pixels");
     job.target.depthCounts = !target.withinDepth;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
@@ -213,7 +225,7 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
     const bool pixels = target.measure == converge::Measure::Pixel;
     std::string text = pixels ? "error of each pixel: " : "error (rmse): ";
     text += "at most " + format("%.3g", budget.total()) + " with confidence " +
-            format("%.6g", target.confidence.value_or(defaults.confidence)) + "; sampling " +
+            probability(target.confidence.value_or(defaults.confidence)) + "; sampling " +
             format("%.2g", budget.sampling) +
             (pixels ? "" : " (about " + format("%.2g", result.estimate) + ")") + ", rounding " +
             format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
@@ -225,9 +237,13 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
 void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
                     std::ostream& err) {
     if (result.reached() || result.stop == converge::Stop::Interrupted) return;
-    err << start << "the error may be " << format("%.3g", result.budget.total()) << ", not "
-        << format("%.3g", *target.error) << ", after " << counted(result.samplesPerPixel, "sample")
-        << " for a pixel (" << limitOf(result.stop) << ")";
+    // Of few pixels, two replicates tell too little to bound anything.
+    const bool bounded = std::isfinite(result.budget.total());
+    err << start
+        << (bounded ? "the error may be " + format("%.3g", result.budget.total()) : "the error has no bound")
+        << ", not " << format("%.3g", *target.error) << ", after "
+        << counted(result.samplesPerPixel, "sample") << " for a pixel (" << limitOf(result.stop) << ")";
+    if (!bounded) err << "; too few pixels show any error to tell; --measure pixel is for few pixels";
     if (target.measure == converge::Measure::Pixel)
         err << "; " << format("%.3g", 100 * result.unsettled) << " % of the pixels are not settled";
     err << '\n';

@@ -178,10 +178,10 @@ double parseNotNegative(const std::string& text) {
     return *value;
 }
 
-double parsePositive(const std::string& text, const char* what) {
-    const double value = parseNotNegative(text);
-    if (!(value > 0)) throw Error(ErrorKind::Argument, std::string(what) + " is above 0");
-    return value;
+double parsePositive(const std::string& text) {
+    const auto value = number(text);
+    if (!value || !(*value > 0)) refuse("a number above 0", text);
+    return *value;
 }
 
 std::filesystem::path parsePath(const std::string& what, const std::string& text) {

@@ -38,14 +38,14 @@ struct FilterChoice {
 // A whole number from `least` to `greatest`.
 int parseWhole(const std::string& text, int least, int greatest);
 
-double parsePositive(const std::string& text, const char* what);  // finite; "a time" in the error
-double parseNotNegative(const std::string& text);                 // finite
-Size parseSize(const std::string& text);                          // "640x480"
-PartChoice parsePart(const std::string& text);                    // "3/8"
-FrameRange parseFrames(const std::string& text);                  // "0:240" or "17"
-Region parseCrop(const std::string& text);                        // "x0,y0,x1,y1", not empty
-std::pair<int, int> parsePixel(const std::string& text);          // "x,y"
-std::vector<Aov> parseAovs(const std::string& text);              // "color, depth": each once
+double parsePositive(const std::string& text);            // finite
+double parseNotNegative(const std::string& text);         // finite
+Size parseSize(const std::string& text);                  // "640x480"
+PartChoice parsePart(const std::string& text);            // "3/8"
+FrameRange parseFrames(const std::string& text);          // "0:240" or "17"
+Region parseCrop(const std::string& text);                // "x0,y0,x1,y1", not empty
+std::pair<int, int> parsePixel(const std::string& text);  // "x,y"
+std::vector<Aov> parseAovs(const std::string& text);      // "color, depth": each once
 // "depth,offset": words that names of the settings of `glint report` start with.
 std::vector<std::string> parseFamilies(const std::string& text);
 // By the names that `glint info` prints.

@@ -175,17 +175,19 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
                                          const PackedScene& packed, const Tracing& tracing) {
     if (!picture.complete) return std::nullopt;
-    bool anyHit = false, allHit = true, anyColor = false;
+    bool anyHit = false, allHit = true, anyWhole = false, anyColor = false, anyRimColor = false;
     for (size_t i = 0; i < picture.color.pixels.size(); i += 4) {
         const float* c = &picture.color.pixels[i];
         if (c[3] <= 0) allHit = false;
         if (c[3] <= 0) continue;
         anyHit = true;
+        const bool colored = !(c[0] == 0 && c[1] == 0 && c[2] == 0);
         // At the rim of an object some samples show the background, which says nothing about the object.
-        if (c[3] >= 1 && !(c[0] == 0 && c[1] == 0 && c[2] == 0)) anyColor = true;
+        (c[3] >= 1 ? anyColor : anyRimColor) |= colored;
+        anyWhole |= c[3] >= 1;
     }
     if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed, tracing);
-    if (!anyColor)
+    if (!(anyWhole ? anyColor : anyRimColor))
         return "everything in the picture is black: " + blackReason(picture, scene, packed, tracing);
     if (allHit) {
         const Scout scout(picture, scene, packed, tracing);

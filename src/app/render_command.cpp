@@ -71,14 +71,14 @@ void declare(OptionTable& table, RenderCommand& c) {
     table.value("--lease", "SECONDS",
                 "how long a process of --join or mpirun may show no life before others take over its work "
                 "(default 15)",
-                [&](const std::string& t) { c.lease = parsePositive(t, "a lease"); });
+                [&](const std::string& t) { c.lease = parsePositive(t); });
     table.value(
         "--frames", "A:B",
         "draws frames A to B of the animation, those that are not there yet; -o has # in the place of "
         "the digits of their numbers",
         [&](const std::string& t) { c.frames = parseFrames(t); });
     table.value("--fps", "F", "frames of --frames in a second, instead of the scene's (24)",
-                [&](const std::string& t) { c.framesPerSecond = parsePositive(t, "a frame rate"); });
+                [&](const std::string& t) { c.framesPerSecond = parsePositive(t); });
     table.flag("--overwrite", "draw frames that are there already again", c.overwrite);
     addErrorTarget(table, c.target);
     addStats(table, "times and counts as JSON on standard output, instead of the summary", c.json);
@@ -140,7 +140,9 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
     Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
-    const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
+    SceneOptions scene = command.scene;
+    scene.untilError = command.target.error.has_value();
+    const LoadedScene loaded = loadAndPack(scene, err, command.quiet);
     checkNotRead(command, loaded.scene);
     const Region region = checkedRegion(command, loaded.scene);
     const int bandRows = bandRowsOf(command, output, region, availableMemory());

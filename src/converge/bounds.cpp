@@ -46,12 +46,17 @@ MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::
     // distributions; Satterthwaite's number is 2 (sum of E[d])^2 over it (F. E. Satterthwaite, Biometrics
     // Bulletin 2, 1946).
     // Estimated from few pixels it comes out up to 2 too high: with 1 pixel it is always 2.
-    return {sum / static_cast<double>(pixels), squares > 0 ? 2 * sum * sum / squares - 2 : 0};
+    return {sum / static_cast<double>(pixels), squares > 0 ? 2 * sum * sum / squares - 2 : 0, pixels};
 }
 
 double rootMeanSquareBound(const MeanSquare& estimate, double tail) {
     if (estimate.value == 0) return 0;
     return std::sqrt(estimate.value * fisherQuantile(tail, estimate.freedom, estimate.freedom));
+}
+
+double unseenBound(size_t pixels, double samples, double tail) {
+    if (pixels == 0) return 0;
+    return -std::expm1(std::log(tail) / samples) / std::sqrt(static_cast<double>(pixels));
 }
 
 // With mean square s, estimate s X and realised s Y, X and Y independent and alike, the claim is made and

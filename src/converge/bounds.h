@@ -2,6 +2,7 @@
 // docs/design/error-targets.md derives them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -21,6 +22,7 @@ double fisherQuantile(double tail, double freedom1, double freedom2);
 struct MeanSquare {
     double value = 0;    // unbiased estimate of the mean over pixels and channels of (mean - truth)^2
     double freedom = 0;  // degrees of freedom: as many pixels of equal variance would tell as much
+    size_t pixels = 0;   // that were finite
 };
 
 // `first` and `second`: means of one replicate each, all pixels in the same order. Pixels must be independent
@@ -31,6 +33,11 @@ MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::
 // have the same expectation and are independent, each about chi-square of `freedom` degrees, so that their
 // ratio is Fisher's. Infinite if the estimate is of too few pixels for any statement.
 double rootMeanSquareBound(const MeanSquare& estimate, double tail);
+
+// What a detail of one pixel, no brighter than full scale, may add to the root mean square over the pixels
+// though none of `samples` of that pixel hit it: with probability 1 - tail it covers at most 1 -
+// tail^(1 / samples) of the pixel. Details in more pixels that come to as much are missed less often.
+double unseenBound(size_t pixels, double samples, double tail);
 
 // One error E is given beforehand, and claimed where E^2 is at least the estimate times Fisher's quantile for
 // this tail: such a claim is false with probability `tail` at most, whatever the true mean square. It is a

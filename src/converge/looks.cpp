@@ -72,11 +72,16 @@ bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
         paidCount_ = count;
     }
     const double claimed = rootMeanSquareBound(estimate, tailOfClaim(claimTail(risk_, paid_)));
-    const bool holds = allowed > 0 && claimed <= allowed;
+    // Replicates that agree may both have missed something.
+    const double unseen = unseenBound(estimate.pixels, 2.0 * count, risk_);
+    const bool holds = allowed > 0 && claimed <= allowed && unseen <= allowed;
+    bound_ = std::max(bound_, unseen);
     if (holds) bound_ = std::min(bound_, allowed);
     // A guess that is too low costs a further look, one too high samples.
     const double ratio = allowed > 0 ? claimed / allowed : std::numeric_limits<double>::infinity();
-    next_ = countWorth(count, worthOf(count) * std::pow(ratio, 1 / slope_));
+    // What is not seen falls with the samples' number itself.
+    const double worth = std::max(worthOf(count) * std::pow(ratio, 1 / slope_), count * unseen / allowed);
+    next_ = countWorth(count, worth);
     return holds;
 }
 

@@ -68,6 +68,43 @@ TEST_F(ErrorTarget, SummaryNamesTheParts) {
     EXPECT_NE(ran.out.find("(not counted)"), std::string::npos) << ran.out;
 }
 
+// 1 is no probability that anything is promised with.
+TEST_F(ErrorTarget, SummaryDoesNotRoundTheConfidence) {
+    for (const std::string confidence : {"0.95", "0.999999999"}) {
+        const Ran ran = render({"--error", "0.5", "--within-depth", "--confidence", confidence});
+        EXPECT_NE(ran.out.find(" with confidence " + confidence + "; "), std::string::npos) << ran.out;
+    }
+}
+
+// The scene has a sample for each pixel, which is too few for the filter, and --spp is not for --error.
+TEST_F(ErrorTarget, FiltersTakeTheSamplesThatTheyNeed) {
+    const Ran ran = render({"--error", "0.1", "--within-depth", "--filter", "mitchell", "--stats", "json"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_GE(nlohmann::json::parse(ran.out)["error"]["samplesPerPixel"], 8) << "two replicates of 4";
+    const Ran pixels = render({"--error", "0.1", "--measure", "pixel", "--filter", "mitchell"});
+    EXPECT_NE(pixels.err.find("samples of the mitchell filter have no bound"), std::string::npos)
+        << pixels.err;
+}
+
+// Two replicates of one pixel that errs have no quantile.
+TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
+    const Ran one = render({"--error", "0.01", "--crop", "16,12,17,13"});
+    EXPECT_EQ(one.code, 2);
+    EXPECT_NE(one.err.find("--measure pixel is for single pixels"), std::string::npos) << one.err;
+    EXPECT_EQ(
+        render({"--error", "0.2", "--measure", "pixel", "--within-depth", "--crop", "16,12,17,13"}).code, 0);
+    writeText("a.json", sceneText(2, 1, R"("background": 0.5, "ambient": 1,
+        "objects": [{"type": "sphere", "center": [3, 0, 0], "radius": 2}])"));
+    const Ran two =
+        runGlint({"render", "a.json", "--backend", "cpu", "--error", "0.0001", "--max-spp", "64"});
+    EXPECT_EQ(two.code, 0);
+    EXPECT_NE(
+        two.err.find("the error has no bound, not 0.0001, after 64 samples for a pixel (--max-spp); too "
+                     "few pixels"),
+        std::string::npos)
+        << two.err;
+}
+
 TEST_F(ErrorTarget, LayersHoldSamplesAndHalfWidths) {
     const Ran ran = render({"--error", "0.5", "--measure", "pixel", "--within-depth", "--aov",
                             "color,error,samples", "-o", "a.pfm", "-q"});
@@ -118,6 +155,13 @@ TEST_F(ErrorTarget, OptionsThatContradictAreRefused) {
         EXPECT_EQ(ran.code, 2) << options.front();
         EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
         EXPECT_FALSE(std::filesystem::exists("a.png"));
+    }
+}
+
+TEST_F(ErrorTarget, WhatIsNoErrorIsSaid) {
+    for (const std::string text : {"0", "-1", "nan", "inf", "", "1e-400"}) {
+        const Ran ran = render({"--error", text});
+        EXPECT_EQ(ran.err, "glint: --error: expected a number above 0, got \"" + text + "\"\n");
     }
 }
 

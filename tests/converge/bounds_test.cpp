@@ -105,6 +105,16 @@ TEST(BoundsTest, PixelsThatAgreeHaveNoError) {
     EXPECT_EQ(rootMeanSquareBound(meanSquareOf(same, same), 0.05), 0);
 }
 
+// A detail of that size is missed by all samples with that probability.
+TEST(BoundsTest, WhatNoSampleHitsIsSmall) {
+    for (const double samples : {2.0, 16.0, 1000.0}) {
+        const double covers = unseenBound(100, samples, 0.05) * 10;  // of one pixel among 100
+        EXPECT_NEAR(std::pow(1 - covers, samples), 0.05, 1e-12) << samples;
+    }
+    EXPECT_NEAR(unseenBound(1, 1e9, 0.05), -std::log(0.05) / 1e9, 1e-15) << "no cancellation";
+    EXPECT_EQ(unseenBound(0, 2, 0.05), 0);
+}
+
 TEST(BoundsTest, WhatIsNotFiniteIsLeftOut) {
     std::vector<glm::dvec3> a(100, glm::dvec3(1)), b(100, glm::dvec3(0));
     a[7].y = NAN;

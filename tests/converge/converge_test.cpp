@@ -45,6 +45,25 @@ TEST(ConvergeTest, TheErrorIsWhatWasAskedFor) {
     EXPECT_NEAR(drift, 0, 4 * 0.02 * std::sqrt(8.0) / std::sqrt(kSeeds * kSide));  // stopping does not bias
 }
 
+// All that there is to see covers three tenths of one pixel: samples that all miss it agree, and so do those
+// that all hit it. Either would end 58 % of the pictures after two samples, with twice the error asked for or
+// more.
+TEST(ConvergeTest, SamplesThatAgreeMayHaveMissedSomething) {
+    const auto star = [](int x, int y) { return x == 13 && y == 17; };
+    const Film film = {[&](int x, int y) { return star(x, y) ? 0.3 : 0.0; },
+                       [&](int x, int y, double random) { return star(x, y) && random < 0.3 ? 1.0 : 0.0; }};
+    constexpr int kSeeds = 200;
+    int wrong = 0;
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+        Job job = jobOf(0.003, seed);
+        job.target.maxSamples = 64;
+        const Result result = converge(drawOf(film), job);
+        wrong += result.reached() && realizedOf(film, result.picture) > 0.003 ? 1 : 0;
+        EXPECT_GE(result.budget.sampling, unseenBound(kSide * kSide, result.samplesPerPixel, 0.0501));
+    }
+    EXPECT_LE(wrong, kSeeds * 0.05 + 4 * std::sqrt(kSeeds * 0.05 * 0.95));
+}
+
 TEST(ConvergeTest, TheSameSeedDrawsTheSamePicture) {
     const Film film = edgeFilm();
     const Result a = converge(drawOf(film), jobOf(0.05, 3)), b = converge(drawOf(film), jobOf(0.05, 3));
