@@ -164,6 +164,7 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
     job.maxDepth = loaded.packed.environment.maxDepth;
     job.rounding = roundingOf(loaded, request, backend);
+    job.inDouble = backend == Backend::Cpu;
     // Batches are many, and each would count from 0 to 1.
     request.progress = {};
     request.ledger = true;

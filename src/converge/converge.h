@@ -83,6 +83,7 @@ struct Job {
     ImageSettings image;  // sampler (no grid), filter, seed
     Target target;
     double rounding = 0;  // ErrorBudget::rounding
+    bool inDouble = false;  // of a tracer in double precision, for advice
     // No channel of a pixel exceeds it (PackedScene's radiance bound); only Measure::Pixel asks for it.
     double radianceBound = std::numeric_limits<double>::infinity();
     // The depth that the request leaves to the scene, for advice.

@@ -75,6 +75,16 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
 }
 
+// Pixels are stored as fp32, whatever computes them: half of its last digit is left of any picture.
+constexpr double kStored = 0x1p-24;
+
+std::string roundingAdvice(const Job& job, double rounding) {
+    if (job.inDouble) return " though computed in double, as pixels are stored as floats";
+    const double inDouble = kStored + (rounding - kStored) * 0x1p-29;  // 2^-53 instead of 2^-24
+    if (inDouble < job.target.error) return " on this device; --backend cpu computes in double";
+    return " on this device, and " + number(inDouble) + " in double precision";
+}
+
 }  // namespace
 
 uint32_t seedOf(uint32_t seed, uint32_t number) {
@@ -182,7 +192,7 @@ void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget)
     const std::string start = "an error of " + number(wanted) + " is out of reach: ";
     if (budget.rounding >= wanted)
         throw Error(ErrorKind::Argument, start + "rounding alone may take " + number(budget.rounding) +
-                                             " on this device; --backend cpu computes in double");
+                                             roundingAdvice(job, budget.rounding));
     if (budget.rounding + budget.cut >= wanted)
         throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
                                              number(budget.cut) + "; ask for a lower --min-contribution");

@@ -22,7 +22,7 @@ Scene loadModel(const std::filesystem::path& path, SceneFiles& files) {
     scene.objects.push_back(
         {"/objects/0", MeshShape{std::make_shared<const Mesh>(std::move(imported.mesh))}, 0});
     frameModel(scene);
-    validateScene(scene, path.string());
+    validateFramedScene(scene, path.string());
     return scene;
 }
 
@@ -44,10 +44,10 @@ void dropFaultyCameras(Scene& scene, const std::filesystem::path& path) {
 Scene completed(ImportedScene imported, const std::filesystem::path& path) {
     Scene scene = std::move(imported.scene);
     if (!imported.hasCamera) frameCamera(scene);
-    validateCamera(scene.camera, {path.string(), "camera"});
+    if (imported.hasCamera) validateCamera(scene.camera, {path.string(), "camera"});
     dropFaultyCameras(scene, path);
     if (scene.lights.empty()) lightModel(scene);
-    validateScene(scene, path.string());
+    imported.hasCamera ? validateScene(scene, path.string()) : validateFramedScene(scene, path.string());
     return scene;
 }
 

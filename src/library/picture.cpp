@@ -134,6 +134,7 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
     const double kappa = verify::conditionNumber(reference::Tracer(snapshot.part().packed, request), camera,
                                                  request.width, request.height, 1);
     job.rounding = kappa * (snapshot.onDevice() ? verify::kFloatUnit : 0x1p-53) + verify::kFloatUnit;
+    job.inDouble = !snapshot.onDevice();
     // Work grows with about the error's -5/3rd power.
     job.report = [told = std::exchange(request.progress, {}), error = wanted.error,
                   last = 0.0](const converge::State& state) mutable {

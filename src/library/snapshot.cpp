@@ -204,7 +204,7 @@ void commit(glint_scene& scene) {
     if (made.materials.empty()) made.materials.emplace_back().name = "default";
     if (scene.framed) frameModel(made);
     placeObjects(made);
-    validateScene(made, "scene");
+    scene.framed ? validateFramedScene(made, "scene") : validateScene(made, "scene");
     const std::vector<Whereabouts> whereabouts = whereaboutsOf(scene.draft);
     std::unique_ptr<Snapshot> next;
     // Nobody but the thread that changes the scene exchanges the pointer.

@@ -377,6 +377,37 @@ void checkTextures(const Scene& scene, const Material& material, const Place& pl
 
 }  // namespace
 
+namespace {
+
+void validateObjects(const Scene& scene, const std::string& name) {
+    std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
+    for (const Object& object : scene.objects) {
+        const Place place{name, object.name};
+        if (object.material >= scene.materials.size())
+            place.fail("material", "there is no material number " + std::to_string(object.material) +
+                                       " (there are " + std::to_string(scene.materials.size()) + ")");
+        checkTransform(object, place);
+        const auto* shape = std::get_if<MeshShape>(&object.shape);
+        if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
+        validateShape(object.shape, place, scene.materials.size());
+    }
+}
+
+}  // namespace
+
+void validateFramedScene(const Scene& scene, const std::string& name) {
+    try {
+        validateCamera(scene.camera, {name, "camera"});
+    } catch (const Error&) {
+        validateObjects(scene, name);
+        Place{name, ""}.fail({},
+                             "the model is too large or too far away for a camera in front of it (whose "
+                             "coordinates must be below " +
+                                 describe(kMaxCoordinate) + ", too)");
+    }
+    validateScene(scene, name);
+}
+
 void validateScene(const Scene& scene, const std::string& name) {
     const Place root{name, ""};
     validateImage(scene.image, {name, "/image"});
@@ -393,17 +424,7 @@ void validateScene(const Scene& scene, const std::string& name) {
         validateMaterial(material, {name, "/materials/" + key});
         checkTextures(scene, material, {name, "/materials/" + key});
     }
-    std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
-    for (const Object& object : scene.objects) {
-        const Place place{name, object.name};
-        if (object.material >= scene.materials.size())
-            place.fail("material", "there is no material number " + std::to_string(object.material) +
-                                       " (there are " + std::to_string(scene.materials.size()) + ")");
-        checkTransform(object, place);
-        const auto* shape = std::get_if<MeshShape>(&object.shape);
-        if (shape && shape->mesh && !seen.insert(shape->mesh.get()).second) continue;
-        validateShape(object.shape, place, scene.materials.size());
-    }
+    validateObjects(scene, name);
 }
 
 }  // namespace glint

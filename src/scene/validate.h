@@ -14,6 +14,8 @@ namespace glint {
 // finite are NOT refused: the triangles that use them are dropped when the scene is packed, with a warning.
 // `name` stands for the file in messages.
 void validateScene(const Scene& scene, const std::string& name);
+// The same for a scene with a camera of frameModel's: what makes that useless is where the objects are.
+void validateFramedScene(const Scene& scene, const std::string& name);
 
 // Where something stands, for messages: "FILE: POINTER/KEY: what".
 struct Place {

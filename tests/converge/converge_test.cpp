@@ -138,7 +138,16 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
     job = jobOf(0.01);
     job.rounding = 0.02;
     const std::string rounding = refusalOf(drawOf(film), job);
-    EXPECT_NE(rounding.find("rounding alone may take 0.02"), std::string::npos) << rounding;
+    EXPECT_NE(rounding.find("rounding alone may take 0.02 on this device; --backend cpu computes in double"),
+              std::string::npos)
+        << rounding;
+    // Advice that would not help is not given.
+    job.target.error = 1e-300;
+    EXPECT_NE(refusalOf(drawOf(film), job).find("0.02 on this device, and 6e-08 in double precision"),
+              std::string::npos)
+        << refusalOf(drawOf(film), job);
+    job.inDouble = true;
+    EXPECT_EQ(refusalOf(drawOf(film), job).find("--backend"), std::string::npos);
 }
 
 // What lies beyond the depth is known better with every round, and may come to more than the first one

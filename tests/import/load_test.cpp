@@ -58,6 +58,23 @@ TEST(Load, SceneFilesAreRelativeToThemselves) {
     EXPECT_TRUE(scene.lights.empty());  // a scene file says itself what lights it
 }
 
+TEST(Load, TheCameraOfAModelThatIsTooLargeIsNotBlamed) {
+    const TemporaryFolder folder;
+    for (const std::string far : {"1e39", "1e300"}) {
+        const auto path = folder.write("far.obj", "v " + far + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n");
+        const std::string error = errorOf([&] { loadScene(path); });
+        EXPECT_EQ(error.rfind(path.string() + ": /objects/0: vertex 0 of the mesh: coordinates must be ", 0),
+                  0u)
+            << error;
+    }
+    // Each number may stand there, but what shows them all may not.
+    const auto large = folder.write("large.obj", "v 9e17 0 0\nv -9e17 1 0\nv 0 9e17 1\nf 1 2 3\n");
+    EXPECT_EQ(errorOf([&] { loadScene(large); }),
+              large.string() +
+                  ": the model is too large or too far away for a camera in front of it (whose "
+                  "coordinates must be below 1e+18, too)");
+}
+
 TEST(Load, AModelAloneGetsCameraLightAndMaterial) {
     const TemporaryFolder folder;
     const Scene scene = loadScene(folder.write("cube.obj", kCubeObj));
