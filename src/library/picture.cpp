@@ -5,6 +5,7 @@
 
 #include "converge/converge.h"
 #include "core/call_terms.h"
+#include "core/error.h"
 #include "core/text_file.h"
 #include "library/ray_reader.h"
 #include "library/snapshot.h"
@@ -12,6 +13,7 @@
 #include "library/views.h"
 #include "pack/pack_samples.h"
 #include "scene/cameras.h"
+#include "scene/limits.h"
 #include "scene/sampling.h"
 #include "scene/validate.h"
 #include "verify/stiffness.h"
@@ -22,15 +24,21 @@ namespace {
 
 using glm::dvec3;
 
+int atMost(int most, uint32_t given, const char* what) {
+    if (given > static_cast<uint32_t>(most))
+        refuse(std::string("glint_render: picture.") + what + " must be at most " + std::to_string(most) +
+               ", but is " + std::to_string(given));
+    return static_cast<int>(given);
+}
+
 ImageSettings settingsOf(const glint_picture& picture, const Scene& scene) {
     ImageSettings image = scene.image;
-    if (picture.width > 0) image.width = static_cast<int>(std::min(picture.width, 1u << 30));
-    if (picture.height > 0) image.height = static_cast<int>(std::min(picture.height, 1u << 30));
+    if (picture.width > 0) image.width = atMost(kMaxImageSize, picture.width, "width");
+    if (picture.height > 0) image.height = atMost(kMaxImageSize, picture.height, "height");
     if (picture.samples > 0) {
-        image.samplesPerPixel = static_cast<int>(std::min(picture.samples, 1u << 30));
+        image.samplesPerPixel = atMost(kMaxSamplesPerPixel, picture.samples, "samples");
         image.adaptive.reset();
     }
-    validateImage(image, {"glint_render", "picture"});
     const std::string wrong = samplingConflict(image);
     if (!wrong.empty()) refuse("glint_render: " + wrong);
     return image;
@@ -60,7 +68,11 @@ Camera cameraFor(const glint_picture& picture, const Scene& scene) {
     camera.target = threeOf(given.target);
     camera.up = threeOf(given.up);
     camera.fovY = given.fov_y;
-    validateCamera(camera, {"glint_render", "camera"});
+    try {
+        validateCamera(camera, {"glint_render", "camera"});
+    } catch (const Error& error) {
+        refuse(error.what());  // it is no part of the scene
+    }
     return camera;
 }
 

@@ -40,6 +40,13 @@ void checkGeometry(const glint_scene* scene, uint32_t geometry, const char* call
                std::to_string(scene->draft.objects.size()));
 }
 
+// What is numbered by U32, of which the last is GLINT_NONE.
+void checkCount(uint64_t count, const char* what, const char* call) {
+    if (count >= GLINT_NONE)
+        refuse(std::string(call) + ": " + std::to_string(count) + " " + what + ", the limit is " +
+               std::to_string(GLINT_NONE - 1));
+}
+
 uint64_t bytesOf(const Mesh& mesh) {
     const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
     return bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.corners) + bytes(mesh.normalCorners) +
@@ -62,13 +69,14 @@ std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
     const NumberView vertices(given.vertices, 3, 0, "glint_scene_add_triangles: vertices");
     const uint64_t triangles =
         given.indices.data == nullptr ? vertices.count() / 3 : uint64_t{given.indices.count};
+    checkCount(vertices.count(), "vertices", "glint_scene_add_triangles");
+    checkCount(triangles, "triangles", "glint_scene_add_triangles");
+    if (given.indices.data == nullptr && vertices.count() % 3 != 0)
+        refuse("glint_scene_add_triangles: without indices the number of vertices must be a multiple of 3");
     auto mesh = chargedMesh(vertices.count() * sizeof(dvec3) + triangles * sizeof(glm::uvec3));
     mesh->positions.resize(vertices.count());
     for (uint64_t i = 0; i < vertices.count(); ++i) mesh->positions[i] = vertices.three(i);
     if (given.indices.data == nullptr) {
-        if (vertices.count() % 3 != 0)
-            refuse(
-                "glint_scene_add_triangles: without indices the number of vertices must be a multiple of 3");
         for (uint32_t i = 0; i + 2 < vertices.count(); i += 3) mesh->corners.push_back({i, i + 1, i + 2});
         return mesh;
     }
@@ -181,6 +189,7 @@ glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* sp
         const glint_spheres given = readStruct(spheres, "glint_scene_add_spheres: spheres");
         checkMaterial(*scene, given.material, "glint_scene_add_spheres");
         const NumberView centers(given.centers, 3, 0, "glint_scene_add_spheres: centers");
+        checkCount(scene->draft.objects.size() + centers.count(), "geometries", "glint_scene_add_spheres");
         const NumberView radii(given.radii, 1, centers.count(), "glint_scene_add_spheres: radii");
         for (uint64_t i = 0; i < centers.count(); ++i)
             if (!(radii.one(i) > 0))

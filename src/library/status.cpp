@@ -1,8 +1,10 @@
 #include "library/status.h"
 
 #include <new>
+#include <stdexcept>
 
 #include "core/error.h"
+#include "core/text_file.h"
 
 namespace glint::library {
 
@@ -12,7 +14,7 @@ thread_local std::string lastError;
 
 void remember(const char* message) noexcept {
     try {
-        lastError = message;
+        lastError = printable(message);  // names are the caller's, or a file's
     } catch (...) {
         lastError.clear();
     }
@@ -53,6 +55,9 @@ glint_status statusOfException() noexcept {
         remember(cancelled.what());
         return GLINT_ERROR_CANCELLED;
     } catch (const std::bad_alloc&) {
+        remember("out of memory");
+        return GLINT_ERROR_MEMORY;
+    } catch (const std::length_error&) {
         remember("out of memory");
         return GLINT_ERROR_MEMORY;
     } catch (const std::exception& exception) {

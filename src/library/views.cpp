@@ -10,6 +10,16 @@ std::string countText(uint64_t has, uint64_t expected) {
     return "has " + std::to_string(has) + " elements, and " + std::to_string(expected) + " are needed";
 }
 
+// Farther than any address space goes: a count or a stride that was computed wrongly, before it is followed.
+constexpr uint64_t kFarthest = uint64_t{1} << 56;
+
+void checkReach(const std::string& name, uint64_t count, int64_t stride) {
+    const uint64_t step = stride < 0 ? 0 - static_cast<uint64_t>(stride) : static_cast<uint64_t>(stride);
+    if (count > 1 && step > kFarthest / (count - 1))
+        refuse(name + " would reach beyond all memory: " + std::to_string(count) + " elements, " +
+               std::to_string(stride) + " bytes from one to the next");
+}
+
 }  // namespace
 
 NumberView::NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what)
@@ -25,6 +35,7 @@ NumberView::NumberView(const glint_view& view, int numbers, uint64_t expected, c
         refuse(name + " " + countText(count_, expected) + ", or 1");
     if (stride_ == 0) stride_ = numbers * static_cast<int64_t>(wide_ ? sizeof(double) : sizeof(float));
     if (count_ == 1) stride_ = 0;
+    checkReach(name, count_, stride_);
 }
 
 CornerView::CornerView(const glint_view& view, const char* what)
@@ -33,6 +44,7 @@ CornerView::CornerView(const glint_view& view, const char* what)
     if (view.type != GLINT_U32) refuse(name + " is not GLINT_U32");
     if (view.data == nullptr && view.count > 0) refuse(name + " has no data");
     if (stride_ == 0) stride_ = 3 * sizeof(uint32_t);
+    checkReach(name, count_, stride_);
 }
 
 Output::Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what)
@@ -47,6 +59,7 @@ Output::Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, 
     if (out.count < expected) refuse(name + " " + countText(out.count, expected));
     size_ = out.type == GLINT_F64 || out.type == GLINT_U64 ? 8 : (out.type == GLINT_U8 ? 1 : 4);
     if (stride_ == 0) stride_ = int64_t{numbers} * size_;
+    checkReach(name, expected, stride_);  // there may be room for more, which nobody touches
 }
 
 }  // namespace glint::library

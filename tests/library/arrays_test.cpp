@@ -1,4 +1,5 @@
 // Arrays in and out: types, strides, what is not wanted, what is refused.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -168,6 +169,68 @@ TEST_F(LibraryArrays, WhatIsRefusedIsNamed) {
     refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.size is not set");
     refused(glint_query_any(scene(), nullptr, &out, nullptr), "rays is NULL");
     refused(glint_query_any(nullptr, &rays, &out, nullptr), "scene is NULL");
+}
+
+// Counts and strides that no memory has, as a caller's own arithmetic may make them: nothing is read or
+// taken.
+TEST_F(LibraryArrays, WhatReachesBeyondAllMemoryIsRefused) {
+    const auto refused = [](glint_status status, const std::string& part) {
+        EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
+        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    };
+    const std::vector<F3> three = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<std::array<uint32_t, 3>> one = {{0, 1, 2}};
+    GLINT_INIT(glint_triangles, mesh);
+    const auto add = [&] { return glint_scene_add_triangles(scene(), &mesh, nullptr); };
+    for (const uint64_t count : {uint64_t{1} << 63, ~uint64_t{0}}) {
+        mesh.vertices = {three.data(), count, 0, GLINT_F32, 0};
+        refused(add(), "vertices would reach beyond all memory");
+    }
+    for (const int64_t stride : {std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max()}) {
+        mesh.vertices = {three.data(), 3, stride, GLINT_F32, 0};
+        refused(add(), "vertices would reach beyond all memory");
+    }
+    mesh.vertices = {three.data(), 3 * (uint64_t{1} << 40), 0, GLINT_F32, 0};  // would be numbered by U32
+    refused(add(), "3298534883328 vertices, the limit is 4294967294");
+    mesh.vertices = viewOf(three);
+    mesh.indices = {one.data(), uint64_t{1} << 62, 0, GLINT_U32, 0};
+    refused(add(), "4611686018427387904 triangles, the limit is 4294967294");
+    addSquare();
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = {three.data(), uint64_t{1} << 61, 0, GLINT_F32, 0};
+    rays.directions = {three.data(), 1, 0, GLINT_F32, 0};
+    std::vector<uint8_t> hit(1);
+    glint_out out = outOf(hit);
+    refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.origins would reach beyond all memory");
+    // Room that is not touched may be of any size.
+    rays.origins.count = 1;
+    out.count = ~uint64_t{0};
+    EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+}
+
+TEST_F(LibraryArrays, PicturesThatNobodyCanDrawAreTheCallersFault) {
+    addSquare();
+    GLINT_INIT(glint_picture, picture);
+    const auto refused = [&](const std::string& part) {
+        EXPECT_EQ(glint_render(scene(), &picture, nullptr), GLINT_ERROR_ARGUMENT);
+        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    };
+    picture.width = 0xffffffffu;
+    refused("picture.width must be at most 65536, but is 4294967295");
+    picture.width = 8;
+    picture.samples = 65537;
+    refused("picture.samples must be at most 65536, but is 65537");
+    picture.samples = 0;
+    GLINT_INIT(glint_camera, camera);
+    camera.eye[0] = std::numeric_limits<double>::quiet_NaN();
+    picture.camera = &camera;
+    refused("camera/eye: must be finite");
+    picture.camera = nullptr;
+    picture.camera_name = "\x1b[31m";
+    refused("no camera \"?[31m\"");
+    glint_device* none = nullptr;
+    EXPECT_NE(glint_device_open("\x1b[31m", &none), GLINT_OK);
+    EXPECT_EQ(std::string(glint_last_error()).find('\x1b'), std::string::npos);
 }
 
 // A struct of an older version is shorter: what it lacks counts as zero.
