@@ -64,13 +64,21 @@ void AnimatedScene::pack() {
 
 void AnimatedScene::warn() {
     if (!err_) return;
+    constexpr size_t kMost = 50;  // a file may name 20,000 others that are not there
+    size_t hidden = 0;
     const auto say = [&](const std::string& line) {
-        if (warned_.insert(line).second) *err_ << "glint: warning: " << line << '\n';
+        if (!warned_.insert(line).second) return;
+        if (warned_.size() > kMost)
+            ++hidden;
+        else
+            *err_ << "glint: warning: " << line << '\n';
     };
+    const std::string scene = options_.scene.string();
     if (options_.time && !loaded_.scene.animation)
-        say(printable(options_.scene.string() + ": has no animation; --time changes nothing"));
+        say(printable(scene + ": has no animation; --time changes nothing"));
     for (const std::string& w : loaded_.scene.warnings) say(printable(w));
-    for (const std::string& w : loaded_.packed.warnings) say(printable(options_.scene.string() + ": " + w));
+    for (const std::string& w : loaded_.packed.warnings) say(printable(scene + ": " + w));
+    if (hidden > 0) *err_ << "glint: warning: " << printable(scene) << ": " << hidden << " warnings more\n";
 }
 
 AnimatedScene::Change AnimatedScene::moveTo(double time) {

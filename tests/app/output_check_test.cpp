@@ -83,7 +83,7 @@ TEST_F(OutputCheck, MemoryIsComparedWithWhatIsFree) {
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1024, kGibibyte); }), "no error");
     EXPECT_EQ(messageOf([] { checkMemory(1024, 1024, 1025, kGibibyte); }),
               "a picture of 1024x1024 pixels takes 1.0 GiB of memory, 1.0 GiB are free; ask for a smaller "
-              "--size, or for parts with "
+              "--size (1023x1023 fits), or for parts with "
               "glint render --crop");
     EXPECT_EQ(messageOf([] { checkMemory(65536, 65536, 1000, std::numeric_limits<uint64_t>::max()); }),
               "no error");

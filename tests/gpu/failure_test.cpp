@@ -1,4 +1,6 @@
 // Failures of Vulkan calls, made by putting others in their place in the device's function table.
+#include <ctime>
+
 #include "gpu_fixture.h"
 
 namespace glint::gpu::failure_test {
@@ -73,6 +75,48 @@ TEST_F(FailureTest, AHangIsReportedAfterAMinute) {
         "the device \"" + device_.info().name + "\" hangs: a batch of work has not finished after 60 s");
     EXPECT_TRUE(state().abandoned);
     // It did finish, so that this test can clean up.
+    state().vk.vkDeviceWaitIdle(state().device);
+    state().abandoned = false;
+}
+
+// On a busy machine a minute may pass before a software device has had the processor for a second.
+TEST_F(FailureTest, ASlowBatchOfASoftwareDeviceIsWaitedFor) {
+    static PFN_vkWaitForFences real;
+    static int calls;
+    static double seconds;
+    const auto computing = [](VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all,
+                              uint64_t nanoseconds) {
+        if (++calls > 3) return real(device, count, fences, all, nanoseconds);
+        const std::clock_t end = std::clock() + static_cast<std::clock_t>(seconds * CLOCKS_PER_SEC);
+        while (std::clock() < end) {
+        }
+        return VK_TIMEOUT;
+    };
+    real = state().vk.vkWaitForFences;
+    const Kernel kernel = emptyKernel(device_);
+    Submission submission(device_);
+    state().vk.vkWaitForFences = computing;
+    state().physical.info.software = true;
+    seconds = 0.6;
+    calls = 0;
+    submission.dispatch(kernel, 1, {});
+    EXPECT_GT(submission.submit().wall, 0.0);
+    EXPECT_EQ(calls, 4);
+    // But not once it had the processor for as long as a batch may take,
+    state().timeoutNanoseconds = 1'000'000'000;
+    calls = 0;
+    submission.dispatch(kernel, 1, {});
+    EXPECT_NE(errorOf([&] { submission.submit(); }).find("hangs"), std::string::npos);
+    EXPECT_EQ(calls, 2);
+    // and a GPU computes whatever the processor does.
+    state().vk.vkDeviceWaitIdle(state().device);
+    state().abandoned = false;
+    state().physical.info.software = false;
+    calls = 0;
+    Submission another(device_);
+    another.dispatch(kernel, 1, {});
+    EXPECT_NE(errorOf([&] { another.submit(); }).find("hangs"), std::string::npos);
+    EXPECT_EQ(calls, 1);
     state().vk.vkDeviceWaitIdle(state().device);
     state().abandoned = false;
 }

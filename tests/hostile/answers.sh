@@ -40,6 +40,8 @@ printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
     printf '], "animation": {"tracks": [{"target": "/objects/0/radius", "times": [0], "values": [1]}'
     seq -f ', {"target": "/objects/%.0f/radius", "times": [0], "values": [1]}' 40000 && printf ']}}'
 } >tracks.json
+# Each file that is not there is a warning.
+{ printf 'mtllib ' && seq -s ' ' -f 'm%.0f.mtl' 20000 && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >gone.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
 # Legal, but for names that warnings repeat, or that are nowhere, or what many materials ask for again: drawn.
 drawn=" escape.obj obj-crash-a4f60e32ab.obj cover.obj "
@@ -91,6 +93,7 @@ done
 for file in elements.ply parts.obj name.json steer.json; do answer 3 render $file --backend cpu --size 8x8 -o picture.png; done
 answer 3 trace one.obj --backend cpu --rays /dev/zero
 for file in objects.json names.json tracks.json nans.stl; do answer 0 render $file --backend cpu --size 8x8 -o picture.png; done
+answer 0 render gone.obj --backend cpu --size 8x8 -o picture.png
 answer 0 render libs.obj --backend cpu --size 8x8 -o picture.png
 echo "$count answers, $faults of them wrong"
 [ "$faults" = 0 ]
