@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <memory>
 
 #include "child.h"
 #include "core/image_io.h"
@@ -158,6 +159,32 @@ TEST_F(Process, InterruptSavesTheFinishedPart) {
         EXPECT_EQ(image.at(0, 3999, 2), 0.0f);
         EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.png"}));
         std::filesystem::remove("out.png");
+    }
+}
+
+// Whoever looks sees a whole picture, of one of them, also where one dies in the middle; nothing else is
+// left.
+TEST_F(Process, SeveralWritersOfOneFileLeaveAWholeOne) {
+    const auto wholeOrNone = [] {
+        if (!std::filesystem::exists("out.exr")) return;
+        const Image image = readImage("out.exr");
+        EXPECT_EQ(image.height, 64);
+        EXPECT_TRUE(image.width == 256 || image.width == 512 || image.width == 768) << image.width;
+    };
+    for (int round = 0; round < 4; ++round) {
+        std::vector<std::unique_ptr<Child>> writers;
+        for (const char* size : {"256x64", "512x64", "768x64", "768x64"})
+            writers.push_back(std::make_unique<Child>(std::vector<std::string>{
+                "render", "a.json", "--backend", "cpu", "--size", size, "-q", "-o", "out.exr"}));
+        writers[3]->waitForWork(0.01 * round);
+        writers[3]->send(SIGKILL);
+        for (int i = 0; i < 3; ++i) {
+            wholeOrNone();
+            EXPECT_EQ(writers[static_cast<size_t>(i)]->wait(), 0) << writers[static_cast<size_t>(i)]->err();
+        }
+        writers[3]->wait();
+        wholeOrNone();
+        EXPECT_EQ(names(), (std::set<std::string>{"a.json", "out.exr"}));
     }
 }
 
