@@ -116,7 +116,7 @@ bool Child::waitForWork(double seconds) {
 }
 
 void Child::send(int signal) const {
-    kill(pid_, signal);
+    if (pid_ > 0) kill(pid_, signal);  // -1 would be everybody
 }
 
 void Child::type(const std::string& keys) const {
