@@ -82,7 +82,7 @@ struct Job {
     Request request;      // of the picture; its samples are not looked at
     ImageSettings image;  // sampler (no grid), filter, seed
     Target target;
-    double rounding = 0;  // ErrorBudget::rounding
+    double rounding = 0;    // ErrorBudget::rounding
     bool inDouble = false;  // of a tracer in double precision, for advice
     // No channel of a pixel exceeds it (PackedScene's radiance bound); only Measure::Pixel asks for it.
     double radianceBound = std::numeric_limits<double>::infinity();
