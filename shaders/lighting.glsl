@@ -83,16 +83,24 @@ Lit litAt(uint path, bool live, Interaction at, uvec4 sum, vec3 throughput) {
 
 // A light as the path sees it.
 struct Sight {
-    bool facing;  // it shines on the side that is seen
-    vec3 direction;
-    vec3 intensity;
+    bool facing;    // it shines on the side that is seen, and whether it does is asked for
+    vec3 radiance;  // that it adds where nothing is in the way, before the path's throughput
 };
+
+// A ray whose light would add nothing is not traced: most of those of surfaces that are mirrors or
+// dielectrics and nothing else. Pictures with data say which lights are hidden, and what counts rays counts
+// these too.
+const bool kTracesAllShadows = MODE_AOVS || MODE_COST || MODE_TALLY;
 
 // Makes the path's shadow ray to a light. begins: it has not been traced in part.
 Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
     LightSample light = sampleLight(loadLight(index), lit.at.surface.position);
-    Sight sight = Sight(false, light.direction, light.intensity);
-    sight.facing = lit.live && light.valid && dot(lit.at.surface.geometricNormal, light.direction) > 0.0 &&
+    vec3 radiance = evaluate(lit.at, light.direction) * light.intensity;
+    if (FEATURE_TRANSMISSION) radiance *= lit.transmittance;
+    bool adds = kTracesAllShadows || any(notEqual(lit.throughput * radiance, vec3(0.0)));
+    Sight sight = Sight(false, radiance);
+    sight.facing = lit.live && light.valid && adds &&
+                   dot(lit.at.surface.geometricNormal, light.direction) > 0.0 &&
                    dot(lit.at.surface.shadingNormal, light.direction) > 0.0;
     traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
                         lit.at.hit.primitive, lit.at.hit.instance);
@@ -111,8 +119,7 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
 // Takes what the light adds, once its shadow ray is finished.
 void take(inout Lit lit, uint index, Sight sight, Traversal traversal, bool finished) {
     bool occluded = traversal.hit.primitive != kNone;
-    vec3 radiance = evaluate(lit.at, sight.direction) * sight.intensity;
-    if (FEATURE_TRANSMISSION) radiance *= lit.transmittance;
+    vec3 radiance = sight.radiance;
     if (kFiltered) radiance *= lightThrough(traversal.passage);
     vec3 sum = lit.radiance + lit.throughput * radiance;
     bool added = sight.facing && finished && !occluded;
