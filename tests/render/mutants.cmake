@@ -33,7 +33,7 @@ mutant(diffuse_little scatter.glsl "at.material.diffuse * max(" "1.001 * at.mate
 mutant(shininess_little scatter.glsl "clamp(cosine, 0.0, 1.0), shininess)" "clamp(cosine, 0.0, 1.0), 1.005 * shininess)" light)
 mutant(power_little arithmetic.glsl "5.550332471e-2" "5.555882803e-2" light)
 mutant(lost_reason tree.glsl "kLostDepth = 1u" "kLostDepth = 2u" shade)
-mutant(no_light lighting.glsl "evaluate(lit.at, sight.direction) * sight.intensity;" "evaluate(lit.at, sight.direction) * sight.intensity * 0.0;" light)
+mutant(no_light lighting.glsl "evaluate(lit.at, light.direction) * light.intensity;" "evaluate(lit.at, light.direction) * light.intensity * 0.0;" light)
 mutant(rare_near_hit intersect.comp "uvec4(floatBitsToUint(hit.t),"
        "uvec4(floatBitsToUint((path & 255u) == 0u && hit.primitive != kNone ? 1e-5 * hit.t : hit.t)," intersect)
 mutant(flipped_film camera.glsl "x * camera.originStepX + y * camera.originStepY"
@@ -42,8 +42,8 @@ mutant(straight_penumbra lighting.glsl "return s * s * (3.0 - 2.0 * s);" "return
 mutant(wide_cone lighting.glsl "max(light.outer - away, 0.0)" "max(1.02 * light.outer - away, 0.0)" light)
 mutant(mirror_sign optics.glsl "direction - 2.0 * dot(direction, surface.shadingNormal)"
        "direction + 2.0 * dot(direction, surface.shadingNormal)" shade)
-mutant(not_finite lighting.glsl "evaluate(lit.at, sight.direction) * sight.intensity;"
-       "evaluate(lit.at, sight.direction) * sight.intensity * kInfinity * 2.0;" light)
+mutant(not_finite lighting.glsl "evaluate(lit.at, light.direction) * light.intensity;"
+       "evaluate(lit.at, light.direction) * light.intensity * kInfinity * 2.0;" light)
 mutant(texel_corner texture.glsl "s * count - 0.5" "s * count - 0.25" light shade)
 mutant(upside_down texture.glsl "(image.height - 1u - row.first)" "row.first" light shade)
 mutant(late_checker texture.glsl "vec3 whole = floor(cell)" "vec3 whole = floor(cell + 0.02)" light shade)

@@ -55,5 +55,42 @@ TEST_F(ShadowTest, WedgeIsDarkInsideAndLitOutside) {
     EXPECT_GT(dark, 100);
 }
 
+// A surface that sends none of a light's light on asks for no shadow ray: with a trip to a dispatch there are
+// as many dispatches as without the light. A highlight asks where it is not zero.
+TEST_F(ShadowTest, LightThatAddsNothingTakesNoRay) {
+    Scene scene = emptyScene();
+    const uint32_t floor = addMaterial(scene, Color(0));
+    scene.materials[floor].ambient = Color(0.5);
+    addTriangle(scene, {-10, 0, -10}, {0, 0, 15}, {10, 0, -10}, floor);
+    for (int i = 0; i < 16; ++i)
+        addSphere(scene, {0.25 * (i % 4) - 0.4, 3, 0.25 * (i / 4) - 0.2}, 0.1, floor);
+    scene.camera.eye = {0, 1, 0};
+    scene.camera.target = {0, 0, 0};
+    scene.camera.up = {0, 0, 1};
+    const auto resumesOf = [&](const Scene& of, std::vector<float>& pixels) {
+        const Case c = makeCase(of, 16, 16);
+        Options options;
+        options.tripBudget = 1;
+        options.traversal = Traversal::Lane;
+        Renderer renderer(device(), c.packed, options);
+        Request settings;
+        settings.width = settings.height = 16;
+        const Picture picture = renderer.render(c.camera, settings);
+        pixels.clear();
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 16; ++x) pixels.push_back(picture.color.at(x, y, 0));
+        return renderer.times().resumes;
+    };
+    std::vector<float> unlit, lit;
+    const auto without = resumesOf(scene, unlit);
+    scene.lights.push_back(PointLight{{0, 6, 0.4}, Color(1)});
+    EXPECT_EQ(resumesOf(scene, lit), without);
+    EXPECT_EQ(lit, unlit);
+    scene.materials[floor].specular = Color(0.5);
+    scene.materials[floor].shininess = 50;
+    EXPECT_GT(resumesOf(scene, lit), without);
+    EXPECT_NE(lit, unlit);
+}
+
 }  // namespace
 }  // namespace glint::render::test::shadow_test
