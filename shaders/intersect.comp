@@ -14,6 +14,9 @@ void main() {
     // Later rays have no far end, and their hit rows are not made ready for them.
     bool later = dispatch.bounce != 0u;
     if (!MODE_RESUME && kBounces && later) traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, 0u);
+#ifdef GLINT_SETTLES
+    traversal.after = -1.0;
+#endif
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {
@@ -31,7 +34,7 @@ void main() {
         live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.rayClass;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
-    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
+    uint slot = traceNearest(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
     // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing
     // changes.

@@ -35,6 +35,15 @@ const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 const bool kMayGoThrough = FEATURE_ALPHA_MASK;
 #endif
 
+// See kLooksAgain.
+bool looksAtOnce() { return kLooksAgain && (MODE_RESUME || kMayGoThrough); }
+bool looksLast() { return kLooksAgain && !looksAtOnce(); }
+
+// The primitive that the ray starts on, in whatever space it is.
+uint sourceOf(Traversal traversal) {
+    return FEATURE_INSTANCES ? traversal.world.source : traversal.ray.source;
+}
+
 // Whether the ray goes on through its hit: a hole of the surface, or as a shadow ray a dielectric, which then
 // takes of the light.
 bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
@@ -51,7 +60,11 @@ bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
     bool counts = isHit;
-    if (kMayGoThrough && isHit) {
+    if (looksAtOnce() && kind == kKindTriangle && isHit && sourceOf(traversal) != kNone) {
+        Triangle triangle = loadTriangle(primitive & kPrimitiveIndexMask);
+        counts = !liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
+    }
+    if (kMayGoThrough && counts) {
         Hit hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
         counts = !goesThrough(traversal, kind, hit);
     }

@@ -58,6 +58,7 @@ void onePacket(uint turn) {
         uint path = packetPath(turn, r, present);
         lit[r] = loadLit(path, present, loadWalkRow(path));
         packet[r].cost = 0u;
+        packet[r].after = -1.0;
     }
     Environment environment = loadEnvironment(0u);
     packetTrips = 0u;
@@ -69,6 +70,7 @@ void onePacket(uint turn) {
         if (index < end) {
             GLINT_EACH_RAY sights[r] = aim(lit[r], index, true, packet[r]);
             complete = tracePacket(environment);
+            if (dropHitsBehind()) complete = false;
             GLINT_EACH_RAY take(lit[r], index, sights[r], packet[r], complete);
             ++index;
         }
@@ -103,16 +105,18 @@ void main() {
     Traversal traversal;
     traversal.trips = 0u;
     traversal.cost = 0u;
+    traversal.after = -1.0;
     bool going = lit.live && rest.light < end;
     do {
         if (going) {
             Sight sight = aim(lit, rest.light, rest.slot == kSlotFresh, traversal);
             uint left = trace(traversal, environment, rest.slot, place);
-            bool finished = left == kNone || settled(traversal) || !sight.facing;
+            bool again = passesBy(traversal);
+            bool finished = (left == kNone || settled(traversal) || !sight.facing) && !again;
             take(lit, rest.light, sight, traversal, finished);
-            rest.slot = finished ? kSlotFresh : left;
+            rest.slot = finished || again ? kSlotFresh : left;
             rest.light += finished ? 1u : 0u;
-            going = finished && rest.light < end && traversal.trips < budget;
+            going = (finished || again) && rest.light < end && traversal.trips < budget;
         }
     } while (going);
     if (rest.light >= end) rest.slot = kNone;

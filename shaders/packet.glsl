@@ -365,6 +365,44 @@ bool tracePacket(Environment environment) {
     return traversePacket(environment.root);
 }
 
+#ifdef GLINT_SHADOW_RAYS
+// Takes away hits of rays that are found to meet a triangle behind them (liesBehind); true if there is one:
+// its ray is to be started again by itself. Row by row, of those rows where a ray has hit.
+bool dropHitsBehind() {
+    uint hits = 0u;
+    GLINT_EACH_RAY hits |= packet[r].hit.primitive != kNone ? 1u << r : 0u;
+    uint left = looksLast() ? anyOfLanes(hits) : 0u;
+    uint dropped = 0u;
+    do {
+        if (left != 0u) {
+            uint row = left & (~left + 1u);
+            Ray ray = packet[0].ray;
+            RayFrame frame = packet[0].frame;
+            uint primitive = packet[0].hit.primitive;
+            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
+                bool mine = row == 1u << r;
+                ray.origin = mine ? packet[r].ray.origin : ray.origin;
+                ray.direction = mine ? packet[r].ray.direction : ray.direction;
+                frame.axis = mine ? packet[r].frame.axis : frame.axis;
+                frame.shear = mine ? packet[r].frame.shear : frame.shear;
+                primitive = mine ? packet[r].hit.primitive : primitive;
+            }
+            bool isTriangle = primitive >> kPrimitiveKindShift == kKindTriangle && primitive != kNone;
+            Triangle triangle = loadTriangle(isTriangle ? primitive & kPrimitiveIndexMask : 0u);
+            float t, u, v;
+            intersectTriangle(ray, frame, triangle, t, u, v);
+            bool behind = isTriangle && liesBehind(ray.origin, ray.direction, triangle, u, v);
+            GLINT_EACH_RAY packet[r].hit.primitive =
+                behind && row == 1u << r ? kNone : packet[r].hit.primitive;
+            dropped |= behind ? 1u : 0u;
+            left ^= row;
+            ++packetTrips;
+        }
+    } while (left != 0u);
+    return anyOfLanes(dropped) != 0u;
+}
+#endif
+
 // Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are
 // none, as nothing was hit there; but on lavapipe, where nothing but a loop's end skips anything, one without
 // rays costs all of the kernel's code. So it looks for the next that has some.

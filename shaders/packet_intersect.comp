@@ -20,6 +20,9 @@ void onePacket(uint turn) {
         packet[r].hit = before[r];
         packet[r].trips = 0u;
         packet[r].cost = 0u;
+#ifdef GLINT_SETTLES
+        packet[r].after = -1.0;
+#endif
         live[r] = present && isAlive(packet[r].ray);
         packet[r].ray.tMax = live[r] ? packet[r].hit.t : -1.0;
     }

@@ -49,6 +49,18 @@ bool asking;
 Hit asked;
 uint planesInLeaf;
 
+// Whether rays that start on a surface look again at triangles that they are found to meet (liesBehind): at
+// the end of the walk, since on lavapipe what stands in it is paid for with each triangle; at once where a
+// hit does not end it, or the code's length does not matter (looksAtOnce).
+#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY) || defined(GLINT_FP64)
+const bool kLooksAgain = false;
+#else
+const bool kLooksAgain = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
+#endif
+#if defined(GLINT_ANY_HIT) || defined(GLINT_BOTH_HITS)
+#define GLINT_SETTLES
+#endif
+
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
@@ -68,6 +80,9 @@ struct Traversal {
     uint cost;
 #ifdef GLINT_BOTH_HITS
     bool any;  // the same wherever a walk is written, so that each has the code of its kind alone
+#endif
+#ifdef GLINT_SETTLES
+    float after;  // -1, or from which t on the nearest hit is looked for, though any would do
 #endif
 #ifdef GLINT_SHADOW_RAYS
     Passage passage;
@@ -98,9 +113,9 @@ bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 // A hit settles an any-hit ray.
 bool settled(Traversal traversal) {
 #if defined(GLINT_BOTH_HITS)
-    return traversal.any && traversal.hit.primitive != kNone;
+    return traversal.any && traversal.after < 0.0 && traversal.hit.primitive != kNone;
 #elif defined(GLINT_ANY_HIT)
-    return traversal.hit.primitive != kNone;
+    return traversal.after < 0.0 && traversal.hit.primitive != kNone;
 #else
     return false;
 #endif
@@ -435,6 +450,52 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
 #ifdef GLINT_CROSSINGS
     if (left != kNone) traversal.crossed = afterPlanesCrossed;
 #endif
+    return left;
+}
+
+// The ray as it was given, but for the end of its interval.
+Ray worldRay(Traversal traversal) {
+    if (FEATURE_INSTANCES) return traversal.world;
+    return traversal.ray;
+}
+
+// Whether the hit of a ray in the world that leaves a surface is a triangle behind it (liesBehind).
+bool meetsBehind(Ray ray, Hit hit) {
+    bool looks = hit.primitive >> kPrimitiveKindShift == kKindTriangle && hit.primitive != kNone &&
+                 ray.source != kNone;
+    Triangle triangle = loadTriangle(looks ? hit.primitive & kPrimitiveIndexMask : 0u);
+    vec3 origin = ray.origin;
+    vec3 direction = ray.direction;
+    bool exchanged = false;
+    if (FEATURE_INSTANCES) {
+        bool inInstance = hit.instance != kNone;
+        Instance instance = loadInstance(inInstance ? hit.instance : 0u);
+        if (inInstance) enterInstance(instance, origin, direction);
+        exchanged = inInstance && instance.mirrored != 0u;
+    }
+    return looks &&
+           liesBehind(origin, direction, triangle, exchanged ? hit.v : hit.u, exchanged ? hit.u : hit.v);
+}
+
+// trace() for a nearest hit. A triangle that proves to lie behind is passed by: the ray is traced from its t
+// on.
+uint traceNearest(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
+    Ray ray = traversal.ray;
+    Hit before = traversal.hit;
+    uint left = kNone;
+    bool going = true;
+    do {
+        if (going) {
+            left = trace(traversal, environment, slot, place);
+            going = looksLast() && kBounces && meetsBehind(ray, traversal.hit);
+            if (going) {
+                ray.tMin = traversal.hit.t;
+                traversal.ray = ray;
+                traversal.hit = before;
+                going = left == kNone;
+            }
+        }
+    } while (going);
     return left;
 }
 

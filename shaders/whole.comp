@@ -22,13 +22,15 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     bool finished = true;
     bool going = lit.live && index < end;
     traversal.any = true;
+    traversal.after = -1.0;
     do {
         if (going) {
             Sight sight = aim(lit, index, true, traversal);
             uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
+            bool again = passesBy(traversal);
             finished = left == kNone || settled(traversal) || !sight.facing;
-            take(lit, index, sight, traversal, finished);
-            ++index;
+            take(lit, index, sight, traversal, finished && !again);
+            index += again ? 0u : 1u;
             going = finished && index < end && traversal.trips < budget;
         }
     } while (going);
@@ -59,7 +61,8 @@ void main() {
             traversal.ray = ray;
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
-            complete = trace(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            traversal.after = -1.0;
+            complete = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
             Interaction at = interactionAt(ray, traversal.hit, media);
             if (kHasLights) {
                 Lit lit = litAt(path, complete, at, sum, throughput);

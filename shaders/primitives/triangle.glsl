@@ -78,6 +78,42 @@ bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
            left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
 }
 
+// Whether a triangle that intersectTriangle says is hit, with these weights, lies behind the origin for
+// certain: a ray that leaves a surface at a grazing angle. Of a sliver the products of the edge functions are
+// hundreds of times their sum, and t is off by as much. So its sign is found anew, as that of n.(x - o) by
+// n.d. With weights a, b and c of 11 digits x is near o, so that n's own rounding tells little; and a x0 + b
+// x1 + c x2 - o is exact for the upper 12 digits of all coordinates, multiples of one power of two, which
+// leaves a unit of the lower ones. Each of n's components errs by three units of either product and one of
+// their difference, the dot products by three units more: `doubt` holds for both. A sign within it is not
+// certain.
+bool liesBehind(vec3 origin, vec3 direction, Triangle triangle, float u, float v) {
+    vec3 v0 = triangle.v0, v1 = triangle.v1, v2 = triangle.v2;
+    precise vec3 e1 = v1 - v0;
+    precise vec3 e2 = v2 - v0;
+    precise vec3 p = e1.yzx * e2.zxy;
+    precise vec3 q = e1.zxy * e2.yzx;
+    precise vec3 n = p - q;
+    vec3 doubt = 8.0 * kUnit * (abs(p) + abs(q));
+    float size = larger(larger(greatestComponent(v0), greatestComponent(v1)),
+                        larger(greatestComponent(v2), greatestComponent(origin)));
+    precise float grid = uintBitsToFloat(floatBitsToUint(size) & 0x7f800000u) * 6144.0;
+    precise vec3 h0 = (v0 + grid) - grid;
+    precise vec3 h1 = (v1 + grid) - grid;
+    precise vec3 h2 = (v2 + grid) - grid;
+    precise vec3 ho = (origin + grid) - grid;
+    precise float b = (u + 6144.0) - 6144.0;
+    precise float c = (v + 6144.0) - 6144.0;
+    precise float a = 1.0 - b - c;
+    precise vec3 upper = a * h0 + b * h1 + c * h2 - ho;
+    precise vec3 lower = a * (v0 - h0) + b * (v1 - h1) + c * (v2 - h2) - (origin - ho);
+    precise vec3 way = upper + lower;
+    precise float height = dot(n, way);
+    precise float speed = dot(n, direction);
+    float sure = dot(doubt, abs(way));
+    bool behind = speed > 0.0 ? height < -sure : height > sure;
+    return behind && abs(speed) > dot(doubt, abs(direction));
+}
+
 bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
     if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
     if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);

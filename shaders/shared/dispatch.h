@@ -26,7 +26,8 @@
     X(22, CHECKERS, checkers)                   \
     X(24, THIN_LENS, thinLens)                  \
     X(31, ALPHA_MASK, alphaMask)                \
-    X(32, SPLIT_TRIANGLES, splitTriangles)
+    X(32, SPLIT_TRIANGLES, splitTriangles)      \
+    X(40, SLIVERS, slivers)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by

@@ -1,5 +1,7 @@
 #include "pack/features.h"
 
+#include <algorithm>
+
 #include "shared/dispatch.h"
 
 namespace glint {
@@ -21,6 +23,20 @@ void addLightKind(const shared::Light& light, SceneFeatures& features) {
 
 }  // namespace
 
+// Where the longest side was at most 16 times the height above it, none of 10^5 rays was found to meet a
+// triangle behind it, and up to 40 times none of 1.2 x 10^6, of those up to 64 times one of 10^5
+// (SliverTest.TrianglesBehindARayAreNotMet).
+bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
+    constexpr float kLongest = 16;
+    for (const shared::Triangle& t : triangles) {
+        const glm::vec3 a = t.v1 - t.v0, b = t.v2 - t.v0, c = t.v2 - t.v1;
+        const glm::vec3 n = glm::cross(a, b);
+        const float longest = std::max(glm::dot(a, a), std::max(glm::dot(b, b), glm::dot(c, c)));
+        if (longest > kLongest * glm::length(n)) return true;
+    }
+    return false;
+}
+
 SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used) {
     SceneFeatures f = packed.features;  // those of packTextures
 #define GLINT_USES(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
@@ -30,6 +46,7 @@ SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(siz
 #undef GLINT_USES
     for (const shared::Sphere& s : packed.spheres) f.anchoredSpheres |= s.anchorNormal != glm::vec3(0);
     f.splitTriangles = packed.statistics.splitTriangles > 0;
+    f.slivers = haveSlivers(packed.triangles);
     f.vertexNormals = !packed.vertexNormals.empty();
     for (const shared::Light& light : packed.lights) addLightKind(light, f);
     for (size_t i = 0; i < packed.materials.size(); ++i) {

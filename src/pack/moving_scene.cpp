@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "pack/area_vector.h"
 #include "pack/extent.h"
+#include "pack/features.h"
 #include "pack/instances.h"
 #include "pack/kind_packer.h"
 #include "pack/pack_geometry.h"
@@ -232,6 +233,7 @@ bool MovingScene::update(const Scene& scene, const std::vector<bool>& moved) {
     if (!moveLeaves(scene, numbers, moved)) return false;
     for (size_t i = 0; i < scene.lights.size(); ++i)
         packed_.lights[i] = packLight(scene.lights[i], packed_.origin);
+    if (!packed_.features.slivers && haveSlivers(packed_.triangles)) return false;
     if (packed_.features.mirrors)
         packed_.environment.radianceBound = radianceBound(packed_, packed_.environment, packed_.lights);
     return true;

@@ -38,6 +38,7 @@ struct SceneFeatures {
     bool alphaMask = false;       // some material's image cuts holes
     bool splitTriangles = false;  // some triangles stand in the tree more than once
     bool thinLens = false;        // it moves with the sample
+    bool slivers = false;         // some triangles are long and narrow, see haveSlivers
     bool operator==(const SceneFeatures&) const = default;
 };
 

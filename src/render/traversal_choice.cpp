@@ -16,7 +16,7 @@ namespace {
 // one that comes to the list later, is traced by lanes.
 constexpr std::string_view kKnown[] = {
     "anchoredSpheres", "vertexNormals",  "pointLights",    "directionalLights", "spotLights", "specular",
-    "mirrors",         "parallelCamera", "splitTriangles", "environmentMap",    "thinLens"};
+    "mirrors",         "parallelCamera", "splitTriangles", "environmentMap",    "thinLens",   "slivers"};
 
 // Whether packets know a kind, by its role (shaders/shared/primitives.h).
 namespace packets {

@@ -32,6 +32,18 @@ struct TriangleFamily {
 // Outside the band of 64 u (docs/numerics.md 3) no answer may be wrong.
 Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed);
 
+// Rays that leave a surface beside a triangle `size` long and `width` sizes wide, up to `offset` from the
+// origin of coordinates, at 0.5 to 3 degrees of its plane, from `lift` units of 2^-24 of the coordinates
+// above it, and from as much below. By exact signs: how many are met by the triangle's test though it lies
+// behind, how many of these are left, and how many that lie ahead are lost.
+struct SliverFamily {
+    double size = 1, width = 1, offset = 0, lift = 8;
+};
+struct SliverCount {
+    size_t rays = 0, ahead = 0, metBehind = 0, left = 0, lost = 0;
+};
+SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed);
+
 // Spheres of this radius seen from `distance` radii off, by rays across 1.2 times the disc that they appear
 // as, or within a thousandth of its rim.
 struct SphereFamily {

@@ -7,6 +7,7 @@
 #include "../render/support.h"
 #include "checks.h"
 #include "closed_meshes.h"
+#include "reference/render.h"
 
 namespace glint::stability::leaks_test {
 namespace {
@@ -54,6 +55,26 @@ TEST_F(LeakTest, BodiesOfEveryKindAreLitWhereTheLightSeesThem) {
             EXPECT_GT(counts[i].seen, 50u) << where;
             EXPECT_EQ(counts[i].wrong, 0u) << where;
         }
+    }
+}
+
+// An arch of slivers, one ten-thousandth of a turn from the next, under a lamp that shines along them: of the
+// pixel at (26, 143) the shadow ray was found to meet the sliver beside the one that it leaves.
+TEST_F(LeakTest, SliversDoNotShadeTheirNeighbours) {
+    const render::test::Case c = render::test::fileCase("arcade", 800, 450);
+    ASSERT_TRUE(c.packed.features.slivers);
+    Request request = render::test::wholeWithData(c);
+    request.region = {24, 140, 32, 148};
+    const Picture truth = reference::render(c.packed, c.camera, request);
+    for (const render::Traversal traversal :
+         {render::Traversal::Lane, render::Traversal::Packet, render::Traversal::Cwbvh}) {
+        render::Options options;
+        options.traversal = traversal;
+        render::Renderer renderer(device(), c.packed, options);
+        const Picture picture = renderer.render(c.camera, request);
+        ASSERT_EQ(picture.data.size(), truth.data.size());
+        for (size_t i = 0; i < truth.data.size(); ++i)
+            EXPECT_EQ(picture.data[i].shadowBits, truth.data[i].shadowBits) << i;
     }
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../oracle/dyadic.h"
 #include "checks.h"
 #include "support/packed_scene_maker.h"
 
@@ -92,6 +93,71 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
             oracle::triangle(v[0], v[1], v[2], pairs[i].exact), band, answers[i]);
     }
     return judged;
+}
+
+namespace {
+
+// Of t: whether the plane lies ahead of the ray (1), behind (-1), or at its origin or nowhere (0).
+int sideAhead(const shared::Triangle& triangle, const FloatRay& ray) {
+    using oracle::Dyadic;
+    struct Exact {
+        Dyadic x, y, z;
+        explicit Exact(const vec3& v) : x(v.x), y(v.y), z(v.z) {}
+        Exact(Dyadic a, Dyadic b, Dyadic c) : x(std::move(a)), y(std::move(b)), z(std::move(c)) {}
+        Exact operator-(const Exact& o) const { return {x - o.x, y - o.y, z - o.z}; }
+        Dyadic dot(const Exact& o) const { return x * o.x + y * o.y + z * o.z; }
+        Exact cross(const Exact& o) const {
+            return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x};
+        }
+    };
+    const Exact corner(triangle.v0);
+    const Exact normal = (Exact(triangle.v1) - corner).cross(Exact(triangle.v2) - corner);
+    return normal.dot(corner - Exact(ray.origin)).sign() * normal.dot(Exact(ray.direction)).sign();
+}
+
+}  // namespace
+
+SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed) {
+    Random random(seed);
+    std::vector<shared::Triangle> triangles(count);
+    std::vector<FloatRay> rays(count);
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 along = random.direction();
+        const dvec3 across = glm::normalize(glm::cross(along, random.direction()));
+        const dvec3 base = random.box(family.offset);
+        const double from = random.uniform(-1, 1);
+        vec3 v[3] = {vec3(base), vec3(base + family.size * along),
+                     vec3(base + family.size * (from * along + family.width * across))};
+        std::rotate(v, v + i % 3, v + 3);
+        triangles[i].v0 = v[0];
+        triangles[i].v1 = v[1];
+        triangles[i].v2 = v[2];
+        double a = random.uniform(0, 1), b = random.uniform(0, 1);
+        if (a + b > 1) a = 1 - a, b = 1 - b;
+        const dvec3 on = dvec3(v[0]) + a * dvec3(v[1] - v[0]) + b * dvec3(v[2] - v[0]);
+        const dvec3 normal = glm::cross(along, across);
+        const double reach = std::max(glm::length(on), family.size);
+        const double lift = (i % 2 == 0 ? 1 : -1) * family.lift * kUnit * reach * random.uniform(0.5, 2);
+        const double turn = random.uniform(0, 2 * std::numbers::pi);
+        const double rise = random.uniform(0.5, 3) * std::numbers::pi / 180;
+        const dvec3 flat = std::cos(turn) * along + std::sin(turn) * across;
+        const dvec3 direction = std::cos(rise) * flat + std::sin(rise) * normal;
+        rays[i].origin = vec3(on + lift * normal);
+        rays[i].direction = vec3(family.size * random.uniform(0.1, 2) * direction);
+    }
+    const std::vector<Answer> met = probe(subject, rays, triangles);
+    const std::vector<Answer> ahead = probeAhead(subject, rays, triangles);
+    SliverCount sum;
+    for (size_t i = 0; i < count; ++i) {
+        ++sum.rays;
+        if (!met[i].hit) continue;
+        const bool isAhead = sideAhead(triangles[i], rays[i]) > 0;
+        sum.ahead += isAhead;
+        sum.metBehind += !isAhead;
+        sum.left += !isAhead && ahead[i].hit;
+        sum.lost += isAhead && !ahead[i].hit;
+    }
+    return sum;
 }
 
 Judged judgeSpheres(const Subject& subject, const SphereFamily& family, size_t count, uint32_t seed) {

@@ -1,14 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
-// intersectBox. The kind comes as dispatch.lightIndex: kKind... or kProbeBox, for the first boxes of the
-// nodes. In: the path's rows kRowOrigin, kRowDirection, kRowHit (tMax). Out: kRowHit = t, u, v, 1 for a hit.
+// intersectBox. The kind comes as dispatch.lightIndex: kKind..., kProbeBox, for the first boxes of the
+// nodes, or kProbeAhead, for triangles that do not lie behind the origin. In: the path's rows kRowOrigin,
+// kRowDirection, kRowHit (tMax). Out: kRowHit = t, u, v, 1 for a hit.
 #include "intersect.glsl"
 #include "primitives/all.glsl"
 
 layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 
 const uint kProbeBox = 100u;
+const uint kProbeAhead = 101u;
 
 void main() {
     uint path = gl_GlobalInvocationID.x;
@@ -23,7 +25,9 @@ void main() {
     float u = 0.0;
     float v = 0.0;
     bool hit = false;
-    if (kind == kKindTriangle) hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
+    if (kind == kKindTriangle || kind == kProbeAhead)
+        hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
+    if (kind == kProbeAhead) hit = hit && !liesBehind(ray.origin, ray.direction, loadTriangle(path), u, v);
     if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t);
     if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
     if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);

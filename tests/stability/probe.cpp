@@ -13,7 +13,9 @@ namespace glint::stability {
 
 namespace {
 
-constexpr uint32_t kProbeBox = 100;  // see primitive_probe.comp
+// See primitive_probe.comp.
+constexpr uint32_t kProbeBox = 100;
+constexpr uint32_t kProbeAhead = 101;
 
 struct Row {
     uint32_t u[4];
@@ -121,6 +123,10 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
         });
     }
     return run(subject, rays, shared::kKindTriangle, {array(Bindings::triangles, triangles)});
+}
+std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
+                               const std::vector<shared::Triangle>& triangles) {
+    return run(subject, rays, kProbeAhead, {array(Bindings::triangles, triangles)});
 }
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres) {

@@ -36,6 +36,9 @@ struct Box {
 
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Triangle>& triangles);
+// Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
+std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
+                               const std::vector<shared::Triangle>& triangles);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
