@@ -14,9 +14,6 @@ void main() {
     // Later rays have no far end, and their hit rows are not made ready for them.
     bool later = dispatch.bounce != 0u;
     if (!MODE_RESUME && kBounces && later) traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, 0u);
-#ifdef GLINT_SETTLES
-    traversal.after = -1.0;
-#endif
     traversal.trips = 0u;
     traversal.cost = 0u;
     if (MODE_RESUME && (floatBitsToUint(traversal.hit.t) & kStartAgain) != 0u) {

@@ -453,50 +453,6 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     return left;
 }
 
-// The ray as it was given, but for the end of its interval.
-Ray worldRay(Traversal traversal) {
-    if (FEATURE_INSTANCES) return traversal.world;
-    return traversal.ray;
-}
-
-// Whether the hit of a ray in the world that leaves a surface is a triangle behind it (liesBehind).
-bool meetsBehind(Ray ray, Hit hit) {
-    bool looks = hit.primitive >> kPrimitiveKindShift == kKindTriangle && hit.primitive != kNone &&
-                 ray.source != kNone;
-    Triangle triangle = loadTriangle(looks ? hit.primitive & kPrimitiveIndexMask : 0u);
-    vec3 origin = ray.origin;
-    vec3 direction = ray.direction;
-    bool exchanged = false;
-    if (FEATURE_INSTANCES) {
-        bool inInstance = hit.instance != kNone;
-        Instance instance = loadInstance(inInstance ? hit.instance : 0u);
-        if (inInstance) enterInstance(instance, origin, direction);
-        exchanged = inInstance && instance.mirrored != 0u;
-    }
-    return looks &&
-           liesBehind(origin, direction, triangle, exchanged ? hit.v : hit.u, exchanged ? hit.u : hit.v);
-}
-
-// trace() for a nearest hit. A triangle that proves to lie behind is passed by: the ray is traced from its t
-// on.
-uint traceNearest(inout Traversal traversal, Environment environment, uint slot, uvec2 place) {
-    Ray ray = traversal.ray;
-    Hit before = traversal.hit;
-    uint left = kNone;
-    bool going = true;
-    do {
-        if (going) {
-            left = trace(traversal, environment, slot, place);
-            going = looksLast() && kBounces && meetsBehind(ray, traversal.hit);
-            if (going) {
-                ray.tMin = traversal.hit.t;
-                traversal.ray = ray;
-                traversal.hit = before;
-                going = left == kNone;
-            }
-        }
-    } while (going);
-    return left;
-}
+#include "behind.glsl"
 
 #endif

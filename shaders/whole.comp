@@ -61,7 +61,6 @@ void main() {
             traversal.ray = ray;
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
-            traversal.after = -1.0;
             complete = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
             Interaction at = interactionAt(ray, traversal.hit, media);
             if (kHasLights) {

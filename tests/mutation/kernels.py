@@ -26,7 +26,7 @@ KERNELS = {
 PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
-WALKS = ("traversal.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
+WALKS = ("traversal.glsl", "behind.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
          "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
 OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
