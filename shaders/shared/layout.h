@@ -56,8 +56,8 @@
 
 // flags: kTexture... below. An image's texels stand from firstTexel on, by rows from the top. Its coordinates
 // are (u, v) * scale + offset; a checker's colours are colorA and colorB. `place`: offset, or, of a solid
-// checker, a corner of its cubes in object space, whose edge is 1 / scaleU. The environment map is a texture
-// too.
+// checker, a corner of its cubes, whose edge is 1 / scaleU, in the coordinates of object frames. The
+// environment map is a texture too.
 #define GLINT_TEXTURE_ROWS(V3F, V3U, U4, A) \
     U4(A, flags, width, height, firstTexel) \
     V3F(A, place, scaleU)                   \
@@ -70,8 +70,9 @@
 // colours of its three vertices.
 #define GLINT_VERTEX_ATTRIBUTE_ROWS(V3F, V3U, U4, A) V3F(A, value, reserved)
 
-// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ... What texture
-// coordinates are made of, by uvKind (kUv... below), are U = toU.p + offsetU, V and W.
+// Of an object: its own coordinates of a local position p are toObjectX.p + offsetX, ..., counted from where
+// the cubes of solid checkers are (src/pack/object_frame.h). What texture coordinates are made of, by uvKind
+// (kUv... below), are U = toU.p + offsetU, V and W.
 #define GLINT_OBJECT_FRAME_ROWS(V3F, V3U, U4, A) \
     V3F(A, toObjectX, offsetX)                   \
     V3F(A, toObjectY, offsetY)                   \

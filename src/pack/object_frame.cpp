@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "pack/unit_vector.h"
 #include "scene/polygon_plane.h"
@@ -113,7 +114,19 @@ SurfaceAxes surfaceAxes(const dvec3& normal) {
     return {u, glm::cross(normal, u)};
 }
 
-shared::ObjectFrame objectFrame(const Object& object, const dvec3& origin) {
+CubeOrigin cubeOrigin(const Scene& scene) {
+    std::optional<CubeOrigin> found;
+    for (const Texture& texture : scene.textures) {
+        const auto* checker = std::get_if<CheckerTexture>(&texture.source);
+        if (checker == nullptr || !checker->solid) continue;
+        const CubeOrigin here{checker->corner, 2 / texture.scale.x};
+        if (!found) found = here;
+        if (here.corner != found->corner || here.period != found->period) found->period = 0;
+    }
+    return found.value_or(CubeOrigin{});
+}
+
+shared::ObjectFrame objectFrame(const Object& object, const dvec3& origin, const CubeOrigin& cubes) {
     const Affine fromWorld = object.transform ? inverse(*object.transform) : Affine{};
     const Affine toObject = inverse(object.applied);  // from the shape's coordinates
     const Affine all{toObject.linear * fromWorld.linear,
@@ -125,9 +138,16 @@ shared::ObjectFrame objectFrame(const Object& object, const dvec3& origin) {
     frame.toObjectX = glm::vec3(rows[0]);
     frame.toObjectY = glm::vec3(rows[1]);
     frame.toObjectZ = glm::vec3(rows[2]);
-    frame.offsetX = static_cast<float>(all.offset.x);
-    frame.offsetY = static_cast<float>(all.offset.y);
-    frame.offsetZ = static_cast<float>(all.offset.z);
+    // Cubes of a thousand periods away are still told apart to 2^-13 of their size.
+    constexpr double kManyPeriods = 1024;
+    const auto fromCubes = [&](double offset, double corner) {
+        const double from = offset - corner;
+        const bool far = cubes.period > 0 && std::abs(from) > kManyPeriods * cubes.period;
+        return static_cast<float>(far ? std::remainder(from, cubes.period) : from);
+    };
+    frame.offsetX = fromCubes(all.offset.x, cubes.corner.x);
+    frame.offsetY = fromCubes(all.offset.y, cubes.corner.y);
+    frame.offsetZ = fromCubes(all.offset.z, cubes.corner.z);
     frame.toU = glm::vec3(rows * uv.u.direction);
     frame.toV = glm::vec3(rows * uv.v.direction);
     frame.offsetU = static_cast<float>(offsetOf(uv.u));

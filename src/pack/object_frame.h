@@ -5,9 +5,19 @@
 
 namespace glint {
 
-// `origin`: of the local coordinates. The (u, v) of flat shapes is as docs/reference/shading.md has it; that
-// of others is left 0.
-shared::ObjectFrame objectFrame(const Object& object, const glm::dvec3& origin);
+// Where the cubes of a scene's solid checkers are counted from, in the space of every object: a corner of the
+// first one's, of which nothing but differences is rounded then. `period`: the cubes repeat after so much
+// along each axis, if all solid checkers have the same cubes; else 0.
+struct CubeOrigin {
+    glm::dvec3 corner{0};
+    double period = 0;
+};
+CubeOrigin cubeOrigin(const Scene& scene);
+
+// `origin`: of the local coordinates. An object's own are given from cubes.corner on, and, where that is far
+// out, in the period around it, as fp32 tells no cubes apart there. The (u, v) of flat shapes is as
+// docs/reference/shading.md has it; that of others is left 0.
+shared::ObjectFrame objectFrame(const Object& object, const glm::dvec3& origin, const CubeOrigin& cubes);
 
 // Two unit vectors across a unit normal, u x v = normal: u horizontal and v upwards on what stands upright or
 // leans, u = x where the normal is vertical, to within a sine of 1e-4.

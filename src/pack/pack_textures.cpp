@@ -43,7 +43,10 @@ float sound(float sample, uint64_t& mended) {
 
 class TexturePacker {
   public:
-    TexturePacker(const Scene& scene, PackedScene& packed) : scene_(scene), packed_(packed) {}
+    TexturePacker(const Scene& scene, PackedScene& packed)
+        : scene_(scene), packed_(packed), cubes_(cubeOrigin(scene)) {}
+
+    const CubeOrigin& cubes() const { return cubes_; }
 
     // 1 + the packed texture of one of the scene's; 0 for none.
     uint32_t pack(uint32_t index) {
@@ -57,7 +60,7 @@ class TexturePacker {
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
             out.flags = shared::kTextureChecker | (checker->solid ? shared::kTextureSolid : 0);
-            if (checker->solid) out.place = glm::vec3(checker->corner);
+            if (checker->solid) out.place = glm::vec3(checker->corner - cubes_.corner);
             out.colorA = glm::vec3(checker->a);
             out.colorB = glm::vec3(checker->b);
             packed_.features.checkers = true;
@@ -116,6 +119,7 @@ class TexturePacker {
 
     const Scene& scene_;
     PackedScene& packed_;
+    CubeOrigin cubes_;
     std::map<uint32_t, uint32_t> textures_;
     std::map<const Image*, uint32_t> images_;
 };
@@ -190,7 +194,7 @@ void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, P
     if (packed.features.textures || packed.features.checkers) {
         packed.objectFrames.reserve(scene.objects.size());
         for (const Object& object : scene.objects)
-            packed.objectFrames.push_back(objectFrame(object, packed.origin));
+            packed.objectFrames.push_back(objectFrame(object, packed.origin, packer.cubes()));
         warnOfMissingCoordinates(scene, packed);
     }
     packed.environment.frameCount = static_cast<uint32_t>(packed.objectFrames.size());

@@ -121,6 +121,35 @@ TEST_F(TextureTest, SolidCheckersAreExactFarOut) {
     EXPECT_LE(report.edges, 2u);
 }
 
+// Of a corner that is 25,000 from the object in its own coordinates fp32 tells no more than 2 x 10^-3; and
+// one out there with its object is as coarse in the world's. Against the scene as it is read, of which
+// nothing is rounded.
+TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
+    const std::string moved =
+        R"({"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"}],
+            "camera": {"type": "orthographic", "eye": [2, 10, -8], "target": [3, 5, -7], "height": 6},)";
+    const std::string farOut =
+        R"({"type": "sphere", "center": [17466, 0, -202], "radius": 2, "material": "m"}],
+            "camera": {"type": "orthographic", "eye": [17464, 5, -203], "target": [17466, 0, -202], "height": 6},)";
+    for (const auto& [objects, corner] : {std::pair(moved, "[298.116, 5587.24, 25022.0969]"),
+                                          std::pair(farOut, "[17464.97, -0.66, -203.5]")}) {
+        SCOPED_TRACE(corner);
+        const Case c = textCase(
+            "{\"objects\": [" + objects +
+                R"("ambient": 1, "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true,
+            "corner": )" +
+                corner + "}}}}",
+            160, 120);
+        Renderer renderer(device(), c.packed, {});
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+        EXPECT_TRUE(report.passed());
+        EXPECT_EQ(report.explained() + report.representation->explained, 0u);
+    }
+}
+
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
 TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
     Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}, dvec2(1),
