@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `glint render --error` asks for and gets: realised error over asked error, for scenes, errors and seeds.
 
-    bench/error_targets.py [--page docs/lab/error-targets.md] [--scenes a,b] [--errors 0.01,0.003] [--seeds N] [--size WxH] [--keep FILE] [--quick]
+    bench/error_targets.py [--page docs/lab/error-targets.md] [--scenes a,b] [--errors 0.01,0.003] [--seeds N] [--size WxH] [--keep FILE] [--images docs/images] [--quick]
 
 The truth of each scene is drawn by --error too, to a fifth of the least error asked for, with another seed, and its own bound is part of the table.
 With --keep, each scene and error that is done is appended to FILE, and not drawn again: 19 scenes, three errors and 20 seeds take hours on two cores.
@@ -141,6 +141,14 @@ def judge_pixels(options):
     measure.publish(options.page, "error_targets_pixel", text)
 
 
+def draw(found, path):
+    """What was asked for and what each scene got: the medians of its seeds, and the worst of them."""
+    asked = sorted({f["error"] for f in found})
+    measure.diagram(path, "Errors asked for, errors got: RMSE of the picture", "asked for", "got",
+                    [("as much as asked for", [(e, e) for e in asked], 1), ("a scene's median run", [(f["error"], statistics.median(f["realized"])) for f in found], None),
+                     ("its worst run", [(f["error"], max(f["realized"])) for f in found], None)])
+
+
 def main():
     parser = measure.arguments(__doc__)
     parser.add_argument("--measure", choices=("rmse", "pixel"), default="rmse")
@@ -149,6 +157,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--size")
     parser.add_argument("--keep", type=pathlib.Path, help="file of what is done, to go on from after an interruption")
+    parser.add_argument("--images", type=pathlib.Path, help="folder for the diagram, error-targets.svg")
     parser.add_argument("--done", action="store_true", help="measure nothing: the table of what --keep holds")
     options = parser.parse_args()
     pixel = options.measure == "pixel"
@@ -175,6 +184,8 @@ def main():
             f"{statistics.median([over[id(f)][1] for f in more] or [0]):.2f}.\n\n"
             + measure.table(["scene", "asked", "kept", "realised / asked", "samples", "fewest", "ratio", "of time", "truth's own bound"], rows))
     measure.publish(options.page, "error_targets", text)
+    if options.images:
+        draw(found, options.images / "error-targets.svg")
 
 
 if __name__ == "__main__":
