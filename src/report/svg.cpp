@@ -11,7 +11,7 @@ namespace glint::report {
 
 namespace {
 
-constexpr double kWidth = 860, kHeight = 460;
+constexpr double kWidth = 860, kHeight = 460;                         // higher where the legend is
 constexpr double kLeft = 80, kRight = 600, kTop = 40, kBottom = 400;  // of the axes
 constexpr double kLegendLeft = 620, kLegendStep = 17;
 
@@ -101,14 +101,20 @@ class Drawing {
                 y_.include(p.y);
             }
         }
+        for (const Point& p : front_) {
+            x_.include(p.x);
+            y_.include(p.y);
+        }
         x_.addRoom();
         y_.addRoom();
+        const double height =
+            std::max(kHeight, kTop + kLegendStep * (static_cast<double>(series_.size()) + 2));
         char head[256];
         std::snprintf(
             head, sizeof(head),
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%g\" height=\"%g\" viewBox=\"0 0 %g %g\" "
             "font-family=\"sans-serif\" font-size=\"12\">\n",
-            kWidth, kHeight, kWidth, kHeight);
+            kWidth, height, kWidth, height);
         std::string out = head;
         out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" + axes();
         if (front_.size() > 1)

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <regex>
 
 #include "core/error.h"
 #include "core/quartiles.h"
@@ -316,6 +317,26 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     expectWellFormed(toHtml({}));
     EXPECT_EQ(precisionDiagram({}), "");
     EXPECT_EQ(truncationDiagram({}), "");
+}
+
+// Many settings, and one that is on the front alone: depths have a diagram of their own.
+TEST(ReportWriting, DiagramsHoldAllThatTheyShow) {
+    SceneReport scene = sampleReport().scenes[0];
+    for (int i = 0; i < 40; ++i)
+        scene.measured.push_back(measuredAt("setting " + std::to_string(i), "grid", 4, 5, 0.02));
+    scene.measured.push_back(measuredAt("depth", "grid", 1, 0.01, 9));
+    const std::string svg = precisionDiagram(scene);
+    std::smatch size;
+    ASSERT_TRUE(std::regex_search(svg, size, std::regex("viewBox=\"0 0 ([0-9]+) ([0-9]+)\"")));
+    const double width = std::stod(size[1]), height = std::stod(size[2]);
+    const std::regex places("[ML](-?[0-9.]+) (-?[0-9.]+)| x=\"(-?[0-9.]+)\" y=\"(-?[0-9.]+)\"");
+    size_t met = 0;
+    for (std::sregex_iterator at(svg.begin(), svg.end(), places), end; at != end; ++at, ++met) {
+        const bool path = (*at)[1].matched;
+        const double x = std::stod((*at)[path ? 1 : 3]), y = std::stod((*at)[path ? 2 : 4]);
+        EXPECT_TRUE(x >= 0 && x < width && y >= 0 && y < height) << at->str();
+    }
+    EXPECT_GT(met, 80u);
 }
 
 // Devices have a table and a diagram of their own: they are no settings that a user of one device has.
