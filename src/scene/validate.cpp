@@ -375,10 +375,6 @@ void checkTextures(const Scene& scene, const Material& material, const Place& pl
     }
 }
 
-}  // namespace
-
-namespace {
-
 void validateObjects(const Scene& scene, const std::string& name) {
     std::unordered_set<const Mesh*> seen;  // a mesh of a thousand objects is looked at once
     for (const Object& object : scene.objects) {

@@ -229,19 +229,8 @@ TEST_F(PacketTest, ManyTripsOfAllKindsLoseNothing) {
     expectSameTrace(c.packed, rays);
 }
 
-// Clusters of small spheres on the diagonal, smaller and smaller towards the origin, where the rays go
-// through all boxes and most hit nothing. What is farthest is visited first, and holds all clusters but the
+// From far out most rays hit nothing, and what is farthest is visited first, which holds all clusters but the
 // nearest: so some wait on every level, seven a level as a node of eight holds no more.
-Case clustersTowardsOrigin(int count) {
-    Scene scene = emptyScene();
-    Random random(23);
-    for (int k = 0; k < count; ++k) {
-        const double s = std::pow(0.8, k);
-        for (int i = 0; i < 8; ++i) addSphere(scene, dvec3(s) + random.box(0.04 * s), 1e-4 * s);
-    }
-    return makeCase(scene, 8, 8);
-}
-
 TEST_F(PacketTest, AnyHitPacketsThatRunOutOfLevelsLoseNothing) {
     Random random(29);
     std::vector<RayInput> rays;
@@ -256,7 +245,7 @@ TEST_F(PacketTest, AnyHitPacketsThatRunOutOfLevelsLoseNothing) {
         packet.trace(rays, true);
         return packet.times().resumes;
     };
-    const Case few = clustersTowardsOrigin(60), many = clustersTowardsOrigin(130);
+    const Case few = outwardCase(60).c, many = outwardCase(130).c;
     EXPECT_EQ(resumesOf(few), 0u);
     EXPECT_GT(resumesOf(many), 0u) << "no packet ran out of levels: the test shows nothing";
     expectSameTrace(few.packed, rays);

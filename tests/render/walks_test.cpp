@@ -150,6 +150,14 @@ class WalkTest : public RenderTest, public testing::WithParamInterface<Walk> {
         for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(a[i].hit, b[i].hit) << text(rays[i]);
         EXPECT_TRUE(tripBudget == 0 || walk.times().resumes > 0);
     }
+    static void expectLowestId(const RayCase& tied) {
+        const std::vector<RayHit> hits = rendererOf(tied.c).trace(tied.rays, false);
+        for (size_t i = 0; i < hits.size(); ++i) {
+            ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
+            EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
+        }
+        expectSameTrace(tied.c, tied.rays);
+    }
 };
 
 INSTANTIATE_TEST_SUITE_P(All, WalkTest, testing::ValuesIn(kWalks),
@@ -194,23 +202,11 @@ TEST_P(WalkTest, RaysThatRunOutOfLevelsLoseNothing) {
 }
 
 TEST_P(WalkTest, TiesFromInsideGoToTheLowestId) {
-    const RayCase concentric = concentricCase();
-    const std::vector<RayHit> hits = rendererOf(concentric.c).trace(concentric.rays, false);
-    for (size_t i = 0; i < hits.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit) << text(concentric.rays[i]);
-        EXPECT_EQ(hits[i].data.object, 0u) << text(concentric.rays[i]);
-    }
-    expectSameTrace(concentric.c, concentric.rays);
+    expectLowestId(concentricCase());
 }
 
 TEST_P(WalkTest, TiesGoToTheLowestId) {
-    const RayCase tied = tiedCase();
-    const std::vector<RayHit> hits = rendererOf(tied.c).trace(tied.rays, false);
-    for (size_t i = 0; i < hits.size(); ++i) {
-        ASSERT_TRUE(hits[i].hit) << text(tied.rays[i]);
-        EXPECT_EQ(hits[i].data.object, 0u) << text(tied.rays[i]);
-    }
-    expectSameTrace(tied.c, tied.rays);
+    expectLowestId(tiedCase());
 }
 
 // Leaves that are the root, and none.
