@@ -180,9 +180,9 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
 
 #include "leaf.glsl"
 
-// Each pushes what the ray enters of a node's children but the nearest, farthest first, and returns that one,
-// kNone if there is none: which `none` says too, as comparing with kNone took 6 % of the time of
-// scenes/instances.json on lavapipe.
+// Pushes what the ray enters of a node's children but the nearest, and returns that one, kNone if there is
+// none: which `none` says too, as comparing with kNone took 6 % of the time of scenes/instances.json on
+// lavapipe.
 uint stepTwo(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
     Node node = loadNode(index);
     float near0, near1;
@@ -198,55 +198,66 @@ uint stepTwo(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, ou
     return both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
 }
 
-uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
-    uvec4 child = enterFour(ray, frame, index, tEnd);
-    if (child.w != kNone) stackPut(top, child.w);
-    top += child.w != kNone ? 1u : 0u;
-    if (child.z != kNone) stackPut(top, child.z);
-    top += child.z != kNone ? 1u : 0u;
-    if (child.y != kNone) stackPut(top, child.y);
-    top += child.y != kNone ? 1u : 0u;
-    none = child.x == kNone;
-    return child.x;
+// The nearest child that the ray enters, or else what comes next from the stack, kNone at its end. The other
+// children that it enters are one word there. One store for both, which is made whatever comes of it: a place
+// that is not taken is written over. On lavapipe a store that hangs on a condition jumps lane by lane.
+uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, uint base, inout uint top) {
+    FourEntered entered = enterFour(ray, frame, index, tEnd);
+    bool empty = top == base;
+    uint place = empty ? 0u : top - 1u;
+    uint word = stackAt(place);
+    bool popped = entered.none;
+    uint next = childOfFour(popped ? word : entered.nearest);
+    stackPut(popped && !empty ? place : top, popped ? withoutFirst(word) : entered.others);
+    if (popped) {
+        top = empty || !isLastOfFour(word) ? top : place;
+    } else {
+        top += entered.more ? 1u : 0u;
+    }
+    return popped && empty ? kNone : next;
 }
 
 // A ray that comes to an instance, or to the end of one, waits there until all rays of the subgroup do: on
 // lavapipe the way in would else be paid for in every trip, by rays that are elsewhere.
 bool isAtHand(uint child) { return child != kNone && !isInstance(child) && !(kAsks && asking); }
 
-// What comes next after a leaf: the last word of the stack, or kNone where there is none or the ray is
-// settled.
-uint takeNext(bool isSettled, inout uint top, uint base) {
-    bool done = top == base || isSettled;
-    uint next = done ? kNone : stackAt(top == 0u ? 0u : top - 1u);
-    top -= done ? 0u : 1u;
-    return next;
+// What comes next from the stack, kNone at its end or if the ray is done.
+uint takeNext(bool done, inout uint top, uint base) {
+    bool ends = done || top == base;
+    uint place = top == 0u ? 0u : top - 1u;
+    uint word = stackAt(place);
+    bool last = true;
+    uint next = word;
+    if (NODE_FORMAT == kNodesFour) {
+        next = childOfFour(word);
+        last = isLastOfFour(word);
+        stackPut(place, ends ? word : withoutFirst(word));
+    }
+    top -= ends || !last ? 0u : 1u;
+    return ends ? kNone : next;
 }
 
 // Goes on from node to node, to a leaf, an instance or kNone, the end of the stack from `base` on.
 uint descend(inout Traversal traversal, uint current, uint base, uint budget, inout uint top) {
     const bool kFour = NODE_FORMAT == kNodesFour;
-    // Of the binary tree there is one entry for each level at most: the far child of a node on the current
-    // path.
-    const bool kMayOverflow = kFour || STACK_PLACE == kStackShared;
+    // There is one entry for each level at most: what is left of a node on the current path.
+    const bool kMayOverflow = STACK_PLACE == kStackShared || kOwnWords <= kMaxBvhDepth;
     do {
         if (isNode(current) && traversal.trips < budget) {
             precise float tEnd = traversal.ray.tMax * farPad();
-            uint next;
-            bool none;
             if (kFour) {
-                next = stepFour(traversal.ray, traversal.frame, current, tEnd, top, none);
+                current = stepFour(traversal.ray, traversal.frame, current, tEnd, base, top);
             } else {
-                next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+                bool none;
+                uint next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+                bool empty = top == base;
+                uint popped = stackAt(empty ? 0u : top - 1u);
+                top -= none && !empty ? 1u : 0u;
+                current = none ? (empty ? kNone : popped) : next;
             }
-            bool empty = top == base;
-            uint popped = stackAt(empty ? 0u : top - 1u);
-            top -= none && !empty ? 1u : 0u;
-            current = none ? (empty ? kNone : popped) : next;
             ++traversal.trips;
-            // No room for what the next node may push: the ray is started again, by the walk
-            // without a stack.
-            if (kMayOverflow && top + (kFour ? 3u : 1u) > stackWords()) traversal.trips = budget;
+            // No room for what the next node may push: the ray is started again, by the walk without a stack.
+            if (kMayOverflow && top + 1u > stackWords()) traversal.trips = budget;
             if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
         }
     } while (isNode(current) && traversal.trips < budget);
@@ -266,6 +277,11 @@ uint tripsOfPass() {
     return trips;
 }
 
+uint afterLeaf(uint leaf, uint root, bool done, inout uint top, uint base) {
+    uint next = takeNext(done, top, base);
+    return kPlanesInWalk && leaf == kLeafOfPlanes && !done ? root : next;
+}
+
 // From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
 // 0, the beginning; what is known by then keeps the second pass short.
 uint traverse(inout Traversal traversal, uint root) {
@@ -274,11 +290,9 @@ uint traverse(inout Traversal traversal, uint root) {
     uint current = root;
     uint budget = dispatch.tripBudget;  // lavapipe reads it lane by lane, each time
     uint tripsOfMiddle = kMiddleLoop ? tripsOfPass() : 0u;
-    if (kPlanesInWalk && planesInLeaf > 0u) {
-        stackPut(0u, root);
-        top = root == kNone ? 0u : 1u;
-        current = kLeafOfPlanes;
-    }
+    // What is looked at in vain is to be the word of a node.
+    if (NODE_FORMAT == kNodesFour) stackPut(0u, 0u);
+    if (kPlanesInWalk && planesInLeaf > 0u) current = kLeafOfPlanes;
     // One round, or with kPutsAside as often as there is no more room.
     do {
         do {
@@ -289,7 +303,7 @@ uint traverse(inout Traversal traversal, uint root) {
                         if (isAtHand(current) && !isNode(current)) {
                             testLeaf(traversal, current);
                             if (!kAsks || !asking) {
-                                current = takeNext(settled(traversal), top, base);
+                                current = afterLeaf(current, root, settled(traversal), top, base);
                                 if (kAsks) leafTested = 0u;
                             }
                         }
@@ -299,7 +313,7 @@ uint traverse(inout Traversal traversal, uint root) {
                 if (kAsks && asking) {
                     answer(traversal);
                     if (settled(traversal) || leafTested >= sizeOfLeaf(current)) {
-                        current = takeNext(settled(traversal), top, base);
+                        current = afterLeaf(current, root, settled(traversal), top, base);
                         leafTested = 0u;
                     }
                 }
@@ -307,12 +321,12 @@ uint traverse(inout Traversal traversal, uint root) {
                     // The way out of an instance may lead straight into the next.
                     bool leaves =
                         current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
-                    if (leaves) current = stackAt(top == 0u ? 0u : top - 1u);
-                    top -= leaves ? 1u : 0u;
+                    uint outside = takeNext(!leaves, top, 0u);
+                    if (leaves) current = outside;
                     bool enters = current != kNone && isInstance(current);
-                    uint root =
+                    uint inner =
                         enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
-                    if (enters) current = root;
+                    if (enters) current = inner;
                     base = enters ? top : (leaves ? 0u : base);
                 }
                 traversal.trips += tripsOfMiddle + 1u;

@@ -42,8 +42,10 @@ void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearO
                float inverse) {
     precise vec4 t0 = (nearPlane - nearOrigin) * inverse;
     precise vec4 t1 = (farPlane - farOrigin) * inverse;
-    slabs.near = mix(slabs.near, t0, greaterThan(t0, slabs.near));
-    slabs.far = mix(slabs.far, t1, lessThan(t1, slabs.far));
+    for (int i = 0; i < 4; ++i) {
+        slabs.near[i] = t0[i] > slabs.near[i] ? t0[i] : slabs.near[i];
+        slabs.far[i] = t1[i] < slabs.far[i] ? t1[i] : slabs.far[i];
+    }
 }
 
 bvec4 entersSlabs(FourSlabs slabs, float tEnd) {
@@ -62,31 +64,55 @@ void meetAxisOfFour(inout FourSlabs slabs, uint row, bool negative, float nearOr
     meetSlabs(slabs, nearPlane, farPlane, nearOrigin, farOrigin, inverse);
 }
 
-// Children that the ray enters, kNone in place of the others, and where it does: nearest first.
-void orderTwo(inout float near0, inout uint child0, inout float near1, inout uint child1) {
-    bool swaps = near1 < near0;
-    float near = swaps ? near1 : near0;
-    uint child = swaps ? child1 : child0;
-    near1 = swaps ? near0 : near1;
-    child1 = swaps ? child0 : child1;
-    near0 = near;
-    child0 = child;
+// Children of a node of four that are still to be visited, as one word: node << 8 | number << 6, and two bits
+// for each, which say where it stands in the node, the next one in the lowest.
+uint childOfFour(uint word) {
+    uvec4 four = LOAD4(wideRowsArray, kFourRows * (word >> 8) + 6u);
+    uint low = (word & 1u) != 0u ? four.y : four.x;
+    uint high = (word & 1u) != 0u ? four.w : four.z;
+    return (word & 2u) != 0u ? high : low;
 }
-uvec4 enterFour(Ray ray, RayFrame frame, uint node, float tEnd) {
+
+bool isLastOfFour(uint word) { return (word & 0xc0u) == 1u << 6; }
+
+// (Of no child less than one the number is of no use, but the node is still one.)
+uint withoutFirst(uint word) {
+    return (word & 0xffffff00u) | ((word - (1u << 6)) & 0xc0u) | ((word >> 2) & 0xfu);
+}
+
+void sortTwo(inout uint a, inout uint b) {
+    uint less = min(a, b);
+    b = max(a, b);
+    a = less;
+}
+
+// What a ray enters of a node of four: words of the nearest child and of the others.
+struct FourEntered {
+    uint nearest;
+    uint others;
+    bool none;
+    bool more;
+};
+
+// Nearest first: where a ray enters children are floats above zero, in the order of their bits, of which the
+// lowest two make room for the child's place. Five minima and maxima of words sort four.
+FourEntered enterFour(Ray ray, RayFrame frame, uint node, float tEnd) {
     uint row = kFourRows * node;
     FourSlabs slabs = allSlabs(ray.tMin);
     meetAxisOfFour(slabs, row, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x, frame.inverse.x);
     meetAxisOfFour(slabs, row + 2u, frame.negative.y, frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
     meetAxisOfFour(slabs, row + 4u, frame.negative.z, frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
-    bvec4 entered = entersSlabs(slabs, tEnd);
-    uvec4 child = mix(uvec4(kNone), LOAD4(wideRowsArray, row + 6u), entered);
-    vec4 near = mix(vec4(uintBitsToFloat(0x7f800000u)), slabs.near, entered);
-    orderTwo(near.x, child.x, near.y, child.y);
-    orderTwo(near.z, child.z, near.w, child.w);
-    orderTwo(near.x, child.x, near.z, child.z);
-    orderTwo(near.y, child.y, near.w, child.w);
-    orderTwo(near.y, child.y, near.z, child.z);
-    return child;
+    uvec4 keys = (floatBitsToUint(slabs.near) & ~uvec4(3u)) | uvec4(0u, 1u, 2u, 3u);
+    keys = mix(uvec4(kNone), keys, entersSlabs(slabs, tEnd));
+    sortTwo(keys.x, keys.y);
+    sortTwo(keys.z, keys.w);
+    sortTwo(keys.x, keys.z);
+    sortTwo(keys.y, keys.w);
+    sortTwo(keys.y, keys.z);
+    uint number = keys.z == kNone ? 1u << 6 : (keys.w == kNone ? 2u << 6 : 3u << 6);
+    uint places = (keys.y & 3u) | (keys.z & 3u) << 2 | (keys.w & 3u) << 4;
+    return FourEntered(node << 8 | (keys.x & 3u), node << 8 | number | places, keys.x == kNone,
+                       keys.y != kNone);
 }
 
 // Children that are still to be visited, of one kind: of `first` and those that follow it one for each of

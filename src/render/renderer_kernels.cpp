@@ -8,7 +8,7 @@ namespace glint::render {
 TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
     if (methods == Methods{}) return traversal;
     const Traversal wanted = traversalFor(options.traversal, options.doublePrecision, device.info());
-    return chooseTraversal(wanted, device.info(), scene, methods);
+    return chooseTraversal(wanted, device.info(), scene, methods, raysKnown(options, scene));
 }
 
 uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
@@ -24,7 +24,7 @@ bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalCh
         options.doublePrecision)
         return false;
     if (options.wholePaths == WholePaths::On) return true;
-    const bool free = (options.traversal == Traversal::Auto || options.traversal == Traversal::Lane) &&
+    const bool free = options.traversal != Traversal::Packet && options.traversal != Traversal::Cwbvh &&
                       options.compaction == Compaction::Auto && !options.profile && !options.kernels;
     const WholePathsWork work = {
         .furtherRays = goesOnAfterHits(scene.features) && of.maxDepth > 0,

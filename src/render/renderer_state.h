@@ -17,6 +17,11 @@
 
 namespace glint::render {
 
+// From cameras and from there to lights, of all pictures that will be asked for; 0 if that is not known.
+inline uint64_t raysKnown(const Options& options, const PackedScene& scene) {
+    return options.cameraRays * (1 + scene.lights.size());
+}
+
 struct Renderer::State {
     const gpu::Device& device;
     const PackedScene& scene;
@@ -50,7 +55,7 @@ struct Renderer::State {
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
           arrays(chooseArrays(dev.info(), access)),
           traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
-                                    dev.info(), packed)),
+                                    dev.info(), packed, {}, raysKnown(opts, packed))),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           pipelines(dev, render::kernelsFor(opts, access, arrays), access, arrays, features, opts.stack,

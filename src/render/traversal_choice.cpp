@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "pack/scene_arrays.h"
+#include "render/path_limits.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
@@ -73,12 +74,54 @@ size_t primitivesIn(const PackedScene& scene) {
 
 TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene, const Methods& methods) {
     if (scene.nodes.empty()) return {false, "the scene has no tree"};
+    if (wanted == Traversal::Bvh4 && scene.nodes.size() > kMostFourNodes)
+        return {false, "more nodes than a word of the stack can number"};
     if (methods.slabs != SlabPad::Gamma7)
         return {false, "wide nodes know no other padding of boxes than the default one"};
     if (wanted == Traversal::Bvh4) return {false, "as asked for", NodeFormat::Four};
     if (wanted == Traversal::Cwbvh) return {false, "as asked for", NodeFormat::Compressed};
     if (primitivesIn(scene) < kFewestForWide) return {false, "so few primitives that wide nodes do not pay"};
     return {false, "a GPU: fewest steps and bytes a ray, by counts", NodeFormat::Compressed};
+}
+
+// Whether a tree of four children a node, which takes some 80 ns a primitive to make, pays for rays that walk
+// by themselves: see kFewestForFour. Not where a walk's order is in a picture's last bits, which are to be
+// those of other devices (docs/design/reproducibility.md).
+bool fourPays(const PackedScene& scene, const Methods& methods, uint64_t rays) {
+    return scene.nodes.size() >= kFewestForFour && scene.nodes.size() <= kMostFourNodes &&
+           methods.slabs == SlabPad::Gamma7 && !scene.features.coloredShadows && rays >= kFewestRaysForFour &&
+           rays >= kRaysOfPrimitiveForFour * primitivesIn(scene);
+}
+
+TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
+                                  const Methods& methods) {
+    const bool able = runsPackets(device);
+    // Packets have no code for arrays that are together (kernels.h).
+    const bool bindsFew = device.limits.maxStorageBuffersPerStage < GLINT_BINDING_COUNT;
+    if (wanted == Traversal::Packet && able && bindsFew)
+        throw Error(ErrorKind::Device, "packets of rays need " + std::to_string(GLINT_BINDING_COUNT) +
+                                           " storage buffers for a kernel; \"" + device.name + "\" binds " +
+                                           std::to_string(device.limits.maxStorageBuffersPerStage) +
+                                           ": choose the traversal auto or lane");
+    if (wanted == Traversal::Packet && !able) {
+        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
+                                           std::to_string(shared::kPacketWidth) +
+                                           " lanes that can shuffle; \"" + device.name + "\" has " +
+                                           std::to_string(device.limits.subgroupSize) +
+                                           " lanes: choose the traversal auto or lane");
+    }
+    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
+    if (bindsFew) return {false, "the device binds too few buffers"};
+    if (const std::string name = unknownToPackets(scene.features); !name.empty())
+        return {false, "packets do not know " + name};
+    if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
+    if (!anyForPackets(scene.features)) return {false, "the scene has no tree"};
+    if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
+    if (wanted == Traversal::Packet) return {true, "as asked for"};
+    if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
+    if (primitivesOfPackets(scene) < kFewestForPackets)
+        return {false, "so few primitives that packets do not pay"};
+    return {true, "llvmpipe, subgroups of 8 lanes"};
 }
 
 }  // namespace
@@ -101,39 +144,18 @@ std::string_view nameOf(const TraversalChoice& choice) {
 }
 
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                const Methods& methods) {
-    const SceneFeatures& features = scene.features;
+                                const Methods& methods, uint64_t rays) {
     if (wanted == Traversal::Lane) return {false, "as asked for"};
     if (wanted == Traversal::Bvh4 || wanted == Traversal::Cwbvh ||
         (wanted == Traversal::Auto && isGpu(device)))
         return chooseWide(wanted, scene, methods);
-    const bool able = runsPackets(device);
-    // Packets have no code for arrays that are together (kernels.h).
-    const bool bindsFew = device.limits.maxStorageBuffersPerStage < GLINT_BINDING_COUNT;
-    if (wanted == Traversal::Packet && able && bindsFew)
-        throw Error(ErrorKind::Device, "packets of rays need " + std::to_string(GLINT_BINDING_COUNT) +
-                                           " storage buffers for a kernel; \"" + device.name + "\" binds " +
-                                           std::to_string(device.limits.maxStorageBuffersPerStage) +
-                                           ": choose the traversal auto or lane");
-    if (wanted == Traversal::Packet && !able) {
-        throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
-                                           std::to_string(shared::kPacketWidth) +
-                                           " lanes that can shuffle; \"" + device.name + "\" has " +
-                                           std::to_string(device.limits.subgroupSize) +
-                                           " lanes: choose the traversal auto or lane");
+    TraversalChoice choice = chooseOnProcessor(wanted, device, scene, methods);
+    const bool byThemselves = !choice.packets || goesOnAfterHits(scene.features);
+    if (wanted == Traversal::Auto && device.llvmpipe && byThemselves && fourPays(scene, methods, rays)) {
+        choice.nodes = NodeFormat::Four;
+        choice.reason += "; so many rays that a tree of four children a node pays";
     }
-    if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
-    if (bindsFew) return {false, "the device binds too few buffers"};
-    if (const std::string name = unknownToPackets(features); !name.empty())
-        return {false, "packets do not know " + name};
-    if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
-    if (!anyForPackets(features)) return {false, "the scene has no tree"};
-    if (scene.nodes.size() > kMostPacketNodes) return {false, "more nodes than packets can number"};
-    if (wanted == Traversal::Packet) return {true, "as asked for"};
-    if (!device.llvmpipe) return {false, "packets pay on llvmpipe alone"};
-    if (primitivesOfPackets(scene) < kFewestForPackets)
-        return {false, "so few primitives that packets do not pay"};
-    return {true, "llvmpipe, subgroups of 8 lanes"};
+    return choice;
 }
 
 Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device) {

@@ -26,6 +26,17 @@ inline constexpr size_t kMostPacketNodes = size_t{1} << 23;
 // 36 triangles traces 2.6 times as fast.
 inline constexpr size_t kFewestForPackets = 32;
 
+// A word of the stack keeps a node's number in its upper 24 bits (shaders/wide_nodes.glsl); wide nodes are no
+// more than the binary ones.
+inline constexpr size_t kMostFourNodes = size_t{1} << 24;
+
+// From where on rays that walk by themselves on llvmpipe take nodes of four children. With fewer nodes than
+// that they gain nothing; with fewer rays, of the scene or for each of its primitives, making the tree and
+// translating longer kernels takes what they gain (docs/lab/nodes.md).
+inline constexpr size_t kFewestForFour = 2000;
+inline constexpr uint64_t kFewestRaysForFour = 4'000'000;
+inline constexpr uint64_t kRaysOfPrimitiveForFour = 4;
+
 enum class Traversal {
     Auto,    // by the device and the scene
     Lane,    // each lane walks the binary tree with a ray of its own
@@ -72,11 +83,13 @@ bool runsPackets(const gpu::DeviceInfo& device);
 // and from kFewestForPackets triangles and spheres on. On a GPU (discrete, integrated or virtual) rays walk
 // compressed nodes where the scene has kFewestForWide primitives in its tree: by counts, not by measurement
 // (docs/lab/nodes.md). Wide nodes know every scene with a tree, but not SlabPad, whose
-// leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree.
-// Throws Error(Device) if packets are asked for where the device cannot run them; a scene that the traversal
-// asked for cannot take, or methods that it does not know, are traced by lanes.
+// leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree, or,
+// on llvmpipe for many rays, in one of four children a node. `rays`: all that the pictures to come will send
+// from their cameras and from there to lights, 0 if that is not known. Throws Error(Device) if packets are
+// asked for where the device cannot run them; a scene that the traversal asked for cannot take, or methods
+// that it does not know, are traced by lanes.
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                const Methods& methods = {});
+                                const Methods& methods = {}, uint64_t rays = 0);
 
 // With so few primitives the binary tree has a handful of nodes, all in the cache.
 inline constexpr size_t kFewestForWide = 32;

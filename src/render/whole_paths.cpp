@@ -36,7 +36,7 @@ uint32_t firstWholeTiles(uint64_t mostRays) {
 
 bool wholePathsKnow(const TraceModes& modes) {
     const bool pictureAlone = !modes.aovs && !modes.cost && !modes.tally;
-    return pictureAlone && modes.nodes == NodeFormat::Two;
+    return pictureAlone && modes.nodes != NodeFormat::Compressed;
 }
 
 bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work) {

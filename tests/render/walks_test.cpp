@@ -83,6 +83,42 @@ TEST(LaneRule, IsThisTable) {
     }
 }
 
+// Many rays that walk by themselves, on llvmpipe alone, and only where a picture is large for its scene.
+TEST(LaneRule, TakesNodesOfFourForManyRays) {
+    const gpu::DeviceInfo llvmpipe = deviceOf("CPU", true);
+    PackedScene scene = sceneOf(5000);
+    scene.nodes.resize(kFewestForFour);
+    const auto nodesOf = [&](uint64_t rays, const gpu::DeviceInfo& device, const Methods& methods = {},
+                             Traversal wanted = Traversal::Auto) {
+        return chooseTraversal(wanted, device, scene, methods, rays).nodes;
+    };
+    scene.features.mirrors = true;
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Four);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, llvmpipe, scene, {}, kFewestRaysForFour).packets);
+    EXPECT_EQ(nodesOf(kFewestRaysForFour - 1, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(0, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, deviceOf("CPU")), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {.slabs = SlabPad::None}), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {}, Traversal::Lane), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {}, Traversal::Packet), NodeFormat::Two);
+    scene.features.mirrors = false;  // packets trace all
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    scene.features.discs = true;  // none
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Four);
+    scene.features.coloredShadows = true;  // whose last bits are the walk's
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    scene.features.coloredShadows = false;
+    scene.nodes.pop_back();
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    scene.nodes.resize(kMostFourNodes + 1);
+    EXPECT_EQ(nodesOf(uint64_t{1} << 40, llvmpipe), NodeFormat::Two);
+    EXPECT_NE(chooseTraversal(Traversal::Bvh4, llvmpipe, scene).reason.find("number"), std::string::npos);
+    scene = sceneOf(kFewestRaysForFour / kRaysOfPrimitiveForFour + 1);
+    scene.nodes.resize(kFewestForFour);
+    scene.features.discs = true;
+    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+}
+
 TEST(LaneRule, SaysWhyNotWhatWasAskedFor) {
     const gpu::DeviceInfo device = deviceOf("discrete GPU");
     EXPECT_NE(chooseTraversal(Traversal::Cwbvh, device, sceneOf(0)).reason.find("no tree"),
@@ -178,13 +214,12 @@ TEST_P(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
     for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSameTrace(crowd.c, crowd.rays, budget);
 }
 
-// Of four children, up to three wait in each level. A compressed node lets one entry wait for a level, for
-// which there is room here; see below.
+// A node of several children lets one entry wait for a level, for which there is room here; see below.
 TEST_P(WalkTest, RaysThatRunOutOfStackLoseNothing) {
     const RayCase nested = nestedCase();
     Renderer renderer = rendererOf(nested.c);
     for (const RayHit& hit : renderer.trace(nested.rays, false)) EXPECT_EQ(hit.data.object, kNestedCount - 1);
-    if (GetParam().stack == StackPlace::Shared && GetParam().traversal != Traversal::Cwbvh) {
+    if (GetParam().stack == StackPlace::Shared && GetParam().traversal == Traversal::Lane) {
         EXPECT_GT(renderer.times().resumes, 0u) << "no ray ran out of stack: the test shows nothing";
     }
     expectSameTrace(nested.c, nested.rays);
@@ -295,8 +330,9 @@ TEST_P(WalkStackTest, DrawsTheSameThroughStorageBuffersAndSharedStacks) {
 class WalkMutantTest : public RenderTest {
   protected:
     static std::vector<RayHit> hitsOf(const RayCase& rays, Traversal traversal, const KernelCode& code,
-                                      uint64_t* resumes = nullptr) {
+                                      uint64_t* resumes = nullptr, StackPlace stack = StackPlace::Private) {
         Options options;
+        options.stack = stack;
         options.access = gpu::Access::TexelBuffer;
         options.traversal = traversal;
         options.kernels = &code;
@@ -307,17 +343,19 @@ class WalkMutantTest : public RenderTest {
     }
 };
 
-// A stack of six words: whoever needs more is started again, and loses nothing.
+// A stack of six words, in either place: whoever needs more is started again, and loses nothing.
 TEST_F(WalkMutantTest, SmallStack) {
-    const KernelCode small = mutantKernels("small_stack");
     const RayCase crowd = crowdedCase(3000, 2000, 29);
     const std::vector<RayHit> expected =
         hitsOf(crowd, Traversal::Lane, embeddedKernels(gpu::Access::TexelBuffer));
-    for (const Traversal traversal : {Traversal::Bvh4, Traversal::Cwbvh}) {
-        uint64_t resumes = 0;
-        const std::vector<RayHit> hits = hitsOf(crowd, traversal, small, &resumes);
-        EXPECT_GT(resumes, 0u) << "no ray ran out of stack: the test shows nothing";
-        EXPECT_TRUE(sameBits(hits, expected, crowd.rays));
+    for (const StackPlace stack : {StackPlace::Private, StackPlace::Shared}) {
+        const KernelCode small = mutantKernels(stack == StackPlace::Private ? "small_stack" : "small_group");
+        for (const Traversal traversal : {Traversal::Bvh4, Traversal::Cwbvh}) {
+            uint64_t resumes = 0;
+            const std::vector<RayHit> hits = hitsOf(crowd, traversal, small, &resumes, stack);
+            EXPECT_GT(resumes, 0u) << "no ray ran out of stack: the test shows nothing";
+            EXPECT_TRUE(sameBits(hits, expected, crowd.rays));
+        }
     }
 }
 
@@ -330,6 +368,7 @@ TEST_F(WalkMutantTest, DefectsShow) {
         const char* mutant;
         Traversal traversal;
     } defects[] = {{"wide_three", Traversal::Bvh4},
+                   {"four_forgets", Traversal::Bvh4},
                    {"wide_turned", Traversal::Cwbvh},
                    {"wide_narrow", Traversal::Cwbvh},
                    {"wide_leaf_word", Traversal::Cwbvh}};
