@@ -17,6 +17,9 @@ namespace {
 // So many rays before it is needed the processor is told to load what is in no order.
 constexpr size_t kAhead = 32;
 
+// Words that are stored at once.
+using Four = float __attribute__((vector_size(16)));
+
 // The surface of a ray that misses, or hits what is no triangle.
 const shared::TriangleSurface kNothing = {.normal = glm::vec3(0),
                                           .object = GLINT_NONE,
@@ -60,7 +63,8 @@ WorldRay RayReader::world(uint64_t i) const {
 
 // fp32 rays that no rounding but that of the origin changes, which most are: straight on, without a branch.
 // False if there are others among them, and nothing is right then.
-bool RayReader::roundedNarrow(const render::RayNumbers& numbers, std::span<render::RayInput> inputs) const {
+bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render::RayInput> inputs) const {
+    const render::RayNumbers numbers = given;  // what is stored is none of it
     const NumberView origins = origins_, directions = directions_;
     const glm::dvec3 from = origin_;
     bool harmless = true;
@@ -69,12 +73,19 @@ bool RayReader::roundedNarrow(const render::RayNumbers& numbers, std::span<rende
             origins.foresee(numbers[i + kAhead]);
             directions.foresee(numbers[i + kAhead]);
         }
-        const glm::vec3 direction = directions.narrowThree(numbers[i]);
-        const glm::dvec3 origin(origins.narrowThree(numbers[i]));
-        const float greatest =
-            std::max(std::max(std::abs(direction.x), std::abs(direction.y)), std::abs(direction.z));
+        const glm::vec3 along = directions.narrowThree(numbers[i]);
+        const glm::dvec3 start = glm::dvec3(origins.narrowThree(numbers[i])) - from;
+        const float greatest = std::max(std::max(std::abs(along.x), std::abs(along.y)), std::abs(along.z));
         harmless &= isHarmless(static_cast<double>(greatest));
-        inputs[i] = {glm::vec3(origin - from), direction, 0, shared::kInfinity};
+        // In two whole registers: as a copy of members it passes through memory in words, which the processor
+        // waits for where it then reads two of them at a time.
+        static_assert(offsetof(render::RayInput, direction) == 12 && offsetof(render::RayInput, tMax) == 28);
+        const Four first = {static_cast<float>(start.x), static_cast<float>(start.y),
+                            static_cast<float>(start.z), along.x};
+        const Four second = {along.y, along.z, 0, shared::kInfinity};
+        std::byte* const input = reinterpret_cast<std::byte*>(&inputs[i]);
+        std::memcpy(input, &first, sizeof(first));
+        std::memcpy(input + sizeof(first), &second, sizeof(second));
     }
     return harmless;
 }
