@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "bvh/stored_box.h"
 #include "core/call_terms.h"
 
 namespace glint {
@@ -15,14 +16,8 @@ struct Pending {
     uint32_t escape;
 };
 
-// How far a box reaches beyond its contents: one ulp, and enough that a ray that runs in one of its sides (a
-// direction of 0, whose inverse the shaders take for 2^125) is seen well inside.
-float margin(float x) {
-    return std::max(std::abs(x) * 0x1p-23f, 0x1p-100f);
-}
-
 void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight, uint32_t child) {
-    const Box box = storedBox(tight);
+    const Box box = tight.empty() ? tight : storedBox(RegisterBox::of(tight)).box();
     shared::Node& node = nodes[slot / 2];
     if (slot % 2 == 0) {
         node.lo0 = box.lo;
@@ -36,14 +31,6 @@ void setChild(std::vector<shared::Node>& nodes, uint32_t slot, const Box& tight,
 }
 
 }  // namespace
-
-Box storedBox(Box tight) {
-    for (int i = 0; i < 3 && !tight.empty(); ++i) {
-        tight.lo[i] -= margin(tight.lo[i]);
-        tight.hi[i] += margin(tight.hi[i]);
-    }
-    return tight;
-}
 
 std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds) {
     std::vector<shared::Node> nodes;

@@ -15,7 +15,4 @@ namespace glint {
 // empty: all are kKindTriangle.
 std::vector<shared::Node> flattenBvh(const Bvh& bvh, const std::vector<uint8_t>& kinds);
 
-// The box that a node stores for a child with this tight one: so much wider that no ray is lost by rounding.
-Box storedBox(Box tight);
-
 }  // namespace glint

@@ -7,7 +7,7 @@
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #else
-#include <algorithm>
+#include <cstring>
 #endif
 
 namespace glint {
@@ -25,7 +25,11 @@ struct Lanes {
     void storeInts(int32_t* aligned) const {
         _mm_store_si128(reinterpret_cast<__m128i*>(aligned), _mm_cvttps_epi32(v));
     }
-    Lanes withoutW() const { return {_mm_and_ps(v, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)))}; }
+    static __m128 mask() { return _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)); }
+    Lanes withoutW() const { return {_mm_and_ps(v, mask())}; }
+    Lanes withWOf(Lanes other) const {
+        return {_mm_or_ps(_mm_and_ps(v, mask()), _mm_andnot_ps(mask(), other.v))};
+    }
 };
 inline Lanes min(Lanes a, Lanes b) {
     return {_mm_min_ps(a.v, b.v)};
@@ -49,13 +53,19 @@ struct alignas(16) Lanes {
     float v[4];
 
     static Lanes all(float x) { return {{x, x, x, x}}; }
-    static Lanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+    // Bytes: the fourth word may be of another type.
+    static Lanes load(const float* p) {
+        Lanes a;
+        std::memcpy(a.v, p, sizeof(a.v));
+        return a;
+    }
     static Lanes of(float x, float y, float z) { return {{x, y, z, 0.0f}}; }
-    void store(float* p) const { std::copy(v, v + 4, p); }
+    void store(float* p) const { std::memcpy(p, v, sizeof(v)); }
     void storeInts(int32_t* p) const {
         for (int i = 0; i < 4; ++i) p[i] = static_cast<int32_t>(v[i]);
     }
     Lanes withoutW() const { return {{v[0], v[1], v[2], 0.0f}}; }
+    Lanes withWOf(Lanes other) const { return {{v[0], v[1], v[2], other.v[3]}}; }
 };
 template <class F>
 Lanes lanewise(Lanes a, Lanes b, F f) {

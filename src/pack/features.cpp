@@ -1,7 +1,9 @@
 #include "pack/features.h"
 
 #include <algorithm>
+#include <atomic>
 
+#include "core/parallel.h"
 #include "shared/dispatch.h"
 
 namespace glint {
@@ -21,20 +23,28 @@ void addLightKind(const shared::Light& light, SceneFeatures& features) {
     }
 }
 
-}  // namespace
-
 // Where the longest side was at most 16 times the height above it, none of 10^5 rays was found to meet a
 // triangle behind it, and up to 40 times none of 1.2 x 10^6, of those up to 64 times one of 10^5
 // (SliverTest.TrianglesBehindARayAreNotMet).
-bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
+bool isSliver(const shared::Triangle& t) {
     constexpr float kLongest = 16;
-    for (const shared::Triangle& t : triangles) {
-        const glm::vec3 a = t.v1 - t.v0, b = t.v2 - t.v0, c = t.v2 - t.v1;
-        const glm::vec3 n = glm::cross(a, b);
-        const float longest = std::max(glm::dot(a, a), std::max(glm::dot(b, b), glm::dot(c, c)));
-        if (longest > kLongest * glm::length(n)) return true;
-    }
-    return false;
+    const glm::vec3 a = t.v1 - t.v0, b = t.v2 - t.v0, c = t.v2 - t.v1;
+    const glm::vec3 n = glm::cross(a, b);
+    const float longest = std::max(glm::dot(a, a), std::max(glm::dot(b, b), glm::dot(c, c)));
+    return longest > kLongest * glm::length(n);
+}
+
+}  // namespace
+
+bool haveSlivers(const std::vector<shared::Triangle>& triangles) {
+    constexpr size_t kRun = 16384;
+    std::atomic<bool> found = false;
+    parallelFor((triangles.size() + kRun - 1) / kRun, [&](size_t run) {
+        const size_t end = std::min(triangles.size(), (run + 1) * kRun);
+        for (size_t i = run * kRun; i < end && !found.load(std::memory_order_relaxed); ++i)
+            if (isSliver(triangles[i])) found.store(true, std::memory_order_relaxed);
+    });
+    return found;
 }
 
 SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(size_t)>& used) {

@@ -15,7 +15,6 @@
 #include "pack/pack_geometry.h"
 #include "pack/pack_shading.h"
 #include "pack/primitives.h"
-#include "pack/unit_vector.h"
 
 namespace glint {
 namespace {
@@ -179,9 +178,7 @@ bool MovingScene::moveTriangle(const Scene& scene, const PrimitiveNumbers& numbe
     triangle.v0 = rounded[corners.x];
     triangle.v1 = rounded[corners.y];
     triangle.v2 = rounded[corners.z];
-    const auto normal = unitVector(areaVector(triangle.v0, triangle.v1, triangle.v2));
-    if (!normal) return false;
-    surface.normal = glm::vec3(*normal);
+    if (!triangleNormal(triangle.v0, triangle.v1, triangle.v2, surface.normal)) return false;
     if (surface.vertexNormals == shared::kNone) return true;
     return vertexNormals(mesh->mesh.get(), face, packed_.vertexNormals[surface.vertexNormals]);
 }

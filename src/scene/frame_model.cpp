@@ -32,6 +32,18 @@ bool finite(const glm::dvec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
+// Which vertices of a mesh triangles without a bad one have.
+std::vector<uint8_t> drawnVertices(const Mesh& mesh) {
+    const auto& p = mesh.positions;
+    const bool allFinite = std::all_of(p.begin(), p.end(), finite);
+    std::vector<uint8_t> drawn(p.size());
+    for (const glm::uvec3& c : mesh.corners)
+        if (allFinite || (finite(p[c.x]) && finite(p[c.y]) && finite(p[c.z])))
+            drawn[c.x] = drawn[c.y] = drawn[c.z] = 1;
+    return drawn;
+}
+using DrawnVertices = std::map<const Mesh*, std::vector<uint8_t>>;  // of meshes that were looked at
+
 // Calls visit(center, axes) for parts that together hold the finite geometry that will be drawn. A part is
 // the image of the unit ball, center + axes b: it reaches |axes^T n| from its centre in the unit direction n.
 // A point has none, a disc a third axis of zero. Triangles with a bad vertex are left out; planes
@@ -39,7 +51,8 @@ bool finite(const glm::dvec3& p) {
 template <typename Visit>
 class PartVisitor {
   public:
-    PartVisitor(const Affine& transform, const Visit& visit) : transform_(transform), visit_(visit) {}
+    PartVisitor(const Affine& transform, DrawnVertices& drawn, const Visit& visit)
+        : transform_(transform), drawn_(drawn), visit_(visit) {}
 
     void operator()(const SphereShape& s) const { ball(s.center, glm::dmat3(s.radius)); }
     void operator()(const PlaneShape&) const {}
@@ -64,9 +77,8 @@ class PartVisitor {
     // Each vertex once: scenes that change come here with every change.
     void operator()(const MeshShape& s) const {
         const auto& p = s.mesh->positions;
-        std::vector<uint8_t> drawn(p.size());
-        for (const glm::uvec3& c : s.mesh->corners)
-            if (finite(p[c.x]) && finite(p[c.y]) && finite(p[c.z])) drawn[c.x] = drawn[c.y] = drawn[c.z] = 1;
+        std::vector<uint8_t>& drawn = drawn_[s.mesh.get()];
+        if (drawn.empty()) drawn = drawnVertices(*s.mesh);
         for (size_t i = 0; i < p.size(); ++i)
             if (drawn[i] != 0) point(p[i]);
     }
@@ -100,18 +112,19 @@ class PartVisitor {
     }
 
     Affine transform_;
+    DrawnVertices& drawn_;
     const Visit& visit_;
 };
 
 // Of meshes that stand in several places the corners of their boxes, so that the time does not grow with the
 // number of places.
 template <typename Visit>
-void forEachPart(const Scene& scene, const Visit& visit) {
+void forEachPart(const Scene& scene, DrawnVertices& drawn, const Visit& visit) {
     std::map<const Mesh*, std::pair<size_t, Box>> shared;
     for (const Object& object : scene.objects)
         if (const auto* shape = std::get_if<MeshShape>(&object.shape)) shared[shape->mesh.get()].first++;
     for (const Object& object : scene.objects) {
-        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), visit);
+        const PartVisitor<Visit> visitor(object.transform.value_or(Affine{}), drawn, visit);
         const auto* shape = std::get_if<MeshShape>(&object.shape);
         if (!shape || shared[shape->mesh.get()].first == 1) {
             std::visit(visitor, object.shape);
@@ -120,7 +133,7 @@ void forEachPart(const Scene& scene, const Visit& visit) {
         Box& box = shared[shape->mesh.get()].second;
         if (box.empty()) {
             const auto add = [&box](const glm::dvec3& center, const glm::dmat3*) { box.add(center); };
-            PartVisitor<decltype(add)>({}, add)(*shape);
+            PartVisitor<decltype(add)>({}, drawn, add)(*shape);
         }
         if (!box.empty()) visitor.corners(box.low, box.high);
     }
@@ -145,13 +158,14 @@ Frame viewFrame() {
 // picture are planes through the eye with the outward normals n = cos a (+-right or +-up) + sin a back, a
 // half the picture's angle; p is inside if n.(p - eye) <= 0, that is with eye = middle + D back if D >= n.(p
 // - middle) / sin a.
-double viewingDistance(const Scene& scene, const Frame& frame, const glm::dvec3& middle) {
+double viewingDistance(const Scene& scene, DrawnVertices& drawn, const Frame& frame,
+                       const glm::dvec3& middle) {
     const double tanY = std::tan(kFovY * std::numbers::pi / 360) / kMargin;
     const double tanX = tanY * scene.image.width / scene.image.height;
     double distance = 0;
     const glm::dvec3 normals[] = {frame.right / tanX + frame.back, -frame.right / tanX + frame.back,
                                   frame.up / tanY + frame.back, -frame.up / tanY + frame.back};  // n / sin a
-    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
+    forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         for (const glm::dvec3& normal : normals)
             distance = std::max(distance, glm::dot(normal, center - middle) + reach(axes, normal));
     });
@@ -179,15 +193,16 @@ void lightModel(Scene& scene) {
 void frameCamera(Scene& scene) {
     scene.camera = Camera{};
     const Frame frame = viewFrame();
+    DrawnVertices drawn;
     Box box;
-    forEachPart(scene, [&](const glm::dvec3& center, const glm::dmat3* axes) {
+    forEachPart(scene, drawn, [&](const glm::dvec3& center, const glm::dmat3* axes) {
         const glm::dvec3 extent(reach(axes, {1, 0, 0}), reach(axes, {0, 1, 0}), reach(axes, {0, 0, 1}));
         box.add(center - extent);
         box.add(center + extent);
     });
     if (box.empty()) return;
     const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
-    double distance = viewingDistance(scene, frame, middle);
+    double distance = viewingDistance(scene, drawn, frame, middle);
     // A single point has no size to go by; stay far enough away for the eye to differ from it in double and
     // in float.
     distance = std::max({distance, 1e-6 * glm::length(middle), 1e-12});

@@ -90,7 +90,7 @@ void TrianglePacker::write(const Packing& packing, Primitives::Source source, ui
 
     const Mesh* mesh = triangles.mesh();
     shared::TriangleSurface& surface = packed.triangleSurfaces[slot];
-    surface.normal = glm::vec3(unitVector(areaVector(v[0], v[1], v[2])).value());
+    triangleNormal(v[0], v[1], v[2], surface.normal);  // it has one, or it would have been dropped
     surface.object = source.object;
     surface.primitive = mesh != nullptr && !mesh->faces.empty() ? mesh->faces[source.face] : source.face;
     surface.material = materialOf(object, source.face);
