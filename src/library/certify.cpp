@@ -16,13 +16,14 @@ namespace certain = reference::certain;
 // What the device's bounds are made for: numbers that are rounded by a part of themselves, and an interval
 // that rounding does not close.
 bool suitsDevice(const render::RayInput& ray) {
-    const glm::vec3 size = glm::abs(ray.direction);
-    const float least = 0x1p-90f * std::max({size.x, size.y, size.z});
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(ray.origin[axis]) || !std::isfinite(ray.direction[axis])) return false;
-        if (size[axis] != 0 && size[axis] < least) return false;
-    }
-    return ray.tMin < ray.tMax && ray.tMax > 1e-30f && !(ray.tMin > 0 && ray.tMin < 1e-30f);
+    const glm::vec3 &o = ray.origin, &d = ray.direction;
+    // 0 but for what is not finite.
+    const float nought = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z);
+    const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
+    const float least = 0x1p-90f * std::max(std::max(x, y), z);
+    const bool balanced = (x == 0 || x >= least) && (y == 0 || y >= least) && (z == 0 || z >= least);
+    return nought == 0 && balanced && ray.tMin < ray.tMax && ray.tMax > 1e-30f &&
+           !(ray.tMin > 0 && ray.tMin < 1e-30f);
 }
 
 class Run {
@@ -59,14 +60,14 @@ class Run {
                 const render::FoundHit one = found[i];
                 const bool certain =
                     one.certain && (all || suitsDevice(render::roundedRay(rays_.local(ray))));
-                certain ? takeCertain(ray, one) : decide(ray);
+                certain ? takeCertain(ray, one) : decide(ray, one);
             }
         };
         if (!snapshot_.part().queries->run(task)) throw Cancelled();
     }
     void onHost() const {
         forBlocks(rays_.count(), callbacks_, [&](uint64_t first, uint64_t end) {
-            for (uint64_t i = first; i < end; ++i) decide(i);
+            for (uint64_t i = first; i < end; ++i) decide(i, {});
         });
     }
 
@@ -83,8 +84,8 @@ class Run {
         certainty_.write(i, answer);
     }
     // What is not certain has at least the answer of others.
-    void decide(uint64_t i) const {
-        certain::Answer answer = tracer_.closest(rays_.world(i));
+    void decide(uint64_t i, const render::FoundHit& likely) const {
+        certain::Answer answer = tracer_.closest(rays_.world(i), likely.primitive, likely.instance);
         certainty_.write(i, answer);
         const LocalRay local = rays_.local(i);
         if (answer.sure) {

@@ -97,7 +97,9 @@ class Search {
     Search(const Tracer& tracer, const WorldRay& ray)
         : tracer_(tracer), packed_(tracer.packed_), ray_(ray), end_(ray.tMax) {}
 
-    Answer run() {
+    Answer run(uint32_t likely, uint32_t instance) {
+        if (likely >> shared::kPrimitiveKindShift == shared::kKindTriangle)
+            endAt(likely & shared::kPrimitiveIndexMask, instance);
         for (uint32_t i = 0; i < packed_.planes.size(); ++i) plane(i);
         const dvec3 origin = ray_.ray().origin - packed_.origin;
         BoxRay local{origin, ray_.ray().direction,
@@ -211,10 +213,20 @@ class Search {
                    : own;
     }
 
+    bool hasHoles(uint32_t material) const {
+        return material != kNone && packed_.features.alphaMask && packed_.materials[material].alphaCutoff > 0;
+    }
+
+    // The walk comes by it once more.
+    void endAt(uint32_t triangle, uint32_t instance) {
+        const ExactSurface surface = tracer_.triangle(triangle, instance);
+        const auto span = ray_.span(surface.corners, surface.place);
+        if (span && span->met && !hasHoles(materialOf(triangle, instance)))
+            end_ = std::min(end_, span->upper);
+    }
+
     void add(Contender contender, uint32_t material) {
-        const bool holes =
-            material != kNone && packed_.features.alphaMask && packed_.materials[material].alphaCutoff > 0;
-        if (holes) contender.exact = contender.span.met = false;
+        if (hasHoles(material)) contender.exact = contender.span.met = false;
         if (contender.span.met) end_ = std::min(end_, contender.span.upper);
         contenders_.push_back(contender);
     }
@@ -319,8 +331,8 @@ Tracer::Tracer(const Scene& scene, const PackedScene& packed) : scene_(scene), p
         packed.origin == dvec3(0) && packed.instances.empty() && packed.planes.empty() ? 0 : 0x1p-48 * size;
 }
 
-Answer Tracer::closest(const WorldRay& ray) const {
-    if (!asksForNothing(ray)) return Search(*this, ray).run();
+Answer Tracer::closest(const WorldRay& ray, uint32_t likely, uint32_t instance) const {
+    if (!asksForNothing(ray)) return Search(*this, ray).run(likely, instance);
     Answer miss;
     miss.sure = true;
     miss.hit.t = miss.lower = miss.upper = kInfinity;

@@ -30,8 +30,10 @@ class Tracer {
     // `scene`: placed, and what `packed` was made of. Both must outlive the tracer.
     Tracer(const Scene& scene, const PackedScene& packed);
 
-    // In world coordinates. A ray that is not finite or has no direction misses, for sure.
-    Answer closest(const WorldRay& ray) const;
+    // In world coordinates. A ray that is not finite or has no direction misses, for sure. likely: what it
+    // may meet, if anybody has a guess: where it does, nothing behind it is looked at.
+    Answer closest(const WorldRay& ray, uint32_t likely = shared::kNone,
+                   uint32_t instance = shared::kNone) const;
     // The same for a ray whose nearest hit is known to be that surface.
     Answer at(const WorldRay& ray, uint32_t primitive, uint32_t instance) const;
 
