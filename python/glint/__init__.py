@@ -70,6 +70,9 @@ def version() -> tuple[int, int, int]:
     return number // 1000000, number // 1000 % 1000, number % 1000
 
 
+_LARGEST = 65536  # picture, as libglint has it
+
+
 def _described(info: Any) -> dict[str, Any]:
     return {"index": info.index, "name": info.name.decode(), "usable": bool(info.usable), "software": bool(info.software),
             "reference": bool(info.reference), "reason": info.reason.decode()}
@@ -126,6 +129,9 @@ class Device(_native.Owner):
         info = _native.make(_native.DeviceInfo)
         _native.call("glint_device_info_of", self._handle, ctypes.byref(info))
         return _described(info)
+
+    def __repr__(self) -> str:
+        return f"<glint.Device {self.info['name']}>"
 
 
 def _device(device: Selector) -> Device:
@@ -343,6 +349,13 @@ class Scene(_native.Owner):
         _native.call(name, self._handle, *arguments, ctypes.byref(number))
         return number.value
 
+    def __repr__(self) -> str:
+        try:
+            info = self._info()
+        except Error:  # not committed, or of another process
+            return "<glint.Scene, not committed>"
+        return f"<glint.Scene of {info.geometries} geometries, {info.triangles} triangles, on {self._device.info['name']}>"
+
     def _info(self) -> Any:
         info = _native.make(_native.SceneInfo)
         _native.call("glint_scene_info_of", self._handle, ctypes.byref(info))
@@ -461,6 +474,8 @@ class Scene(_native.Owner):
         layers, dtype = _names(layers), _real(dtype)
         info = self._info()
         width, height = width or info.width, height or info.height
+        if not (0 < width <= _LARGEST and 0 < height <= _LARGEST and samples >= 0):
+            raise ValueError(f"width and height must be 1 to {_LARGEST}, or 0, and samples cannot be negative")
         picture = _native.make(_native.Picture)
         picture.width, picture.height, picture.samples = width, height, samples
         if max_depth is not None:

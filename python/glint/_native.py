@@ -160,6 +160,10 @@ class Owner:
 def record(name: str, fields: tuple[str, ...]) -> Any:
     """A kind of named tuple, the same for the same names, that can be pickled."""
     kind: Any = collections.namedtuple(name, fields)
+
+    def missing(_: Any, asked: str) -> Any:
+        raise AttributeError(f"{name} has no {asked!r}, but what was asked for: {', '.join(fields) or 'nothing'}")
+    kind.__getattr__ = missing
     kind.__reduce__ = lambda self: (_restored, (name, fields, tuple(self)))
     return kind
 

@@ -375,6 +375,11 @@ def test_what_people_pass_by_mistake(device, cube):
             cube.add_instance(0, matrix)
     with pytest.raises(ValueError):
         cube.render(4, 4, 1, camera=((0, 0, 5),))
+    for size in ((-3, 4, 1), (4, -3, 1), (4, 4, -1), (2**32 + 4, 4, 1), (10**6, 10**6)):
+        with pytest.raises(ValueError, match="width and height"):
+            cube.render(*size)
+    with pytest.raises(AttributeError, match="Hits has no 'normal', but what was asked for: t, uv"):
+        _ = cube.cast(ray, want=("t", "uv")).normal
     for wrong in ({"threads": -1}, {"max_bytes": -1}, {"selector": "cpu\0"}):
         with pytest.raises(ValueError):
             glint.Device(**wrong)
@@ -392,6 +397,13 @@ def test_what_people_pass_by_mistake(device, cube):
         assert numpy.allclose(cube.cast(odd).t, 4)
     for nowhere in (numpy.nan, numpy.inf, 0):  # such rays miss
         assert cube.cast([[0.2, 0.3, 5, 0, 0, nowhere]]).t == numpy.inf
+
+
+def test_what_is_printed(device, cube):
+    name = device.info["name"]
+    assert repr(device) == f"<glint.Device {name}>"
+    assert repr(cube) == f"<glint.Scene of 1 geometries, 12 triangles, on {name}>"
+    assert repr(glint.Scene(device=device)) == "<glint.Scene, not committed>"
 
 
 def test_what_can_be_pickled(cube):
