@@ -1,7 +1,6 @@
 #include "bvh/flatten.h"
 
 #include <array>
-#include <cmath>
 
 #include "bvh/stored_box.h"
 #include "core/call_terms.h"
