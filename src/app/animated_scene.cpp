@@ -31,7 +31,6 @@ void overrideSampling(const SceneOptions& options, ImageSettings& image) {
 AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err,
                              bool quiet)
     : options_(options), err_(quiet ? nullptr : &err) {
-    if (options.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     const Stopwatch watch;
     reader_.emplace(options.scene,
                     LoadOptions{options.allowOutside, availableMemory(), options.camera, options.files},

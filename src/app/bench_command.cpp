@@ -113,8 +113,6 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
 
 int run(const BenchCommand& command, std::ostream& out, std::ostream& err) {
     checkOptions(command);
-    for (const std::filesystem::path& path : command.scenes)
-        if (path.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     switchShaderCachesOff();
     installInterruptHandler();
     std::optional<gpu::Device> device;

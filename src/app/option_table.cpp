@@ -31,6 +31,11 @@ std::vector<Text> namesIn(const Text& form) {
     return names;
 }
 
+// All arguments that are known by their place are names of files.
+void checkNamed(const Text& name, const Text& text) {
+    if (text.empty()) throw Error(ErrorKind::Argument, name + " is empty; give a file name");
+}
+
 }  // namespace
 
 void OptionTable::value(const Text& names, const Text& form, const Text& help, Read read, Need need) {
@@ -45,7 +50,10 @@ void OptionTable::value(const Text& names, const Text& form, const Text& help, R
 }
 
 void OptionTable::value(OptionFacts facts, Read read) {
-    const auto use = [name = longName(facts.names), read = std::move(read)](const Text& text) {
+    const auto use = [name = longName(facts.names),
+                      file = facts.positional() && facts.value == OptionFacts::Value::File,
+                      read = std::move(read)](const Text& text) {
+        if (file) checkNamed(name, text);
         try {
             read(text);
         } catch (const Error& e) {
@@ -59,7 +67,10 @@ void OptionTable::value(OptionFacts facts, Read read) {
 }
 
 void OptionTable::arguments(const Text& name, const Text& help, std::vector<std::filesystem::path>& target) {
-    const auto use = [&target](const std::vector<Text>& list) { target.assign(list.begin(), list.end()); };
+    const auto use = [name, &target](const std::vector<Text>& list) {
+        for (const Text& text : list) checkNamed(name, text);
+        target.assign(list.begin(), list.end());
+    };
     command_.add_option_function<std::vector<Text>>(name, use, help)->type_name("")->required();
     options_.push_back(
         {.names = name, .help = help, .value = OptionFacts::Value::File, .required = true, .many = true});

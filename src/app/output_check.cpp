@@ -41,10 +41,13 @@ void checkOutputPath(const fs::path& path) {
     std::error_code ignored;
     const fs::path linked = fs::canonical(path, ignored);  // empty if there is no such file
     const fs::path target = linked.empty() ? path : linked;
-    if (fs::is_directory(target, ignored)) cannotWrite(path, "it is a folder");
-    if (fs::exists(target, ignored)) {
+    std::error_code wrong;  // such as a name that is too long
+    const fs::file_status status = fs::status(target, wrong);
+    if (fs::is_directory(status)) cannotWrite(path, "it is a folder");
+    if (wrong && status.type() != fs::file_type::not_found) cannotWrite(path, wrong.message());
+    if (fs::exists(status)) {
         if (access(target.c_str(), W_OK) != 0) cannotWrite(path, reasonOf(errno));
-        if (!fs::is_regular_file(target, ignored)) return;  // a device or pipe is written to in place
+        if (!fs::is_regular_file(status)) return;  // a device or pipe is written to in place
     }
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     if (!fs::exists(folder, ignored)) cannotWrite(path, "there is no folder " + folder.string());

@@ -119,7 +119,6 @@ void checkManner(const RenderCommand& command) {
 void check(const RenderCommand& command, const std::ostream& out) {
     checkDeviceOptions(command.backend, command.device);
     checkErrorTarget(command.target, command.scene, command.aovs);
-    if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     if (!command.frames && (command.framesPerSecond || command.overwrite))
         throw Error(ErrorKind::Argument, std::string(command.overwrite ? "--overwrite" : "--fps") +
                                              ": says nothing without --frames");

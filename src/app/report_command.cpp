@@ -8,10 +8,12 @@
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/near_names.h"
 #include "core/stopwatch.h"
+#include "core/text_file.h"
 #include "report/plan.h"
 #include "report/run.h"
 #include "report/write.h"
@@ -153,12 +155,14 @@ report::Options optionsOf(const ReportCommand& command) {
     options.truth = command.truth;
     options.only = command.only;
     options.cancelled = interrupted;
+    options.memory = [] { return availableMemory(); };
     return options;
 }
 
 int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     checkDevicesAreNamed(command);
+    for (const fs::path& scene : command.scenes) checkFile(scene);  // the last one's name may be misspelt
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();
     makeFolder(command.folder);

@@ -52,7 +52,6 @@ void declare(OptionTable& table, ViewCommand& c) {
 
 #ifdef GLINT_WINDOW
 int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
-    if (command.scene.scene.empty()) throw Error(ErrorKind::Argument, "SCENE is empty; give a file name");
     checkErrorIsAsked(command.target);
     view::Options options;
     options.until.error = command.target.error.value_or(0);

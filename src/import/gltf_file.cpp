@@ -87,7 +87,10 @@ GltfFile::GltfFile(const std::filesystem::path& path, SceneFiles& files)
       name_(path.string()),
       bytes_(files.read(path)),
       text_(bytes_) {
-    if (bytes_.starts_with("glTF")) openBinary();
+    const bool binary = bytes_.starts_with("glTF");
+    if (binary) openBinary();
+    if (!binary && lowerExtension(path) == ".glb" && !std::string_view(text_).starts_with('{'))
+        throw Error(ErrorKind::Scene, name_ + ": neither GLB, which starts with \"glTF\", nor glTF's JSON");
     {
         const ProgressPart part(0, 0.2);
         document_ = parseJson(text_, name_);

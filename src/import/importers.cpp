@@ -1,5 +1,8 @@
 #include "import/importers.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include "core/error.h"
 #include "core/text_file.h"
 #include "import/readers.h"
@@ -21,8 +24,12 @@ ImportedMesh importMesh(const std::filesystem::path& path, SceneFiles& files) {
         if (scene.animation) scene.warnings.push_back(path.string() + ": animations of a mesh are ignored");
         return flattened(std::move(scene));
     }
-    throw Error(ErrorKind::Scene,
-                path.string() + ": a mesh file must end in .obj, .ply, .stl, .gltf or .glb");
+    throw Error(ErrorKind::Scene, path.string() + ": " + kNoMeshFile);
+}
+
+bool isMeshFile(const std::filesystem::path& path) {
+    constexpr std::string_view kExtensions[] = {".obj", ".ply", ".stl", ".gltf", ".glb"};
+    return std::ranges::find(kExtensions, lowerExtension(path)) != std::end(kExtensions);
 }
 
 }  // namespace glint

@@ -17,6 +17,10 @@ struct ImportedMesh {
     std::vector<std::string> warnings;
 };
 
+// By its extension, whether importMesh reads it; and what it says if not.
+bool isMeshFile(const std::filesystem::path& path);
+inline constexpr const char* kNoMeshFile = "a mesh file must end in .obj, .ply, .stl, .gltf or .glb";
+
 // Reads .obj (with its .mtl), .ply (ascii, binary little and big endian), .stl (ascii, binary) or the meshes
 // of .gltf and .glb, by extension.
 //

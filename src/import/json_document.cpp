@@ -215,6 +215,10 @@ JsonValue parseJson(std::string_view text, const std::string& file) {
                                           " MiB: put large geometry into a mesh file");
     if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
         throw Error(ErrorKind::Scene, file + ": the file is empty");
+    // As some editors write it; with its mark, or with the zero bytes that it has instead.
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+        text.substr(0, 2).find('\0') != text.npos)
+        throw Error(ErrorKind::Scene, file + ": is in UTF-16, or no text; JSON must be in UTF-8");
     const char* furthest = text.data();
     TreeBuilder builder(text, file, furthest);
     ReadingPace pace(text.data(), text.data() + text.size());

@@ -175,6 +175,7 @@ ObjectParser::LoadedMesh& ObjectParser::load(const JsonCursor& nameCursor) {
         file.fail(error.what());
     }
     if (!files_.exists(path)) file.fail("no such file: " + path.string());
+    if (!isMeshFile(path)) file.fail(path.string() + ": " + kNoMeshFile);
     std::shared_ptr<LoadedMesh>& shared = byFile_[files_.real(path)];
     if (!shared) shared = std::make_shared<LoadedMesh>(readMesh(path));
     return *loaded_.emplace(name, shared).first->second;

@@ -227,11 +227,13 @@ Scene parseScene(std::string_view text, const std::string& name, const std::file
 
 Scene parseScene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files) {
+    const auto read = [&] {
+        const ProgressPart part(0, kJsonPart);
+        return parseJson(text, name);
+    };
+    const JsonValue json = read();
+    const ProgressPart part(kJsonPart, 1);
     MeshMemory memory;
-    std::optional<ProgressPart> part(std::in_place, 0, kJsonPart);
-    const JsonValue json = parseJson(text, name);
-    part.reset();
-    part.emplace(kJsonPart, 1);
     return parseScene(json, name, folder, files, memory);
 }
 

@@ -40,6 +40,7 @@ SceneFiles::SceneFiles(const fs::path& folder, const LoadOptions& options)
     : options_(options), source_(options.source ? options.source : fileSystem()), root_(real(folder)) {}
 
 fs::path SceneFiles::resolve(const fs::path& folder, const std::string& name) const {
+    if (name.empty()) fail("the file name is empty");
     if (name.find('\0') != std::string::npos) fail(name + ": no file name holds a zero byte");
     if (name.find("://") != std::string::npos) fail(name.substr(0, 60) + ": URLs are not read, only files");
     const fs::path path = folder / name;

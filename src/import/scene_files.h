@@ -32,8 +32,9 @@ class SceneFiles {
     // `folder` is that of the scene; empty is the current one.
     explicit SceneFiles(const std::filesystem::path& folder, const LoadOptions& options = {});
 
-    // The file that another one in `folder` calls `name`. Throws Error(Scene) for URLs, names with a zero
-    // byte, links in a circle, names that the system refuses, and what lies outside and may not be read.
+    // The file that another one in `folder` calls `name`. Throws Error(Scene) for URLs, empty names, names
+    // with a zero byte, links in a circle, names that the system refuses, and what lies outside and may not
+    // be read.
     std::filesystem::path resolve(const std::filesystem::path& folder, const std::string& name) const;
 
     bool exists(const std::filesystem::path& path) { return source_->status(path).exists; }

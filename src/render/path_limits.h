@@ -8,6 +8,7 @@
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "render/pipelines.h"
+#include "trace/picture.h"
 
 namespace glint::render {
 
@@ -16,6 +17,14 @@ bool goesOnAfterHits(const SceneFeatures& features);
 
 // Paths of a slice, as many as asked for or as the device can bind and hold in a quarter of its memory.
 uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_t wanted, uint32_t rows);
+
+// One slice's paths at most; they fill any GPU.
+inline constexpr uint32_t kMaxSlicePaths = 1u << 20;
+
+// Tiles of a slice that go side by side.
+inline uint32_t interleaveOf(const gpu::DeviceInfo& device) {
+    return device.llvmpipe ? 16 : 1;
+}
 
 // Loop trips that all rays of a path may make in whole.comp.
 uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
@@ -34,5 +43,14 @@ uint32_t lightsNext(uint32_t lights, uint32_t planeCount, bool unfinished, doubl
 uint32_t commonRows(const TraceModes& modes);
 uint32_t firstTreeRow(const SceneFeatures& features, const TraceModes& modes);
 uint32_t pathRows(const SceneFeatures& features, const TraceModes& modes, uint32_t maxDepth);
+
+// The state of the paths that a picture's slices have room for.
+struct PathRoom {
+    uint32_t paths = 0, rows = 0;
+    uint64_t bytes() const;
+};
+// `most`: paths of a slice, 0: as many as do good.
+PathRoom roomFor(const gpu::DeviceInfo& device, gpu::Access access, const SceneFeatures& features,
+                 const TraceModes& modes, uint32_t maxDepth, const Region& region, uint32_t most = 0);
 
 }  // namespace glint::render

@@ -16,8 +16,6 @@ namespace glint::render {
 
 namespace {
 
-// One slice's paths at most; they fill any GPU.
-constexpr uint32_t kMaxSlicePaths = 1u << 20;
 // All samples and bounces of a slice together: Ctrl-C loses the slice at hand.
 constexpr double kWholeSliceSeconds = 2.0;
 
@@ -318,17 +316,13 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const TraceModes modes = modesOf(request, choice.nodes);
 
     const uint32_t tiles = Slice::tilesIn(picture.region);
-    const uint32_t interleave = s.device.info().llvmpipe ? 16 : 1;
+    const uint32_t interleave = interleaveOf(s.device.info());
     const shared::Environment environment = s.environmentOf(camera, request);
-    const uint32_t rows = pathRows(s.features, modes, environment.maxDepth);
-    const uint32_t limit =
-        fittingPaths(s.device.info(), s.access,
-                     s.options.maxSlicePixels ? s.options.maxSlicePixels : kMaxSlicePaths, rows);
-    const uint32_t wanted =
-        std::min({tiles, limit / shared::kWorkgroupSize, s.device.info().limits.maxWorkgroupCountX});
-    const uint32_t maxTiles = std::max(wanted / interleave, 1u) * interleave;
+    const PathRoom room = roomFor(s.device.info(), s.access, s.features, modes, environment.maxDepth,
+                                  picture.region, s.options.maxSlicePixels);
+    const uint32_t maxTiles = room.paths / shared::kWorkgroupSize;
     const bool grown = s.buffers.setSamples(s.device, samples.rows, s.access);
-    s.reservePaths(maxTiles * shared::kWorkgroupSize, rows, grown);
+    s.reservePaths(room.paths, room.rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setSurroundings(environment, lightsOf(s.scene, request));
     s.compile(modes, s.kernelsFor(request, modes, choice, environment));

@@ -12,6 +12,7 @@ ErrorMeasures measureError(const Image& picture, std::span<const glm::dvec3> tru
                            std::span<const uint8_t> counts) {
     ErrorMeasures m;
     std::vector<float> greatest;
+    greatest.reserve(truth.size());
     uint64_t visible = 0, small = 0;
     double squares = 0;
     for (size_t i = 0; i < truth.size(); ++i) {

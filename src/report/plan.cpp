@@ -171,6 +171,25 @@ std::string keyOf(const Configuration& c) {
     return key + (*c.access == gpu::Access::StorageBuffer ? " storage" : " texel");
 }
 
+Configuration machineKind(Configuration c) {
+    c.family.clear();
+    c.sampler = Sampler::Grid;
+    c.spp = 1;
+    c.maxDepth.reset();
+    c.methods = {};
+    c.minContribution = 0;
+    c.error.reset();
+    c.contrast.reset();
+    c.filter.reset();
+    c.twin = 0;
+    return c;
+}
+
+bool isJudgedAlone(const Configuration& c) {
+    constexpr int kMostSamples = 4;
+    return !c.error && !c.contrast && !c.filter && !c.onReference && c.spp <= kMostSamples;
+}
+
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets,
                              const std::vector<DeviceBeside>& devices) {

@@ -57,6 +57,13 @@ inline constexpr const char* kDefaultAmongMethods = "default methods";
 // cut=0 pruned auto".
 std::string keyOf(const Configuration& configuration);
 
+// Without what a renderer is told anew for each picture.
+Configuration machineKind(Configuration configuration);
+
+// Whether its rounding is measured, against a picture in double precision of the very same samples. Rounding
+// does not grow with their number, so few are enough; and other kinds of picture say nothing about it.
+bool isJudgedAlone(const Configuration& configuration);
+
 // Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike. A
 // batch is measured as a whole or not at all.
 struct Batch {

@@ -5,6 +5,8 @@
 #include <memory>
 #include <tuple>
 
+#include "core/available_memory.h"
+#include "core/error.h"
 #include "core/file_io.h"
 #include "core/parallel.h"
 #include "report/front.h"
@@ -97,6 +99,49 @@ bool measureAll(const fs::path& folder, std::vector<std::unique_ptr<SceneSweep>>
     return true;
 }
 
+// Of the processor, and of the device where that has its own.
+struct Bytes {
+    uint64_t host = 0, device = 0;
+};
+
+Bytes neededFor(const std::vector<std::unique_ptr<SceneSweep>>& sweeps, int width) {
+    Bytes bytes;
+    uint64_t passing = 0;
+    for (const auto& sweep : sweeps) {
+        const MemoryNeed need = sweep->memory(width);
+        bytes.host += need.kept;
+        passing = std::max(passing, need.passing);
+        bytes.device += need.device;
+    }
+    bytes.host += passing;
+    return bytes;
+}
+
+void checkMemory(const std::vector<std::unique_ptr<SceneSweep>>& sweeps, const Options& options,
+                 const gpu::DeviceInfo& device) {
+    const Bytes there{options.memory(), device.limits.memory};
+    const auto fits = [&](int width) {
+        const Bytes needed = neededFor(sweeps, width);
+        return needed.host <= there.host && needed.device <= there.device;
+    };
+    if (fits(options.width)) return;
+    const Bytes needed = neededFor(sweeps, options.width);
+    const bool onDevice = needed.host <= there.host;
+    int width = 0;  // the greatest that fits
+    for (int above = options.width; above - width > 1;) {
+        const int middle = (width + above) / 2;
+        (fits(middle) ? width : above) = middle;
+    }
+    throw Error(
+        ErrorKind::Failed,
+        "pictures " + std::to_string(options.width) +
+            " pixels wide, with all that they are compared with, take " +
+            gibibytes(onDevice ? needed.device : needed.host) + " of " + (onDevice ? "the device's " : "") +
+            "memory, " + gibibytes(onDevice ? there.device : there.host) + " are free; ask for " +
+            (width > 0 ? "a smaller --size (" + std::to_string(width) + " fits), or for fewer" : "fewer") +
+            " settings (--only) or scenes");
+}
+
 SweepLimits limitsOf(const Options& options) {
     SweepLimits limits;
     limits.repeats = options.repeats;
@@ -151,6 +196,7 @@ Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::
         report.scenes.push_back(resumed(empty, earlier));
         work += sweeps.back()->work(report.scenes.back());
     }
+    checkMemory(sweeps, options, device.info());
     if (earlier) keepOtherScenes(*earlier, report);
     makeNamesUnique(report.scenes);
     report.complete = measureAll(options.folder, sweeps, report);

@@ -27,7 +27,9 @@ struct Options {
     // A batch of settings that would take longer is left out.
     std::function<double()> secondsLeft = [] { return std::numeric_limits<double>::infinity(); };
     std::function<bool()> cancelled = [] { return false; };  // the report is left incomplete
-    std::function<void(double)> progress = [](double) {};    // 0..1
+    // Bytes that there are, asked when the scenes are loaded.
+    std::function<uint64_t()> memory = [] { return std::numeric_limits<uint64_t>::max(); };
+    std::function<void(double)> progress = [](double) {};  // 0..1
 };
 
 struct Subject {
@@ -44,6 +46,7 @@ std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInf
 
 // Measures what `earlier` lacks, most important first, and writes report.json, report.csv, report.html and
 // the diagrams after each part. Scenes of `earlier` that are not among the subjects stay in the report.
+// Throws Error(Failed) if that takes more memory than there is, before the first picture.
 Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::optional<Report>& earlier,
            const Options& options);
 

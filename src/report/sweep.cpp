@@ -19,32 +19,8 @@ namespace glint::report {
 
 namespace {
 
-// Rounding does not grow with the number of samples, so the double-precision picture of the very same
-// samples is made for few of them alone.
-constexpr int kMaxArithmeticSamples = 4;
-
 gpu::Access otherThan(gpu::Access access) {
     return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
-}
-
-// Without what a renderer is told anew for each picture.
-Configuration machineKind(Configuration c) {
-    c.family.clear();
-    c.sampler = Sampler::Grid;
-    c.spp = 1;
-    c.maxDepth.reset();
-    c.methods = {};
-    c.minContribution = 0;
-    c.error.reset();
-    c.contrast.reset();
-    c.filter.reset();
-    c.twin = 0;
-    return c;
-}
-
-// What is measured without being like the others' kind of picture: of no use for arithmetic.
-bool isPlain(const Configuration& c) {
-    return !c.error && !c.contrast && !c.filter && !c.onReference;
 }
 
 double boundOf(const LostBranches& lost, double pixels) {
@@ -94,14 +70,17 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
                        int width, SweepLimits limits)
     : device_(device), path_(path), limits_(std::move(limits)), loaded_(std::move(loaded)) {
     ImageSettings& image = loaded_.scene.image;
-    image.height =
-        std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * image.height / image.width)));
+    ownWidth_ = image.width;
+    ownHeight_ = image.height;
+    image.height = heightOf(width);
     image.width = width;
     image.filter = Filter::Box;  // the same for all, and its samples all count alike
     image.filterRadius = defaultRadius(Filter::Box);
     image.adaptive.reset();
     camera_ = cameraOf(loaded_);
     const render::Renderer probe(device_, loaded_.packed);
+    arrayBytes_ = probe.deviceBytes();
+    access_ = probe.access();
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
                          nameOf(probe.traversal()) != nameOf(render::Traversal::Lane), limits_.devices);
@@ -111,6 +90,10 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
 }
 
 SceneSweep::~SceneSweep() = default;
+
+int SceneSweep::heightOf(int width) const {
+    return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * ownHeight_ / ownWidth_)));
+}
 
 SceneReport SceneSweep::emptyReport() const {
     SceneReport report;
@@ -229,7 +212,7 @@ Picture SceneSweep::draw(Run& run, uint32_t seed) {
 // By a picture of its own, with paths and the account of what it leaves out, that no user waits for.
 bool SceneSweep::judge(Run& run) {
     const Configuration& c = run.configuration;
-    if (!isPlain(c) || c.spp > kMaxArithmeticSamples) return true;
+    if (!isJudgedAlone(c)) return true;
     const Truth* same = truthOf(c);
     if (same == nullptr) return false;
     Request request = requestFor(c, loaded_.scene.image.seed);
@@ -271,6 +254,7 @@ void SceneSweep::judgeByTruth(Measured& m, const Picture& picture) const {
 // (converge/bounds.h).
 void SceneSweep::judgeByRuns(Run& run, const Picture& picture) const {
     std::vector<glm::dvec3> now;
+    now.reserve(picture.done.size());
     for (size_t i = 0; i < picture.done.size(); ++i) {
         const float* p = &picture.color.pixels[4 * i];
         now.emplace_back(p[0], p[1], p[2]);

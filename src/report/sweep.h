@@ -31,6 +31,13 @@ struct SweepLimits {
     std::function<void(double)> worked;  // what work() counts
 };
 
+// Bytes that measuring takes beside the scenes themselves.
+struct MemoryNeed {
+    uint64_t kept = 0;     // until the report is written
+    uint64_t passing = 0;  // at most, of one batch at a time
+    uint64_t device = 0;   // at most, of the device's own memory; 0 where that is the processor's
+};
+
 // The converged picture in what work() counts, beside samples of pictures.
 inline constexpr double kTruthWork = 500;
 // Of a pixel, where samples are taken until an error is reached.
@@ -49,6 +56,8 @@ class SceneSweep {
     double work(const SceneReport& report) const;
     // Sizes, names, hash; without measurements.
     SceneReport emptyReport() const;
+    // Of pictures of that width, whatever `report` has of them.
+    MemoryNeed memory(int width) const;
     // Measures the batch, unless `report` has all of it or no time is left for it. False if cancelled, and
     // then all of the batch is missing.
     bool measure(const Batch& batch, SceneReport& report);
@@ -62,6 +71,8 @@ class SceneSweep {
     struct Run;
 
     Request requestFor(const Configuration& configuration, uint32_t seed) const;
+    int heightOf(int width) const;
+    uint64_t pathBytes(const Configuration& configuration, const Region& region) const;
     const Truth* truthOf(const Configuration& configuration);  // null: cancelled
     bool drawTruth(SceneReport& report);                       // false: cancelled
     int truthSamples(const SceneReport& report);
@@ -88,7 +99,10 @@ class SceneSweep {
     std::filesystem::path path_;
     SweepLimits limits_;
     LoadedScene loaded_;
+    int ownWidth_, ownHeight_;  // of the scene, in whose proportions pictures are
     shared::Camera camera_;
+    uint64_t arrayBytes_ = 0;  // of the scene, for each renderer
+    gpu::Access access_ = gpu::Access::StorageBuffer;
     std::vector<Batch> batches_;
     std::map<std::tuple<Sampler, int>, Truth> truths_;
     std::vector<glm::dvec3> converged_;      // colours; empty before drawTruth

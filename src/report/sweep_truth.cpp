@@ -42,6 +42,8 @@ const SceneSweep::Truth* SceneSweep::truthOf(const Configuration& c) {
     const Picture picture = reference::render(loaded_.packed, camera_, request);
     if (!picture.complete) return nullptr;
     Truth truth;
+    truth.colors.reserve(picture.done.size());
+    truth.paths.reserve(picture.done.size());
     for (size_t i = 0; i < picture.done.size(); ++i) {
         truth.colors.emplace_back(picture.exact[i]);
         truth.paths.push_back(picture.data[i].pathHash);
@@ -103,12 +105,14 @@ bool SceneSweep::drawTruth(SceneReport& report) {
         const uint32_t seed = loaded_.scene.image.seed + kTruthSeed + half;
         const Picture picture = drawHalfOfTruth(samples, seed);
         if (!picture.complete) return false;
+        halves[half].reserve(picture.done.size());
         for (size_t i = 0; i < picture.done.size(); ++i) {
             const float* p = &picture.color.pixels[i * 4];
             halves[half].push_back(picture.exact.empty() ? glm::dvec3(p[0], p[1], p[2])
                                                          : glm::dvec3(picture.exact[i]));
         }
     }
+    converged_.reserve(halves[0].size());
     for (size_t i = 0; i < halves[0].size(); ++i) converged_.push_back((halves[0][i] + halves[1][i]) / 2.0);
     convergedImage_ = Image(loaded_.scene.image.width, loaded_.scene.image.height, 3);
     for (size_t i = 0; i < converged_.size(); ++i)

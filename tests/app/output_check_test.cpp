@@ -27,6 +27,13 @@ TEST_F(OutputCheck, SaysWhatIsInTheWay) {
     EXPECT_EQ(messageOf([] { checkPicturePath("file/a.png"); }),
               "file/a.png: cannot write: file is not a folder");
     EXPECT_EQ(messageOf([] { checkPicturePath("folder.png"); }), "folder.png: cannot write: it is a folder");
+    const std::string longName = std::string(300, 'a') + ".png";
+    EXPECT_EQ(messageOf([&] { checkPicturePath(longName); }),
+              longName + ": cannot write: File name too long");
+    std::filesystem::create_symlink("round.png", "round.png");
+    EXPECT_EQ(messageOf([] { checkPicturePath("round.png"); }),
+              "round.png: cannot write: Too many levels of symbolic links");
+    std::filesystem::remove("round.png");
     EXPECT_EQ(messageOf([] { checkOutputFolder("no"); }), "no: cannot write: there is no such folder");
     EXPECT_EQ(messageOf([] { checkOutputFolder("file"); }), "file: cannot write: not a folder");
     EXPECT_EQ(names(), (std::set<std::string>{"file", "folder.png"}));

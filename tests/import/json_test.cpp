@@ -53,6 +53,14 @@ TEST(Json, SyntaxErrorsSayLineAndColumn) {
     EXPECT_EQ(syntaxErrorOf("[1e999]"), "a.json:1:2: number out of range: 1e999");
 }
 
+TEST(Json, OtherEncodingsAreNamed) {
+    const std::string what = "a.json: is in UTF-16, or no text; JSON must be in UTF-8";
+    EXPECT_EQ(syntaxErrorOf("\xff\xfe{"), what);
+    EXPECT_EQ(syntaxErrorOf("\xfe\xff{"), what);
+    EXPECT_EQ(syntaxErrorOf(std::string("{\0}\0", 4)), what);
+    EXPECT_EQ(syntaxErrorOf(std::string("\0{\0}", 4)), what);
+}
+
 TEST(Json, ColumnsCountCharactersNotBytes) {
     // The string holds two characters of two bytes each; the stray number is the tenth character.
     EXPECT_EQ(syntaxErrorOf("[\"\xc3\xa4\xc3\xb6\" \t  7]"),

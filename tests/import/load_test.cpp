@@ -75,6 +75,23 @@ TEST(Load, TheCameraOfAModelThatIsTooLargeIsNotBlamed) {
                   "coordinates must be below 1e+18, too)");
 }
 
+TEST(Load, WhatIsNoMeshFileIsSaidOfTheScene) {
+    const TemporaryFolder folder;
+    const std::string text = folder.write("a.txt", "x").string();
+    const auto path = folder.write("s.json", R"({"meshes": {"m": {"file": "a.txt"}},
+  "objects": [{"type": "mesh", "mesh": "m"}]})");
+    EXPECT_EQ(errorOf([&] { loadScene(path); }),
+              path.string() + ": /meshes/m/file: " + text +
+                  ": a mesh file must end in .obj, .ply, .stl, .gltf or .glb");
+}
+
+TEST(Load, WhatIsNoGlbIsNotTakenForJson) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("a.glb", "<!DOCTYPE html>");
+    EXPECT_EQ(errorOf([&] { loadScene(path); }),
+              path.string() + ": neither GLB, which starts with \"glTF\", nor glTF's JSON");
+}
+
 TEST(Load, AModelAloneGetsCameraLightAndMaterial) {
     const TemporaryFolder folder;
     const Scene scene = loadScene(folder.write("cube.obj", kCubeObj));

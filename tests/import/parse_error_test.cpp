@@ -111,6 +111,10 @@ const Case kTypes[] = {
      R"(s.json: /transmissiveShadows: must be "colored" or "full" (got "soft"))"},
     {"missingTexture", R"({"materials": {"globe": {"diffuse": {"texture": "earth.jpg"}}}})",
      R"(s.json: /materials/globe/diffuse/texture: earth.jpg: no such file)"},
+    {"emptyTexture", R"({"materials": {"globe": {"diffuse": {"texture": ""}}}})",
+     R"(s.json: /materials/globe/diffuse/texture: the file name is empty)"},
+    {"emptyEnvironment", R"({"background": {"environment": ""}})",
+     R"(s.json: /background/environment: the file name is empty)"},
     {"missingEnvironment", R"({"background": {"environment": "sky.hdr"}})",
      R"(s.json: /background/environment: sky.hdr: no such file)"},
     {"typeNoString", R"({"objects": [{"type": 3}]})", "s.json: /objects/0/type: must be a string (got 3)"},
@@ -214,6 +218,9 @@ const Case kValues[] = {
     {"meshFile",
      R"({"meshes": {"bunny": {"file": "no-such-file.obj"}}, "objects": [{"type": "mesh", "mesh": "bunny"}]})",
      "s.json: /meshes/bunny/file: no such file: no-such-file.obj"},
+    {"meshFileEmpty",
+     R"({"meshes": {"bunny": {"file": ""}}, "objects": [{"type": "mesh", "mesh": "bunny"}]})",
+     "s.json: /meshes/bunny/file: the file name is empty"},
 };
 
 #define ORTHOGRAPHIC(...) R"({"camera": {"type": "orthographic", )" __VA_ARGS__ "}}"
