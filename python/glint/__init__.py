@@ -189,7 +189,11 @@ class _RayArrays:
             origins, directions = both[:, :3], both[:, 3:]
         else:
             shapes = [_native.shape_before(given) for given in (rays, directions)]
-            self.shape = numpy.broadcast_shapes(*shapes)
+            try:
+                self.shape = numpy.broadcast_shapes(*shapes)
+            except ValueError:
+                raise ValueError(f"there are origins of the shape {shapes[0]} and directions of the shape {shapes[1]}; "
+                                 "as many of either are needed, or one") from None
             origins, directions = (self._spread(_native.numbers(given, 3, what), shape)
                                    for given, what, shape in zip((rays, directions), ("origins", "directions"), shapes))
         self.count = math.prod(self.shape)
@@ -266,6 +270,8 @@ class Scene(_native.Owner):
 
     def __init__(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None, device: Selector = None) -> None:
         super().__init__()
+        if isinstance(vertices, (str, bytes, os.PathLike)):
+            raise TypeError("vertices is a name; glint.Scene.load reads files")
         self._device = _device(device)
         _native.call("glint_scene_create", self._device._handle, ctypes.byref(self._handle))
         if vertices is not None:

@@ -246,7 +246,10 @@ def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
     if array.dtype not in (numpy.float32, numpy.float64):
         if array.dtype.kind == "c":
             raise ValueError(f"{what} has complex numbers")
-        array = array.astype(numpy.float64)
+        try:
+            array = array.astype(numpy.float64)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{what} has something that is not a number: {error}") from None
     if width is not None and array.shape == (0,):  # an empty list
         array = array.reshape(0, width)
     if width is None:

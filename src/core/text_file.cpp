@@ -64,6 +64,7 @@ std::string shown(std::string_view text) {
 }  // namespace
 
 void checkFile(const std::filesystem::path& path) {
+    if (path.empty()) throw Error(ErrorKind::Scene, "the file name is empty");
     std::error_code code;
     const auto status = std::filesystem::status(path, code);
     if (status.type() == std::filesystem::file_type::not_found) fail(path, "no such file");

@@ -342,8 +342,14 @@ def test_errors(device, cube):
         glint.Scene(CUBE, FACES - 1, device)
     with pytest.raises(ValueError):
         cube.cast(numpy.zeros((4, 5)))
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match=r"origins of the shape \(4,\) and directions of the shape \(3,\)"):
         cube.cast(numpy.zeros((4, 3)), numpy.zeros((3, 3)))
+    with pytest.raises(ValueError, match="origins has something that is not a number"):
+        cube.cast([["a", 0, 0]], [0, 0, 1])
+    with pytest.raises(TypeError, match="glint.Scene.load reads files"):
+        glint.Scene("scene.json", device=device)
+    with pytest.raises(glint.Error, match="the file name is empty"):
+        glint.Scene.load("", device)
     with pytest.raises(glint.Error):
         glint.Scene(device=device).cast(numpy.zeros((1, 6)))
     with pytest.raises(glint.Error) as error:
