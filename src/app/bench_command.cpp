@@ -7,9 +7,12 @@
 #include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
+#include "app/output_check.h"
+#include "app/render_options.h"
 #include "app/version.h"
 #include "bench/measure.h"
 #include "bench/write.h"
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
@@ -106,7 +109,10 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
     scene.scene = path;
     bench::Options options = optionsOf(command);
     options.progress = [&](double fraction) { progress.update(fraction); };
-    bench::Result result = bench::measure(path.string(), loadAndPack(scene, err), device, options);
+    const LoadedScene loaded = loadAndPack(scene, err);
+    const ImageSettings& image = loaded.scene.image;
+    checkMemory(image.width, image.height, bytesPerPixel({}, false), availableMemory(), "");
+    bench::Result result = bench::measure(path.string(), loaded, device, options);
     progress.finish();
     return result;
 }

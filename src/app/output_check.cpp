@@ -67,7 +67,7 @@ void checkStandardOutput(const std::ostream& out) {
     throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));
 }
 
-void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available) {
+void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available, const char* advice) {
     const uint64_t needed = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * bytesPerPixel;
     if (needed <= available) return;
     // Of the same shape.
@@ -78,8 +78,7 @@ void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t availab
     throw Error(ErrorKind::Failed, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                                        " pixels takes " + gibibytes(needed) + " of memory, " +
                                        gibibytes(available) + " are free; ask for a smaller --size (" +
-                                       fitting(width) + "x" + fitting(height) +
-                                       " fits), or for parts with glint render --crop");
+                                       fitting(width) + "x" + fitting(height) + " fits)" + advice);
 }
 
 }  // namespace glint::app

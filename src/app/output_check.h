@@ -22,6 +22,8 @@ void checkOutputFolder(const std::filesystem::path& folder);
 void checkStandardOutput(const std::ostream& out);
 
 // Throws Error(Failed) if `width` x `height` pixels of `bytesPerPixel` need more than `available` bytes.
-void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available);
+// `advice`: what there is beside a smaller --size.
+void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available,
+                 const char* advice = ", or for parts with glint render --crop");
 
 }  // namespace glint::app

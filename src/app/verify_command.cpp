@@ -72,7 +72,7 @@ bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path
     static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
     options.cancelled = interrupted;
     checkMemory(options.width, options.height, kBytesPerPixel + verify::Film::bytesPerPixel(options.samples),
-                availableMemory());
+                availableMemory(), "");
     render::Options tracing;
     tracing.traversal = command.device.traversal;
     tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
