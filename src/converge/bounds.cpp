@@ -30,28 +30,45 @@ double fisherQuantile(double tail, double freedom1, double freedom2) {
     return cubeRoot * cubeRoot * cubeRoot;
 }
 
+void MeanSquareSum::add(double square, uint32_t replicates) {
+    if (!std::isfinite(square)) return;
+    // With d the estimate by R replicates, of normal samples, E[d^2] = (R + 1) / (R - 1) E[d]^2, so that its
+    // variance, 2 / (R - 1) E[d]^2, is 2 / (R + 1) of the second moment, and the variance of (mean - truth)^2
+    // R - 1 times as much. With two the whole second moment is taken, which is no less than the variance
+    // whatever the distribution; with more twice what normal samples need, as pixels of which few samples see
+    // something are skew: those that saw less err more than their replicates show.
+    const double r = replicates;
+    const double variance = (replicates == 2 ? 3 : 4) / (r + 1) * square * square;
+    sum_ += square;
+    ofEstimate_ += variance;
+    ofError_ += (r - 1) * variance;
+    if (replicates == 2) byTwo_ += variance;
+    ++pixels_;
+}
+
+MeanSquare MeanSquareSum::result() const {
+    if (pixels_ == 0) return {};
+    const double value = sum_ / static_cast<double>(pixels_);
+    if (ofEstimate_ == 0) return {value, 0, 0, pixels_};
+    // Satterthwaite's number is 2 (sum of E[d])^2 over the variance of the sum (F. E. Satterthwaite,
+    // Biometrics Bulletin 2, 1946). Estimated from few pixels by two replicates it comes out up to 2 too
+    // high: with 1 pixel it is always 2.
+    const double tooHigh = 2 * byTwo_ / ofEstimate_;
+    return {value, 2 * sum_ * sum_ / ofEstimate_ - tooHigh, 2 * sum_ * sum_ / ofError_ - tooHigh, pixels_};
+}
+
 MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::dvec3> second) {
-    double sum = 0, squares = 0;
-    size_t pixels = 0;
+    MeanSquareSum sum;
     for (size_t i = 0; i < first.size(); ++i) {
         const glm::dvec3 half = (first[i] - second[i]) / 2.0;
-        const double square = glm::dot(half, half) / 3;
-        if (!std::isfinite(square)) continue;
-        sum += square;
-        squares += square * square;
-        ++pixels;
+        sum.add(glm::dot(half, half) / 3, 2);
     }
-    if (pixels == 0) return {};
-    // The variance of the sum, sum of E[d^2] - E[d]^2, is below sum of d^2 whatever the pixels'
-    // distributions; Satterthwaite's number is 2 (sum of E[d])^2 over it (F. E. Satterthwaite, Biometrics
-    // Bulletin 2, 1946).
-    // Estimated from few pixels it comes out up to 2 too high: with 1 pixel it is always 2.
-    return {sum / static_cast<double>(pixels), squares > 0 ? 2 * sum * sum / squares - 2 : 0, pixels};
+    return sum.result();
 }
 
 double rootMeanSquareBound(const MeanSquare& estimate, double tail) {
     if (estimate.value == 0) return 0;
-    return std::sqrt(estimate.value * fisherQuantile(tail, estimate.freedom, estimate.freedom));
+    return std::sqrt(estimate.value * fisherQuantile(tail, estimate.realized, estimate.freedom));
 }
 
 double unseenBound(size_t pixels, double samples, double tail) {
@@ -59,12 +76,30 @@ double unseenBound(size_t pixels, double samples, double tail) {
     return -std::expm1(std::log(tail) / samples) / std::sqrt(static_cast<double>(pixels));
 }
 
-// With mean square s, estimate s X and realised s Y, X and Y independent and alike, the claim is made and
-// false if X <= E^2 / (s q) and Y > E^2 / s. About log-normal, both are likeliest together where s = E^2 /
-// sqrt(q), and then each has the probability that a normal variable exceeds log(q) / (2 deviation), while
-// that of their ratio exceeding q is of log(q) / (sqrt(2) deviation).
-double tailOfClaim(double tail) {
-    return std::erfc(normalQuantile(std::sqrt(tail))) / 2;
+// With mean square s, estimate s X and realised s Y, X and Y independent, the claim is made and false if X <=
+// E^2 / (s q) and Y > E^2 / s. About log-normal with variances in proportion to 1 / freedom, both are
+// likeliest together at some s; the quantile is such that they then have the probability `tail`.
+double tailOfClaim(double tail, double realized, double freedom) {
+    const auto above = [](double z) { return std::erfc(z / std::sqrt(2.0)) / 2; };
+    // As many of either: each is then off by the root of q alone.
+    if (realized == freedom) return std::erfc(normalQuantile(std::sqrt(tail))) / 2;
+    if (!(realized > 0 && freedom > 0)) return tail;
+    const double ofError = std::sqrt(freedom / (realized + freedom)),
+                 ofEstimate = std::sqrt(1 - ofError * ofError);
+    const auto likeliest = [&](double z) {
+        double most = 0;
+        for (int i = 0; i <= 200; ++i) {
+            const double part = z * i / 100 - z / 2;  // of log q that the error is off by
+            most = std::max(most, above(part / ofError) * above((z - part) / ofEstimate));
+        }
+        return most;
+    };
+    double low = 0, high = normalQuantile(tail);
+    for (int i = 0; i < 40; ++i) {
+        const double middle = (low + high) / 2;
+        (likeliest(middle) > tail ? low : high) = middle;
+    }
+    return above(high);
 }
 
 void BoundedMean::add(double x, double tail) {

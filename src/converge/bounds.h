@@ -18,11 +18,26 @@ double normalQuantile(double tail);
 // approximation has no quantile (freedom2 below 2, or so small a tail that it leaves its range).
 double fisherQuantile(double tail, double freedom1, double freedom2);
 
-// What two independent estimates of the same picture say of the error of their mean.
+// What independent estimates of the same picture say of the error of their mean.
 struct MeanSquare {
-    double value = 0;    // unbiased estimate of the mean over pixels and channels of (mean - truth)^2
-    double freedom = 0;  // degrees of freedom: as many pixels of equal variance would tell as much
-    size_t pixels = 0;   // that were finite
+    double value = 0;     // unbiased estimate of the mean over pixels and channels of (mean - truth)^2
+    double freedom = 0;   // degrees of freedom: as many pixels of equal variance would tell as much
+    double realized = 0;  // and those of the mean square itself, which more replicates do not add to
+    size_t pixels = 0;    // that were finite
+};
+
+// Gathers a MeanSquare of pixels that may have different numbers of replicates. Pixels must be independent of
+// each other.
+class MeanSquareSum {
+  public:
+    // `square`: unbiased estimate of the mean over channels of (mean - truth)^2 by so many replicates, 2 or
+    // more. One that is not finite is left out.
+    void add(double square, uint32_t replicates);
+    MeanSquare result() const;
+
+  private:
+    size_t pixels_ = 0;
+    double sum_ = 0, ofEstimate_ = 0, ofError_ = 0, byTwo_ = 0;
 };
 
 // `first` and `second`: means of one replicate each, all pixels in the same order. Pixels must be independent
@@ -30,8 +45,8 @@ struct MeanSquare {
 MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::dvec3> second);
 
 // The realised root mean square is at most this with probability 1 - tail: realised and estimated mean square
-// have the same expectation and are independent, each about chi-square of `freedom` degrees, so that their
-// ratio is Fisher's. Infinite if the estimate is of too few pixels for any statement.
+// have the same expectation and are independent, each about chi-square of its degrees of freedom, so that
+// their ratio is Fisher's. Infinite if the estimate is of too few pixels for any statement.
 double rootMeanSquareBound(const MeanSquare& estimate, double tail);
 
 // What a detail of one pixel, no brighter than full scale, may add to the root mean square over the pixels
@@ -41,8 +56,9 @@ double unseenBound(size_t pixels, double samples, double tail);
 
 // One error E is given beforehand, and claimed where E^2 is at least the estimate times Fisher's quantile for
 // this tail: such a claim is false with probability `tail` at most, whatever the true mean square. It is a
-// weaker statement than a bound that names its own number, and so a cheaper one.
-double tailOfClaim(double tail);
+// weaker statement than a bound that names its own number, and so a cheaper one: most where estimate and
+// error have as many degrees of freedom, and nothing where the estimate is sure.
+double tailOfClaim(double tail, double realized, double freedom);
 
 // A confidence sequence for the mean of independent observations in [0, 1] with one expectation: with
 // probability 1 - tail the mean is inside of the interval after every observation at once, so whoever looks

@@ -22,29 +22,37 @@ class RmseLoop {
             if (const auto stop = limit(count)) return finished(*stop);
             if (!round(count)) return finished(Stop::Interrupted);
             if (state_.rounds == 1) checkReachable(draw_, job_, state_.budget);
-            if (job_.report) job_.report(state_);
+            while (!over() && startedAnew()) {
+            }
+            if (interrupted_) return finished(Stop::Interrupted);
             if (reached_) return finished(Stop::Reached);
             if (state_.budget.fixed() >= job_.target.error) return finished(Stop::Fixed);
         }
     }
 
   private:
+    bool over() const { return interrupted_ || reached_ || state_.budget.fixed() >= job_.target.error; }
+
     // Why a round of `count` samples more is not to be begun; shortened to what is left of the samples.
     std::optional<Stop> limit(uint32_t& count) const {
         if (state_.rounds == 0) return std::nullopt;
-        const uint32_t left = (job_.target.maxSamples - state_.samplesPerPixel) / 2;
+        const uint32_t left = (job_.target.maxSamples - state_.samplesPerPixel) / both_.mostEach();
         count = std::min(count, left);
         if (count < leastSamples(job_.image.filter)) return Stop::Samples;
-        const double each = watch_.seconds() / state_.samplesPerPixel;
+        const double each = secondsEach();
         const double time = job_.target.maxSeconds - watch_.seconds();
-        if (2 * count * each > time) {
-            count = time > 0 ? static_cast<uint32_t>(time / (2 * each)) : 0;
+        if (count * each > time) {
+            count = time > 0 ? static_cast<uint32_t>(time / each) : 0;
             if (count < leastSamples(job_.image.filter)) return Stop::Seconds;
         }
         return std::nullopt;
     }
 
-    bool round(uint32_t count) {
+    // For a sample more of either replicate, and of the spots what goes with it.
+    double secondsEach() const { return (watch_.seconds() - begun_) / both_.first.count(); }
+
+    // `count` samples more of each replicate, by which a spot's take as many times as planned.
+    bool take(Sums& sums, uint32_t count) {
         const Draw counted = [&](const Request& request) {
             Picture picture = draw_(request);
             if (picture.complete) both_.ledger.add(picture, count);
@@ -52,11 +60,60 @@ class RmseLoop {
         };
         Request request = job_.request;
         if (state_.rounds > 0) request.data = request.cost = false;
-        const bool whole = both_.first.take(counted, request, count);
+        if (!sums.first.take(counted, request, count)) return false;
         request.data = request.cost = false;
         // A replicate that is ahead of the other would weigh more than what is known of its error.
-        if (!whole || !both_.second.take(counted, request, count)) return false;
-        reached_ = both_.look(job_.target, job_.rounding, state_);
+        if (!sums.second.take(counted, request, count)) return false;
+        const Draw apart = [&](const Request& part) {
+            Picture picture = draw_(part);
+            both_.ledger.addFaults(picture);
+            return picture;
+        };
+        for (Spot& spot : sums.spots) {
+            request.region = spot.region;
+            for (Replicate& replicate : spot.replicates)
+                if (!replicate.take(apart, request, count * sums.plan.times)) return false;
+        }
+        return true;
+    }
+
+    bool round(uint32_t count) {
+        if (!take(both_, count)) return false;
+        look();
+        return true;
+    }
+
+    void look() {
+        reached_ = both_.look(job_.target, job_.rounding, regionOf(job_.request), state_);
+        if (job_.report) job_.report(state_);
+    }
+
+    // If few pixels have nearly all of the error: draws everything anew, and these by themselves. False if
+    // there is nothing to be gained by that, or no time.
+    bool startedAnew() {
+        const uint32_t count = both_.first.count();
+        if (starts_ == kMostStarts || count < kTelling) return false;
+        const Region whole = regionOf(job_.request);
+        const std::vector<double> squares = both_.squares(whole);
+        const double allowed = job_.target.error - state_.budget.fixed();
+        // As many samples as what is not seen takes, at least.
+        const double samples = std::max<double>(count, both_.looks.next());
+        const double most = job_.target.maxSamples / samples;
+        const auto plan = spotsFor({whole, squares, allowed, most, both_.plan});
+        if (!plan) return false;
+        // Spots take about as long again as all the rest.
+        if (2 * count * secondsEach() > job_.target.maxSeconds - watch_.seconds()) return false;
+        ++starts_;
+        const double begun = watch_.seconds();
+        Sums sums(job_.image, numbers_, *plan);
+        numbers_ += 2 + kMostSpotReplicates;
+        if (!take(sums, count)) {
+            interrupted_ = true;
+            return false;
+        }
+        begun_ = begun;
+        both_.goOnWith(std::move(sums));
+        look();
         return true;
     }
 
@@ -72,26 +129,21 @@ class RmseLoop {
         std::fill(picture.done.begin(), picture.done.end(), uint8_t{1});
         picture.samplesPerPixel = state_.samplesPerPixel;
         both_.ledger.writeTo(picture);
-        picture.samples.assign(picture.done.size(), state_.samplesPerPixel);
-        picture.errors.resize(picture.done.size());
-        for (size_t i = 0; i < picture.done.size(); ++i) {
-            // Interrupted between the replicates, the second is behind; the first's sums went on.
-            const glm::dvec3 a = both_.first.means()[i], b = both_.second.means()[i];
-            float* pixel = &picture.color.pixels[i * 4];
-            for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>((a[c] + b[c]) / 2);
-            pixel[3] = static_cast<float>((both_.first.alphas()[i] + both_.second.alphas()[i]) / 2);
-            const glm::dvec3 half = glm::abs(a - b) / 2.0;
-            picture.errors[i] = static_cast<float>(std::max({half.x, half.y, half.z}));
-        }
+        both_.writeTo(picture);
         return result;
     }
+
+    // So many samples of a pixel tell where the error is, and so often it is asked.
+    static constexpr uint32_t kTelling = 4, kMostStarts = 3;
 
     const Draw& draw_;
     const Job& job_;
     Replicates both_{job_.image, job_.target};
-    bool reached_ = false;
+    bool reached_ = false, interrupted_ = false;
+    uint32_t starts_ = 0, numbers_ = 2;
     State state_;
     Stopwatch watch_;
+    double begun_ = 0;  // the drawing of these sums, in seconds of watch_
 };
 
 }  // namespace

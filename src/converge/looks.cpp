@@ -53,7 +53,7 @@ uint32_t countWorth(uint32_t count, double worth) {
 }  // namespace
 
 void Looks::learnSlope(uint32_t count, double error) {
-    if (looks_ == 1) {
+    if (lastCount_ == 0) {
         slope_ = kSlope;
     } else if (count >= kTelling * lastCount_ && error > 0 && estimate_ > 0) {
         const double seen = std::log(estimate_ / error) / std::log(worthOf(count) / worthOf(lastCount_));
@@ -71,7 +71,8 @@ bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
         ++paid_;
         paidCount_ = count;
     }
-    const double claimed = rootMeanSquareBound(estimate, tailOfClaim(claimTail(risk_, paid_)));
+    const double tail = tailOfClaim(claimTail(risk_, paid_), estimate.realized, estimate.freedom);
+    const double claimed = rootMeanSquareBound(estimate, tail);
     // Replicates that agree may both have missed something.
     const double unseen = unseenBound(estimate.pixels, 2.0 * count, risk_);
     const bool holds = allowed > 0 && claimed <= allowed && unseen <= allowed;

@@ -133,18 +133,119 @@ bool Replicate::take(const Draw& draw, const Request& request, uint32_t count) {
     return true;
 }
 
-bool Replicates::look(const Target& target, double rounding, State& state) {
+Sums::Sums(const ImageSettings& image, uint32_t number, SpotPlan spotPlan) : Sums(image, number) {
+    plan = std::move(spotPlan);
+    for (const Region& region : plan.regions) {
+        spots.push_back({region, {}});
+        for (uint32_t i = 0; i < plan.replicates; ++i)
+            spots.back().replicates.emplace_back(image, number + 2 + i);
+    }
+}
+
+namespace {
+
+// Of the places of `region` in `whole`, and in itself.
+template <class Use>
+void eachPixel(const Region& region, const Region& whole, Use&& use) {
+    size_t i = 0;
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x, ++i)
+            use(static_cast<size_t>(y - whole.y0) * static_cast<size_t>(whole.width()) +
+                    static_cast<size_t>(x - whole.x0),
+                i);
+}
+
+// Mean of the replicates' means of a pixel, and the mean square of its error by channel.
+struct PixelError {
+    glm::dvec3 mean{0}, square{0};
+};
+
+PixelError errorOf(const std::vector<Replicate>& replicates, size_t pixel) {
+    const auto count = static_cast<double>(replicates.size());
+    PixelError error;
+    for (const Replicate& r : replicates) error.mean += r.means()[pixel] / count;
+    for (const Replicate& r : replicates) {
+        const glm::dvec3 away = r.means()[pixel] - error.mean;
+        error.square += away * away / (count * (count - 1));
+    }
+    return error;
+}
+
+}  // namespace
+
+std::vector<double> Sums::squares(const Region& whole) const {
+    std::vector<double> all(first.means().size());
+    for (size_t i = 0; i < all.size(); ++i) {
+        const glm::dvec3 half = (first.means()[i] - second.means()[i]) / 2.0;
+        all[i] = glm::dot(half, half) / 3;
+    }
+    for (const Spot& spot : spots)
+        eachPixel(spot.region, whole, [&](size_t at, size_t i) {
+            const glm::dvec3 square = errorOf(spot.replicates, i).square;
+            all[at] = (square.x + square.y + square.z) / 3;
+        });
+    return all;
+}
+
+MeanSquare Sums::estimate(const Region& whole) const {
+    const std::vector<double> all = squares(whole);
+    std::vector<uint32_t> replicates(all.size(), 2);
+    for (const Spot& spot : spots)
+        eachPixel(spot.region, whole, [&](size_t at, size_t) { replicates[at] = plan.replicates; });
+    MeanSquareSum sum;
+    for (size_t i = 0; i < all.size(); ++i) sum.add(all[i], replicates[i]);
+    return sum.result();
+}
+
+void Sums::writeTo(Picture& picture) const {
+    const auto write = [&](size_t at, const glm::dvec3& mean, double alpha, const glm::dvec3& error) {
+        float* pixel = &picture.color.pixels[at * 4];
+        for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(mean[c]);
+        pixel[3] = static_cast<float>(alpha);
+        picture.errors[at] = static_cast<float>(std::max({error.x, error.y, error.z}));
+    };
+    picture.samples.assign(picture.done.size(), first.count() + second.count());
+    picture.errors.resize(picture.done.size());
+    // Interrupted between the replicates, the second is behind; the first's sums went on.
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        const glm::dvec3 a = first.means()[i], b = second.means()[i];
+        write(i, (a + b) / 2.0, (first.alphas()[i] + second.alphas()[i]) / 2, glm::abs(a - b) / 2.0);
+    }
+    for (const Spot& spot : spots) {
+        uint32_t taken = 0;
+        for (const Replicate& r : spot.replicates) taken += r.count();
+        eachPixel(spot.region, picture.region, [&](size_t at, size_t i) {
+            double alpha = 0;
+            for (const Replicate& r : spot.replicates) alpha += r.alphas()[i] / plan.replicates;
+            const PixelError error = errorOf(spot.replicates, i);
+            write(at, error.mean, alpha, glm::sqrt(error.square));
+            picture.samples[at] = taken;
+        });
+    }
+}
+
+bool Replicates::look(const Target& target, double rounding, const Region& whole, State& state) {
     ++state.rounds;
-    state.samplesPerPixel = first.count() + second.count();
+    state.samplesPerPixel = mostEach() * first.count();
     state.budget.rounding = rounding;
     state.budget.depthCounts = target.depthCounts;
     ledger.writeTo(state.budget, Measure::Rmse);
     // So little less that the sum of all parts, rounded, is not above the target.
     const double allowed = (target.error - state.budget.fixed()) * (1 - 1e-15);
-    const bool reached = looks.look(meanSquareOf(first.means(), second.means()), first.count(), allowed);
+    const bool reached = looks.look(estimate(whole), first.count(), allowed);
     state.budget.sampling = looks.bound();
     state.estimate = looks.estimate();
     return reached;
+}
+
+void Replicates::goOnWith(Sums&& other) {
+    static_cast<Sums&>(*this) = std::move(other);
+    looks.startAnew();
+}
+
+void Ledger::addFaults(const Picture& picture) {
+    notFinite_ = std::max(notFinite_, picture.notFinite);
+    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
 }
 
 void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
@@ -159,8 +260,7 @@ void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
 
 void Ledger::add(const Picture& picture, uint32_t count) {
     add(picture.losses, picture.done.size(), count);
-    notFinite_ = std::max(notFinite_, picture.notFinite);
-    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
+    addFaults(picture);
     if (data_.empty()) data_ = picture.data;
 }
 

@@ -6,6 +6,7 @@
 
 #include "converge/converge.h"
 #include "converge/looks.h"
+#include "converge/spots.h"
 #include "pack/pack_samples.h"
 
 namespace glint::converge {
@@ -44,6 +45,8 @@ class Ledger {
   public:
     void add(const Picture& picture, uint32_t count);
     void add(const TreeLosses& losses, size_t pixels, uint32_t count);
+    // Of a part of the picture, whose losses others stand for.
+    void addFaults(const Picture& picture);
     // Into the budget: root mean squares of what was lost (Measure::Rmse), or the greatest of a pixel.
     void writeTo(ErrorBudget& budget, Measure measure) const;
     // Into the picture, whose colour is made by the caller.
@@ -59,16 +62,42 @@ class Ledger {
     std::vector<PixelData> data_;
 };
 
-// The picture that two replicates make, what it lacks, and when it is good enough.
-struct Replicates {
-    Replicates(const ImageSettings& image, const Target& target)
-        : first(image, 0), second(image, 1), looks(target) {}
+// Pixels that more replicates draw than the two of the picture, whose own they take the place of.
+struct Spot {
+    Region region;
+    std::vector<Replicate> replicates;
+};
+
+// The sums that a picture is made of.
+struct Sums {
+    // Replicates of the numbers from `number` on.
+    Sums(const ImageSettings& image, uint32_t number) : first(image, number), second(image, number + 1) {}
+    // And spots, of the numbers after these.
+    Sums(const ImageSettings& image, uint32_t number, SpotPlan plan);
+
+    // Of a pixel of a spot if there is any, else of any pixel, for each sample of `first`.
+    uint32_t mostEach() const { return plan.regions.empty() ? 2 : plan.replicates * plan.times; }
+    // Mean square error of each pixel, and of all of them.
+    std::vector<double> squares(const Region& whole) const;
+    MeanSquare estimate(const Region& whole) const;
+    // Colours, alpha, errors and samples.
+    void writeTo(Picture& picture) const;
+
+    Replicate first, second;
+    SpotPlan plan;
+    std::vector<Spot> spots;
+};
+
+// The picture that they make, what it lacks, and when it is good enough.
+struct Replicates : Sums {
+    Replicates(const ImageSettings& image, const Target& target) : Sums(image, 0), looks(target) {}
 
     // After as many samples of either: budget, estimate, rounds and samples into the state. True if the
     // target is reached. `rounding`: ErrorBudget::rounding.
-    bool look(const Target& target, double rounding, State& state);
+    bool look(const Target& target, double rounding, const Region& whole, State& state);
+    // From here on by other sums, which have drawn as much.
+    void goOnWith(Sums&& other);
 
-    Replicate first, second;
     Ledger ledger;
     Looks looks;
 };
