@@ -200,6 +200,7 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
             {"cut", number(budget.cut)},
             {"maxDepth", number(budget.depth)},
             {"maxDepthCounts", budget.depthCounts},
+            {"unseen", pixels ? nlohmann::json(nullptr) : number(result.unseen)},
             {"unsettledPixels", result.unsettled},
             {"samplesPerPixel", result.samplesPerPixel},
             {"rounds", result.rounds}};
@@ -231,8 +232,19 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
             (pixels ? "" : " (about " + format("%.2g", result.estimate) + ")") + ", rounding " +
             format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
             format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ");
-    return text + counted(result.samplesPerPixel, "sample") + (pixels ? " at most" : "") + " for a pixel, " +
-           counted(result.rounds, "round");
+    if (pixels)
+        text += counted(result.samplesPerPixel, "sample") + " at most for a pixel, ";
+    else
+        text += counted(result.leastSamples, "sample") + " for a pixel, ";
+    if (!pixels && result.samplesPerPixel > result.leastSamples)
+        text += std::to_string(result.samplesPerPixel) + " where few pixels have most of the error, ";
+    text += counted(result.rounds, "round");
+    // Full scale is allowed for in the bound; what is brighter is told apart.
+    if (!pixels && std::isfinite(result.unseen) && result.unseen > budget.total())
+        text +=
+            "\nnot counted: a highlight as bright as the scene can have that all samples missed might add " +
+            format("%.2g", result.unseen);
+    return text;
 }
 
 void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,

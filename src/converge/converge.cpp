@@ -84,7 +84,11 @@ class RmseLoop {
     }
 
     void look() {
-        reached_ = both_.look(job_.target, job_.rounding, regionOf(job_.request), state_);
+        const Region whole = regionOf(job_.request);
+        reached_ = both_.look(job_.target, job_.rounding, whole, state_);
+        const size_t pixels = static_cast<size_t>(whole.width()) * static_cast<size_t>(whole.height());
+        state_.unseen =
+            job_.radianceBound * unseenBound(pixels, 2.0 * both_.first.count(), 1 - job_.target.confidence);
         if (job_.report) job_.report(state_);
     }
 

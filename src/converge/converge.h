@@ -60,9 +60,13 @@ constexpr auto entriesOf(Stop) {
 
 struct State {
     ErrorBudget budget;
-    uint32_t samplesPerPixel = 0;  // with Measure::Pixel of the pixel that took the most
+    uint32_t samplesPerPixel = 0;  // of the pixel that took the most
+    uint32_t leastSamples = 0;     // Measure::Rmse: of most pixels, where few have more (converge/spots.h)
     uint32_t rounds = 0;
-    double estimate = 0;   // Measure::Rmse: the sampling error as the replicates show it; no bound
+    double estimate = 0;  // Measure::Rmse: the sampling error as the replicates show it; no bound
+    // Measure::Rmse: what one detail as bright as the scene can have may add with the confidence, though no
+    // sample of its pixel hit it. No part of the budget, whose sampling allows for full scale alone.
+    double unseen = std::numeric_limits<double>::infinity();
     double unsettled = 1;  // Measure::Pixel: the share of pixels whose half width is above the target
 };
 
@@ -84,7 +88,8 @@ struct Job {
     Target target;
     double rounding = 0;    // ErrorBudget::rounding
     bool inDouble = false;  // of a tracer in double precision, for advice
-    // No channel of a pixel exceeds it (PackedScene's radiance bound); only Measure::Pixel asks for it.
+    // No channel of a pixel exceeds it (PackedScene's radiance bound). Measure::Pixel goes by it, and it is
+    // what State::unseen is of.
     double radianceBound = std::numeric_limits<double>::infinity();
     // The depth that the request leaves to the scene, for advice.
     uint32_t maxDepth = 0;

@@ -227,6 +227,7 @@ void Sums::writeTo(Picture& picture) const {
 bool Replicates::look(const Target& target, double rounding, const Region& whole, State& state) {
     ++state.rounds;
     state.samplesPerPixel = mostEach() * first.count();
+    state.leastSamples = 2 * first.count();
     state.budget.rounding = rounding;
     state.budget.depthCounts = target.depthCounts;
     ledger.writeTo(state.budget, Measure::Rmse);

@@ -105,6 +105,24 @@ TEST_F(ErrorTarget, OfTooFewPixelsNothingIsPromised) {
         << two.err;
 }
 
+// What all samples may have missed is counted up to full scale, and told beyond it.
+TEST_F(ErrorTarget, HighlightsThatNobodySawAreTold) {
+    // Nothing but sky.
+    const auto drawn = [&](const std::string& sky, std::vector<std::string> options) {
+        writeText("a.json", sceneText(32, 24, R"("background": )" + sky + R"(, "objects": [
+                      {"type": "sphere", "center": [0, 1000, 0], "radius": 1}])"));
+        options.insert(options.begin(), {"render", "a.json", "--backend", "cpu", "--error", "0.5"});
+        return runGlint(options).out;
+    };
+    const std::string note = "not counted: a highlight as bright as the scene can have";
+    EXPECT_EQ(drawn("0.5", {}).find(note), std::string::npos);
+    EXPECT_NE(drawn("500", {}).find(note), std::string::npos) << drawn("500", {});
+    const auto unseen = [&](const std::string& sky) {
+        return nlohmann::json::parse(drawn(sky, {"--stats", "json"}))["error"]["unseen"].get<double>();
+    };
+    EXPECT_NEAR(unseen("500") / unseen("5"), 100, 0.01);
+}
+
 TEST_F(ErrorTarget, LayersHoldSamplesAndHalfWidths) {
     const Ran ran = render({"--error", "0.5", "--measure", "pixel", "--within-depth", "--aov",
                             "color,error,samples", "-o", "a.pfm", "-q"});
