@@ -177,7 +177,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         found = [row for name in options.scenes.split(",") for row in measured(options, name, pathlib.Path(folder))]
     over = {id(f): (f["samples"] / f["fewest"], f["seconds"] / f["fewestSeconds"]) for f in found}
-    rows = [[f["scene"], f"{f['error']:g}", f"{f['kept']} of {len(f['realized'])}", f"{f['ratio']:.2f}", f"{f['samples']:g}", f"{f['fewest']:g}",
+    rows = [[f["scene"], f"{f['error']:g}", f"{f['kept']} of {len(f['realized'])}", f"{f['ratio']:.2f}", f"{f['samples']:.4g}", f"{f['fewest']:g}",
              *(f"{ratio:.2f}" for ratio in over[id(f)]), f"{f['truthBound']:.1g}"] for f in found]
     runs, kept = sum(len(f["realized"]) for f in found), sum(f["kept"] for f in found)
     # A scene that two samples satisfy says nothing about how close the promise comes.
