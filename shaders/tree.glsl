@@ -72,7 +72,8 @@ void book(inout Ledger ledger, bool lost, uint reason, float bound) {
 bool isFollowed(inout Ledger ledger, bool wanted, uint depth, vec3 throughput, Environment environment) {
     bool inDepth = depth < environment.maxDepth;
     if (!MODE_LEDGER) return wanted && inDepth;
-    float bound = greatestOf(abs(throughput)) * environment.radianceBound;
+    float most = greatestOf(abs(throughput));
+    float bound = most < kLeastThroughput ? 0.0 : most * environment.radianceBound;
     bool enough = !(bound < environment.minContribution);
     book(ledger, wanted && !(inDepth && enough), inDepth ? kLostCut : kLostDepth, bound);
     return wanted && inDepth && enough;

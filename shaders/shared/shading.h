@@ -14,6 +14,9 @@ namespace glint::shared {
 GLINT_CONST_FLOAT(kShadowEnd, 0.9999847412109375f);
 // A light closer than this lies on the surface and gives it nothing: 1/d^2 would overflow.
 GLINT_CONST_FLOAT(kNearestLight, 1e-15f);
+// The least normal float: a branch of less throughput counts as bringing nothing, as devices may make zero of
+// it, and a light that no bound is known of would make much of it.
+GLINT_CONST_FLOAT(kLeastThroughput, 1.17549435e-38f);
 // Lights whose occlusion at the first hit a pixel's shadow bits tell.
 GLINT_CONST_UINT(kShadowBits, 32u);
 

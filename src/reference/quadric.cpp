@@ -54,23 +54,18 @@ struct HomogeneousForm {
     }
 };
 
-// A ray in homogeneous local coordinates, and the magnitudes that their sums are made of.
+// A ray in homogeneous local coordinates.
 template <class T>
 struct LocalRay {
     Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
-    Vec4<T> oTerms{0, 0, 0, 1}, dTerms{0, 0, 0, 0};
 
     LocalRay(const rows::Quadric& q, const PreparedRay& ray) {
         const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
         for (int i = 0; i < 3; ++i) {
             for (int k = 0; k < 3; ++k) {
                 const T m = static_cast<T>(turned[i][k]);
-                const T w = static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k]);
-                const T dk = static_cast<T>(ray.direction[k]);
-                o[i] += m * w;
-                d[i] += m * dk;
-                oTerms[i] += magnitude(m * w);
-                dTerms[i] += magnitude(m * dk);
+                o[i] += m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k]));
+                d[i] += m * static_cast<T>(ray.direction[k]);
             }
         }
     }
@@ -81,25 +76,78 @@ struct LocalRay {
     }
 };
 
+// The magnitudes that its sums are made of.
+template <class T>
+struct LocalTerms {
+    Vec4<T> o{0, 0, 0, 1}, d{0, 0, 0, 0};
+
+    LocalTerms(const rows::Quadric& q, const PreparedRay& ray) {
+        const dvec3 turned[3] = {q.toLocal0, q.toLocal1, q.toLocal2};
+        for (int i = 0; i < 3; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                const T m = static_cast<T>(turned[i][k]);
+                o[i] += magnitude(m * (static_cast<T>(ray.origin[k]) - static_cast<T>(q.point[k])));
+                d[i] += magnitude(m * static_cast<T>(ray.direction[k]));
+            }
+        }
+    }
+};
+
 // a t^2 + 2 b t + c = 0 at the ray's origin.
 template <class T>
 struct Equation {
-    T a, b, c;
-    T bTerms;
-    T disc, bound;  // b^2 - a c and the bound of its error
+    T a, b, c, disc;  // disc: b^2 - a c
 
-    // Each sum has 16 products of three factors, one of them a sum of three products of a difference: its
-    // error is below 32 u of its terms.
-    Equation(const HomogeneousForm<T>& form, const LocalRay<T>& ray, double roundoff) {
-        a = form(ray.d, ray.d);
-        b = form(ray.o, ray.d);
-        c = form(ray.o, ray.o);
-        const T aTerms = form.terms(ray.dTerms, ray.dTerms), cTerms = form.terms(ray.oTerms, ray.oTerms);
-        bTerms = form.terms(ray.oTerms, ray.dTerms);
-        disc = b * b - a * c;
-        bound = static_cast<T>(64 * roundoff) *
-                (magnitude(b) * bTerms + magnitude(a) * cTerms + magnitude(c) * aTerms);
+    Equation(const HomogeneousForm<T>& form, const LocalRay<T>& ray)
+        : a(form(ray.d, ray.d)), b(form(ray.o, ray.d)), c(form(ray.o, ray.o)), disc(b * b - a * c) {}
+
+    // Of the error of `disc`. Each sum has 16 products of three factors, one of them a sum of three products
+    // of a difference: its error is below 32 u of its terms.
+    T bound(const HomogeneousForm<T>& form, const LocalTerms<T>& terms, double roundoff) const {
+        return static_cast<T>(64 * roundoff) *
+               (magnitude(b) * form.terms(terms.o, terms.d) + magnitude(a) * form.terms(terms.o, terms.o) +
+                magnitude(c) * form.terms(terms.d, terms.d));
     }
+};
+
+// Beside numbers as small as this double has too few digits to prove anything.
+constexpr double kLeastProof = 0x1p-900;
+
+// What double proves of a ray, in a small part of the time that more digits take: most misses.
+class Rough {
+  public:
+    Rough(const rows::Quadric& quadric, const PreparedRay& ray)
+        : form_(quadric),
+          local_(quadric, ray),
+          terms_(quadric, ray),
+          equation_(form_, local_),
+          bound_(equation_.bound(form_, terms_, kUnitRoundoff)) {}
+
+    bool missesSides() const { return bound_ > kLeastProof && equation_.disc < -bound_; }
+    // The discriminant is more than 2^20 bounds of extended precision from zero.
+    bool isFarFromTangent() const {
+        constexpr double kBounds = 2 * 0x1p20 * kExtendedRoundoff / kUnitRoundoff;
+        return bound_ > kLeastProof && std::abs(equation_.disc) > std::max(kBounds, 2.0) * bound_;
+    }
+    // With the place on the cap's plane known to 6 u of `reach`, its coordinates are to 12 u of `most`, and
+    // the form to 32 u of `all`.
+    bool missesCap(double plane) const {
+        const double rise = local_.d[2];
+        const double t = (plane - local_.o[2]) / rise;
+        const double reach = (std::abs(plane) + terms_.o[2] + std::abs(t) * terms_.d[2]) / std::abs(rise);
+        Vec4<double> y = local_.at(t), most;
+        y[2] = plane;
+        for (int i = 0; i < 4; ++i) most[i] = terms_.o[i] + reach * terms_.d[i];
+        const double all = form_.terms(most, most);
+        return all > kLeastProof && form_(y, y) > 0x1p-40 * all;
+    }
+
+  private:
+    HomogeneousForm<double> form_;
+    LocalRay<double> local_;
+    LocalTerms<double> terms_;
+    Equation<double> equation_;
+    double bound_;
 };
 
 // What the roots of a sound equation may be off, so that a clip plane through the point does not lose it.
@@ -107,8 +155,8 @@ constexpr double kClipSlack = 0x1p-44;
 
 class Search {
   public:
-    Search(const rows::Quadric& quadric, const PreparedRay& ray, double tMax)
-        : quadric_(quadric), ray_(ray), form_(quadric), local_(quadric, ray), tMax_(tMax) {}
+    Search(const rows::Quadric& quadric, const PreparedRay& ray, const Rough& rough, double tMax)
+        : quadric_(quadric), ray_(ray), rough_(rough), form_(quadric), local_(quadric, ray), tMax_(tMax) {}
 
     bool run(bool isSource, uint32_t ownPart, Root& root, uint32_t& part) {
         sides(isSource && ownPart == shared::kPartSide);
@@ -125,18 +173,23 @@ class Search {
 
   private:
     void sides(bool fromSide) {
-        Equation<Extended> e(form_, local_, kExtendedRoundoff);
+        if (!fromSide && rough_.missesSides()) return;
+        Equation<Extended> e(form_, local_);
         if (fromSide) {
             // Taken as on the surface: c = 0, t = 0 is the one root and -2 b / a the other.
-            if (e.a != 0 && magnitude(e.b) > 0x1p-44L * e.bTerms) side(-2 * e.b / e.a);
+            const LocalTerms<Extended> terms(quadric_, ray_);
+            if (e.a != 0 && magnitude(e.b) > 0x1p-44L * form_.terms(terms.o, terms.d)) side(-2 * e.b / e.a);
             return;
         }
         // 2^20 bounds from tangency the square root no longer magnifies the error above 2^-21 of itself.
-        if (magnitude(e.disc) <= 0x1p20L * e.bound) {
-            const Equation<Quad> exact(HomogeneousForm<Quad>(quadric_), LocalRay<Quad>(quadric_, ray_),
-                                       kQuadRoundoff);
+        if (!rough_.isFarFromTangent() &&
+            magnitude(e.disc) <=
+                0x1p20L * e.bound(form_, LocalTerms<Extended>(quadric_, ray_), kExtendedRoundoff)) {
+            const HomogeneousForm<Quad> form(quadric_);
+            const Equation<Quad> exact(form, LocalRay<Quad>(quadric_, ray_));
+            const Quad bound = exact.bound(form, LocalTerms<Quad>(quadric_, ray_), kQuadRoundoff);
             // What quadruple precision cannot tell from a tangent is one.
-            e.disc = magnitude(exact.disc) <= exact.bound ? 0 : static_cast<Extended>(exact.disc);
+            e.disc = magnitude(exact.disc) <= bound ? 0 : static_cast<Extended>(exact.disc);
             e.a = static_cast<Extended>(exact.a);
             e.b = static_cast<Extended>(exact.b);
             e.c = static_cast<Extended>(exact.c);
@@ -148,6 +201,7 @@ class Search {
     }
 
     void side(Extended t) {
+        if (!counts(static_cast<double>(t))) return;
         const Vec4<Extended> y = local_.at(t);
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
@@ -160,6 +214,7 @@ class Search {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
         if (local_.d[2] == 0) return;
         const Extended t = (plane - local_.o[2]) / local_.d[2];
+        if (!counts(static_cast<double>(t))) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
         Vec4<Extended> terms;
@@ -171,17 +226,21 @@ class Search {
         return kClipSlack * (magnitude(y[i]) + magnitude<Extended>(quadric_.hi[i] - quadric_.lo[i]));
     }
 
-    void take(Extended exact, uint32_t part) {
-        const auto t = static_cast<double>(exact);
-        if (!(t > ray_.tMin && t <= tMax_ && t <= std::numeric_limits<double>::max())) return;
-        if (found_ && best_ <= t) return;
-        best_ = t;
+    // Within the ray's interval, and before what was found.
+    bool counts(double t) const {
+        if (!(t > ray_.tMin && t <= tMax_ && t <= std::numeric_limits<double>::max())) return false;
+        return !(found_ && best_ <= t);
+    }
+
+    void take(Extended t, uint32_t part) {
+        best_ = static_cast<double>(t);
         part_ = part;
         found_ = true;
     }
 
     const rows::Quadric& quadric_;
     const PreparedRay& ray_;
+    const Rough& rough_;
     HomogeneousForm<Extended> form_;
     LocalRay<Extended> local_;
     double tMax_;
@@ -200,7 +259,15 @@ bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint
                       uint32_t source, double tMax, Root& root, uint32_t& part) {
     const uint32_t ownPart = source >> shared::kPartShift & shared::kPartMask;
     const bool isSource = (primitive | ownPart << shared::kPartShift) == source;
-    return Search(quadric, ray, tMax).run(isSource, ownPart, root, part);
+    const Rough rough(quadric, ray);
+    const auto mayMeet = [&](uint32_t cap, uint32_t of, double plane) {
+        return (quadric.caps & cap) && !(isSource && ownPart == of) && !rough.missesCap(plane);
+    };
+    if (rough.missesSides() && !(isSource && ownPart == shared::kPartSide) &&
+        !mayMeet(shared::kCapLower, shared::kPartLowerCap, quadric.lo.z) &&
+        !mayMeet(shared::kCapUpper, shared::kPartUpperCap, quadric.hi.z))
+        return false;
+    return Search(quadric, ray, rough, tMax).run(isSource, ownPart, root, part);
 }
 
 QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dvec3& point,

@@ -278,7 +278,9 @@ glm::dvec2 PathTracer::mapShift() {
 
 double PathTracer::contribution(const Branch& next) const {
     const dvec3& t = next.throughput;
-    return std::max({t.x, t.y, t.z}) * static_cast<double>(tracer_.environment().radianceBound);
+    const double most = std::max({t.x, t.y, t.z});
+    const bool tells = most >= static_cast<double>(shared::kLeastThroughput);
+    return tells ? most * static_cast<double>(tracer_.environment().radianceBound) : 0;
 }
 
 // A throughput is a product of weights, each of them good to 8 roundings.

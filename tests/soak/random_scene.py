@@ -268,9 +268,9 @@ class Maker:
 
     # ---- what is around them ----
 
-    def light(self):
+    def light(self, kind=None):
         dice = self.dice
-        kind = dice.choice(["point", "directional", "spot"])
+        kind = kind or dice.choice(["point", "directional", "spot"])
         made = {"type": kind, "intensity": color(dice, 0.1, 1)}
         if kind == "directional":
             return {**made, "direction": direction(dice)}
@@ -312,6 +312,12 @@ class Maker:
         return {"camera": self.camera(), "background": background, "ambient": color(dice, 0, 0.3), "maxDepth": profile.depth,
                 "transmissiveShadows": profile.shadows, "lights": [self.light() for _ in range(profile.lights)],
                 "materials": materials, "meshes": self.meshes, "objects": objects}
+
+    def seen_otherwise(self, dice, scene):
+        """The scene from elsewhere, under other lights of the same kinds: what it is made of, and so what kernels it needs, stays."""
+        self.dice = dice
+        return {**scene, "camera": self.camera(), "ambient": color(dice, 0, 0.3),
+                "lights": [self.light(light["type"]) for light in scene["lights"]]}
 
     def crowd(self, dice, scene):
         """Adds a mesh of a few thousand triangles with texture coordinates that several objects share, some of them mirrored: instances.
