@@ -130,7 +130,7 @@ struct ExactForm {
                                                : form.center + glm::inverse(form.toLocal) * dvec3(0, 0, apex);
             form.lo.z -= apex;
             form.hi.z -= apex;
-            form.isSingular = true;
+            form.isSingular = std::abs(apex) <= axis.half;  // a cut one has no tip either
         } else {
             form.linear = dvec3(0, 0, -slope * r);
             form.constant = -r * r;

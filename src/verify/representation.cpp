@@ -14,8 +14,8 @@ namespace glint::verify {
 
 namespace {
 
-// Scenes whose numbers are moved by up to one unit each, as packing moves them. After the first few more
-// pixels in doubt than may be explained are a defect.
+// Scenes whose numbers are moved by up to one unit each, as packing moves them. Where more pixels are in
+// doubt than may be explained, and three times as many scenes do not halve them, they are a defect.
 constexpr uint64_t kMovedScenes = 24, kFirstScenes = 8;
 // For the few pixels that these leave, where no more are left than rounding may change. At an edge one scene
 // in dozens takes the packed one's path, and of what that may show (a face's normal, where its corners' last
@@ -173,15 +173,21 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
     result.p99 = percentile99(std::move(differences));
     const double share = sensitivity.tieShare() + kShareOfPrediction * sensitivity.changedShare();
     result.allowed = greatestCount(share * static_cast<double>(result.asked));
-    for (uint64_t seed = 1; seed <= kMovedScenes && !open.empty(); ++seed) {
-        if (seed > kFirstScenes && open.size() > result.allowed) break;
-        draw(seed, 1, open);
-    }
+    uint64_t drawn = 0;
+    const auto drawUpTo = [&](uint64_t last) {
+        while (drawn < last && !open.empty()) draw(++drawn, 1, open);
+    };
+    // All pixels see the same few moves, so that many in doubt may be one number's.
+    size_t before = 0;
+    drawUpTo(kFirstScenes);
+    do {
+        before = open.size();
+        drawUpTo(std::max(kMovedScenes, 3 * drawn));
+    } while (open.size() > result.allowed && 2 * open.size() <= before && drawn < kLastScenes);
     if (open.size() <= result.allowed) {
         parallelFor(open.size(), [&](size_t i) { searchOn(*open[i], false); });
         std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
-        for (uint64_t seed = kMovedScenes + 1; seed <= kLastScenes && !open.empty(); ++seed)
-            draw(seed, 1, open);
+        drawUpTo(kLastScenes);
         for (Doubt* doubt : open) {
             if (doubt->state == Doubt::State::Open) searchOn(*doubt, true);
             if (doubt->state == Doubt::State::Open) break;
