@@ -29,6 +29,8 @@ bool looksTheSame(const Object& object, const Frame& before, const Frame& after,
         const auto& sphere = std::get<SphereShape>(object.shape);
         return sameBits(roundSphere(sphere, before), roundSphere(sphere, after));
     }
+    if (kind == shared::PrimitiveKind::Cuboid)
+        return sameBits(roundCuboid(object, before), roundCuboid(object, after));
     if (kind == shared::PrimitiveKind::Quadric)
         return sameBits(roundQuadric(object, before), roundQuadric(object, after));
     return true;

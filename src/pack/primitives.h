@@ -119,6 +119,7 @@ bool vertexNormals(const Mesh* mesh, uint32_t face, shared::VertexNormals& out);
 // Point, radius and anchor normal; anchored as shared/layout.h describes it if the eye is nearer to the
 // surface than radius / 64: then centre and radius would cancel 6 and more of fp32's 24 bits.
 shared::Sphere roundSphere(const SphereShape& sphere, const Frame& frame);
+shared::Cuboid roundCuboid(const Object& object, const Frame& frame);
 // Encloses the rounded sphere, whatever its form.
 Box sphereBox(const shared::Sphere& sphere);
 

@@ -84,8 +84,16 @@ what has been looked into, and not what `verify` finds of defects that nobody ha
 | CI's, `--seed 7 --count 36` | 34 | 23 (68 %) |
 | `--seed 11 --count 40` | 38 | 30 (79 %); 31 (82 %) since it looks at alpha |
 | `--seed 23 --count 60`, its first 37 | 31 | 19 (61 %), and as many since |
+| `--seed 101 --count 60`, its first 34 | 33 | 21 (64 %) |
+| `--seed 211 --count 44`, its first 31 | 28 | 21 (75 %) |
 
-No reasons are taken off in this table. Of the 31 that survived about half are no defects by the measure of `reasons.json`: the order of children, packets
+No reasons are taken off in this table. The 19 that survived of the last two seeds were read one by one, without proof: 13 are no defects (4 bounds that
+still hold, 7 where nothing that is drawn differs, 2 where only the time does), so that 42 of 48 are found (88 %). The six others: half a unit in the last
+place of a square root, which lies within any predicted error (`ArithmeticTest` finds it); the sign of a rounding in the second look at slivers; a ray that
+touches a box in one point; what a packet's light kernel begins with beside alpha masks; where the stack of compressed nodes begins; the kind of a hit in
+`intersect.comp`. Tried and taken out again: 15 scenes of `tools/soak`, one of slivers and one of boxes touched along their edges, as further cases. They were
+the first to find none of the 21, and of the 12 survivors of seed 101 seven of these cases found none: what the fixed set is blind to is rarer than features
+that no picture shows. Of the 31 that survived of the seeds before about half are no defects by the measure of `reasons.json`: the order of children, packets
 without rays that are walked, bounds that are wider, a number that nobody reads. Of the others most are bounds that become narrower and still hold for
 what is drawn (`abs` and components of error boxes). Some are never drawn: counts of rays by class, offsets by a textbook's constant, rays that are not finite, a
 texture that is clamped and seen beyond its edge. One was a kind of defect that `verify` could not see at all: that of the picture's alpha, which it did not look at.

@@ -1,6 +1,7 @@
 // Boxes (GLINT_CUBOID_ROWS). An axis-aligned one has its corners in the scene's own coordinates, so that
 // faces that boxes share lie in the same plane, to the last bit; one with a transform is measured from its
-// middle.
+// middle, or from its point nearest the eye.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -35,28 +36,12 @@ dmat3 rowsOf(const shared::Cuboid& c) {
     return glm::transpose(dmat3(dvec3(c.toLocal0), dvec3(c.toLocal1), dvec3(c.toLocal2)));
 }
 
-shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
-    shared::Cuboid out;
-    if (!object.transform) {
-        const auto& box = std::get<BoxShape>(object.shape);
-        out.toLocal0.x = out.toLocal1.y = out.toLocal2.z = 1;
-        out.lo = glm::vec3(box.min - frame.origin);
-        out.hi = glm::vec3(box.max - frame.origin);
-        return out;
-    }
-    const Edges edges = edgesOf(object);
-    out.point = glm::vec3(edges.middle - frame.origin);
-    // Row i of the inverse is across the other two edges; of length 1 it measures the distance from the
-    // middle.
-    const dmat3 rows = glm::transpose(inverse({edges.half, dvec3(0)}).linear);
-    glm::vec3* const toLocal[3] = {&out.toLocal0, &out.toLocal1, &out.toLocal2};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double length = glm::length(rows[axis]);
-        *toLocal[axis] = glm::vec3(rows[axis] / length);
-        out.hi[axis] = static_cast<float>(1 / length);
-    }
-    out.lo = -out.hi;
-    return out;
+// Nearest the eye, in distances from the middle along the rows, if that is nearer than half of the size: hits
+// err by 2^-24 of the way to what the box is measured from.
+dvec3 anchorOf(const dvec3& eye, const dvec3& half) {
+    const dvec3 nearest = glm::clamp(eye, -half, half);
+    const double greatest = std::max({half.x, half.y, half.z});
+    return glm::distance(eye, nearest) < 0.5 * greatest ? nearest : dvec3(0);
 }
 
 bool isFinite(const glm::vec3& v) {
@@ -83,12 +68,14 @@ class CuboidPacker final : public KindPacker {
         const shared::Cuboid c = roundCuboid(object, frame);
         if (!object.transform) return {c.lo, c.hi};
         const dmat3 rows = rowsOf(c), back = inverse({rows, dvec3(0)}).linear;
-        const dvec3 size(c.hi);
+        const dvec3 size = 0.5 * dvec3(c.hi) - 0.5 * dvec3(c.lo), away = back * (dvec3(c.lo) + size);
         const dvec3 reach = reachOf({back[0] * size.x, back[1] * size.y, back[2] * size.z});
-        const dvec3 moved = reachOf({rows[0] * reach.x, rows[1] * reach.y, rows[2] * reach.z});
+        const dvec3 most = glm::abs(away) + reach;
+        const dvec3 moved = reachOf({rows[0] * most.x, rows[1] * most.y, rows[2] * most.z});
         const dvec3 margin = 0x1p-20 * reachOf({back[0] * moved.x, back[1] * moved.y, back[2] * moved.z});
+        const dvec3 middle = dvec3(c.point) + away;
         Box box;
-        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, c.point[axis], reach[axis], margin[axis]);
+        for (int axis = 0; axis < 3; ++axis) setRounded(box, axis, middle[axis], reach[axis], margin[axis]);
         return box;
     }
     void write(const Packing& packing, Primitives::Source source, uint32_t slot,
@@ -113,6 +100,39 @@ class CuboidPacker final : public KindPacker {
 };
 
 }  // namespace
+
+shared::Cuboid roundCuboid(const Object& object, const Frame& frame) {
+    shared::Cuboid out;
+    if (!object.transform) {
+        const auto& box = std::get<BoxShape>(object.shape);
+        out.toLocal0.x = out.toLocal1.y = out.toLocal2.z = 1;
+        out.lo = glm::vec3(box.min - frame.origin);
+        out.hi = glm::vec3(box.max - frame.origin);
+        return out;
+    }
+    const Edges edges = edgesOf(object);
+    // Row i of the inverse is across the other two edges; of length 1 it measures the distance from the
+    // middle.
+    dmat3 rows = glm::transpose(inverse({edges.half, dvec3(0)}).linear);
+    dvec3 half;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double length = glm::length(rows[axis]);
+        half[axis] = 1 / length;
+        rows[axis] /= length;
+    }
+    const dmat3 toLocal = glm::transpose(rows);
+    dvec3 from = anchorOf(toLocal * (frame.eye - edges.middle), half);
+    const dvec3 point = edges.middle + inverse({toLocal, dvec3(0)}).linear * from;
+    out.point = glm::vec3(point - frame.origin);
+    // The rounded point is not that one.
+    if (from != dvec3(0)) from = toLocal * (dvec3(out.point) + frame.origin - edges.middle);
+    out.toLocal0 = glm::vec3(rows[0]);
+    out.toLocal1 = glm::vec3(rows[1]);
+    out.toLocal2 = glm::vec3(rows[2]);
+    out.lo = glm::vec3(-half - from);
+    out.hi = glm::vec3(half - from);
+    return out;
+}
 
 const KindPacker& packerOfCuboid() {
     static const CuboidPacker packer;

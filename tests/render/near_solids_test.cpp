@@ -1,0 +1,52 @@
+// Solids much larger than the way to them: hits err by the rounding of the way, and not of the size.
+#include "scene/transform.h"
+#include "support.h"
+#include "verify/verify.h"
+
+namespace glint::render::test::near_solids_test {
+namespace {
+
+using glm::dvec3;
+
+class NearSolidsTest : public RenderTest {
+  protected:
+    // What verify says of a picture of one shape.
+    static verify::Report seen(const Shape& shape, const std::optional<Affine>& transform, const dvec3& eye,
+                               const dvec3& target) {
+        Scene scene = emptyScene();
+        scene.materials[addMaterial(scene, Color(0.7))].specular = Color(0.3);
+        scene.objects.push_back({"/objects/0", shape, 0});
+        scene.objects.back().transform = transform;
+        scene.lights.push_back(PointLight{eye + dvec3(1, 3, 2), Color(1)});
+        scene.camera.eye = eye;
+        scene.camera.target = target;
+        scene.camera.fovY = 90;
+        const Case c = makeCase(scene, 48, 36);
+        Renderer renderer(device(), c.packed);
+        verify::Options options;
+        options.width = c.width;
+        options.height = c.height;
+        return verify::verify(renderer, c.packed, c.camera, options);
+    }
+};
+
+void expectExact(const verify::Report& report) {
+    EXPECT_TRUE(report.passed());
+    EXPECT_EQ(report.roundings + report.unexplained, 0u);
+}
+
+// Their near ends are at the origin, so that the way is short to everything that a hit is a sum of.
+TEST_F(NearSolidsTest, TurnedBoxes) {
+    const Affine turned = rotation({1, 2, 3}, 50);
+    expectExact(seen(BoxShape{{-5, -2, -3}, {2000, 2, 3}}, turned, turned.linear * dvec3(0, 6, 1),
+                     turned.linear * dvec3(3, 0, 0)));
+}
+
+TEST_F(NearSolidsTest, TruncatedCones) {
+    const Affine turned = rotation({1, 2, 3}, 50);
+    expectExact(seen(ConeShape{{-101, -10, 0}, {-101, 400, 0}, 100, 30, true}, turned,
+                     turned.linear * dvec3(1.5, 0, 0), turned.linear * dvec3(0, 2, 3)));
+}
+
+}  // namespace
+}  // namespace glint::render::test::near_solids_test
