@@ -23,6 +23,11 @@ void popGroup(inout uint top, bool popped, inout ChildGroup nodes, inout ChildGr
     if (popped && !holdsLeaves) nodes = group;
 }
 
+// The order of a node's slots: see isFarthestFirst.
+uint orderOf(Traversal traversal) {
+    return octantOf(traversal.frame) ^ (isFarthestFirst(traversal) ? 7u : 0u);
+}
+
 // As traverse(), which has the same loops around the same ones, for the bound on their trips. One leaf in
 // each trip of the outer one.
 uint traverseCompressed(inout Traversal traversal, uint root) {
@@ -31,7 +36,7 @@ uint traverseCompressed(inout Traversal traversal, uint root) {
     const uint kRoom = FEATURE_INSTANCES ? 6u : 2u;
     uint top = 0u;
     uint base = 0u;
-    uint octant = octantOf(traversal.frame);
+    uint octant = orderOf(traversal);
     ChildGroup nodes = ChildGroup(root, root == kNone ? 0u : 1u);
     ChildGroup leaves = ChildGroup(0u, 0u);
     bool goesOn = root != kNone;
@@ -62,7 +67,7 @@ uint traverseCompressed(inout Traversal traversal, uint root) {
                 bool leavesSpace = done && traversal.instance != kNone && top > 0u && !settled(traversal);
                 uint inner =
                     enterSpace(traversal, enters ? leaf & kLeafFirstMask : kNone, enters || leavesSpace);
-                octant = octantOf(traversal.frame);
+                octant = orderOf(traversal);
                 if (enters) {
                     nodes = ChildGroup(inner, 1u);
                     leaves = ChildGroup(0u, 0u);

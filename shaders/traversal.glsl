@@ -180,34 +180,49 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
 
 #include "leaf.glsl"
 
-// Pushes what the ray enters of a node's children but the nearest, and returns that one, kNone if there is
+// Any-hit rays, most of which leave a surface that they graze at first: nearest first they would look through
+// its neighbourhood, which seldom shades them. Not where what light passes is summed in the order of the
+// walk.
+bool isFarthestFirst(Traversal traversal) {
+#if defined(GLINT_BOTH_HITS)
+    return traversal.any && !FEATURE_COLORED_SHADOWS;
+#elif defined(GLINT_ANY_HIT)
+    return !FEATURE_COLORED_SHADOWS;
+#else
+    return false;
+#endif
+}
+
+// Pushes what the ray enters of a node's children but the first, and returns that one, kNone if there is
 // none: which `none` says too, as comparing with kNone took 6 % of the time of scenes/instances.json on
 // lavapipe.
-uint stepTwo(Ray ray, RayFrame frame, uint index, float tEnd, inout uint top, out bool none) {
+uint stepTwo(Traversal traversal, uint index, float tEnd, inout uint top, out bool none) {
+    Ray ray = traversal.ray;
+    RayFrame frame = traversal.frame;
     Node node = loadNode(index);
     float near0, near1;
     bool hit0 = intersectBox(ray, frame, node.lo0, node.hi0, tEnd, near0);
     bool hit1 = intersectBox(ray, frame, node.lo1, node.hi1, tEnd, near1);
-    bool swapped = near1 < near0;
-    uint nearChild = swapped ? node.child1 : node.child0;
-    uint farChild = swapped ? node.child0 : node.child1;
+    bool swapped = isFarthestFirst(traversal) ? near0 < near1 : near1 < near0;
+    uint first = swapped ? node.child1 : node.child0;
+    uint second = swapped ? node.child0 : node.child1;
     bool both = hit0 && hit1;
-    if (both) stackPut(top, farChild);
+    if (both) stackPut(top, second);
     top += both ? 1u : 0u;
     none = !hit0 && !hit1;
-    return both ? nearChild : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
+    return both ? first : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
 }
 
-// The nearest child that the ray enters, or else what comes next from the stack, kNone at its end. The other
+// The first child that the ray enters, or else what comes next from the stack, kNone at its end. The other
 // children that it enters are one word there. One store for both, which is made whatever comes of it: a place
 // that is not taken is written over. On lavapipe a store that hangs on a condition jumps lane by lane.
-uint stepFour(Ray ray, RayFrame frame, uint index, float tEnd, uint base, inout uint top) {
-    FourEntered entered = enterFour(ray, frame, index, tEnd);
+uint stepFour(Traversal traversal, uint index, float tEnd, uint base, inout uint top) {
+    FourEntered entered = enterFour(traversal.ray, traversal.frame, index, tEnd, isFarthestFirst(traversal));
     bool empty = top == base;
     uint place = empty ? 0u : top - 1u;
     uint word = stackAt(place);
     bool popped = entered.none;
-    uint next = childOfFour(popped ? word : entered.nearest);
+    uint next = childOfFour(popped ? word : entered.first);
     stackPut(popped && !empty ? place : top, popped ? withoutFirst(word) : entered.others);
     if (popped) {
         top = empty || !isLastOfFour(word) ? top : place;
@@ -246,10 +261,10 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
         if (isNode(current) && traversal.trips < budget) {
             precise float tEnd = traversal.ray.tMax * farPad();
             if (kFour) {
-                current = stepFour(traversal.ray, traversal.frame, current, tEnd, base, top);
+                current = stepFour(traversal, current, tEnd, base, top);
             } else {
                 bool none;
-                uint next = stepTwo(traversal.ray, traversal.frame, current, tEnd, top, none);
+                uint next = stepTwo(traversal, current, tEnd, top, none);
                 bool empty = top == base;
                 uint popped = stackAt(empty ? 0u : top - 1u);
                 top -= none && !empty ? 1u : 0u;
@@ -282,7 +297,7 @@ uint afterLeaf(uint leaf, uint root, bool done, inout uint top, uint base) {
     return kPlanesInWalk && leaf == kLeafOfPlanes && !done ? root : next;
 }
 
-// From the root with a stack, nearest child first. Returns kNone when finished, else the slot to resume from:
+// From the root with a stack. Returns kNone when finished, else the slot to resume from:
 // 0, the beginning; what is known by then keeps the second pass short.
 uint traverse(inout Traversal traversal, uint root) {
     uint top = 0u;
