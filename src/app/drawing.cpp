@@ -99,7 +99,7 @@ DrawingFacts Drawing::facts() const {
     // Rays of whole paths walk by themselves.
     const render::KernelTimes& kernels = renderer_->times().kernels;
     facts.traversal = kernels.whole > 0 && kernels.primary == 0
-                          ? render::nameOf(render::TraversalChoice{})
+                          ? render::nameOf({false, "", renderer_->traversal(methods_).nodes})
                           : render::nameOf(renderer_->traversal(methods_));
     facts.arithmetic = device_->arithmetic();
     facts.times = renderer_->times();

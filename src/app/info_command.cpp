@@ -46,12 +46,13 @@ std::string kindCounts(const PackedScene& packed) {
 }
 
 // What --traversal auto comes to on the device that would be taken; without one, says so.
-std::string traversalText(const PackedScene& packed, const Methods& methods) {
+std::string traversalText(const PackedScene& packed, const Request& request) {
     try {
         const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
-            render::chooseTraversal(render::Traversal::Auto, device, packed, methods);
+            render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods,
+                                    cameraRaysOf(request) * (1 + packed.lights.size()));
         return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";
@@ -147,7 +148,7 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
-    out << "  traversal     " << traversalText(packed, command.methods) << '\n';
+    out << "  traversal     " << traversalText(packed, requestOf(loaded, command)) << '\n';
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
     out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
         << nameOf(command.methods.spheres) << '\n';
