@@ -95,14 +95,15 @@ struct FourEntered {
 };
 
 // Where a ray enters children are floats above zero, in the order of their bits, or turned in the contrary
-// order; the lowest two bits make room for the child's place. Five minima and maxima of words sort four.
+// order; the lowest two bits make room for the child's place. Without the sign, which -0 and an interval that
+// begins below zero have, no key is kNone. Five minima and maxima of words sort four.
 FourEntered enterFour(Ray ray, RayFrame frame, uint node, float tEnd, bool farthestFirst) {
     uint row = kFourRows * node;
     FourSlabs slabs = allSlabs(ray.tMin);
     meetAxisOfFour(slabs, row, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x, frame.inverse.x);
     meetAxisOfFour(slabs, row + 2u, frame.negative.y, frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
     meetAxisOfFour(slabs, row + 4u, frame.negative.z, frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
-    uvec4 keys = ((floatBitsToUint(slabs.near) ^ (farthestFirst ? 0x7fffffffu : 0u)) & ~uvec4(3u)) |
+    uvec4 keys = ((floatBitsToUint(slabs.near) ^ (farthestFirst ? 0x7fffffffu : 0u)) & 0x7ffffffcu) |
                  uvec4(0u, 1u, 2u, 3u);
     keys = mix(uvec4(kNone), keys, entersSlabs(slabs, tEnd));
     sortTwo(keys.x, keys.y);

@@ -209,6 +209,16 @@ TEST_P(WalkTest, FindsTheSameForSpecialRays) {
     expectSameTrace(special.c, special.rays);
 }
 
+// Boxes around the origin are entered at -0, whose bits are those of no float above zero.
+TEST_P(WalkTest, AnIntervalMayBeginAtMinusZero) {
+    RayCase crowd = crowdedCase(3000, 3000, 13);
+    for (RayInput& ray : crowd.rays) {
+        ray.origin *= 0.3f;
+        ray.tMin = -0.0f;
+    }
+    expectSameTrace(crowd.c, crowd.rays);
+}
+
 TEST_P(WalkTest, RaysThatRunOutOfTripsLoseNothing) {
     const RayCase crowd = crowdedCase(1000, 1000, 17);
     for (const uint32_t budget : {1u, 2u, 3u, 9u, 20u}) expectSameTrace(crowd.c, crowd.rays, budget);
