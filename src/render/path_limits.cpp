@@ -93,12 +93,18 @@ uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_
 
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes) {
     const bool storageFits = gpu::fits(largestArrayBytes, gpu::Access::StorageBuffer, device.limits);
-    const bool texelFits = gpu::fits(largestArrayBytes, gpu::Access::TexelBuffer, device.limits);
-    const bool enoughImages = device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
     const bool enoughBuffers = device.limits.maxStorageBuffersPerStage >= GLINT_BINDING_COUNT;
-    if (enoughImages && texelFits && (device.llvmpipe || !storageFits || !enoughBuffers))
+    if (hasAccess(device, gpu::Access::TexelBuffer, largestArrayBytes) &&
+        (device.llvmpipe || !storageFits || !enoughBuffers))
         return gpu::Access::TexelBuffer;
     return gpu::Access::StorageBuffer;
+}
+
+bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, uint64_t largestArrayBytes) {
+    // Storage buffers that are too few are bound together (chooseArrays).
+    const bool enough =
+        access == gpu::Access::StorageBuffer || device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
+    return enough && gpu::fits(largestArrayBytes, access, device.limits);
 }
 
 Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access) {

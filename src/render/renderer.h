@@ -59,6 +59,9 @@ struct Options {
 // storage buffers everywhere else.
 gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
 
+// Whether a renderer can be told to load so: the device binds enough arrays of this kind, as large as these.
+bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, uint64_t largestArrayBytes);
+
 // Together where the device binds too few storage buffers to give each array one. Vulkan promises 4.
 Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access);
 

@@ -71,9 +71,10 @@ struct Batch {
     std::vector<Configuration> configurations;
 };
 
-// Batches, most important first. `otherAccess`: the way of loading that the device would not choose;
-// `float64`: whether it computes in double precision; `packets`: whether the default methods go by packets of
-// rays or wide nodes, which do not know all others. `devices`: to be set side by side; may be empty.
+// Batches, most important first. `otherAccess`: the way of loading that the device would not choose, if it
+// has it; `float64`: whether it computes in double precision; `packets`: whether the default methods go by
+// packets of rays or wide nodes, which do not know all others. `devices`: to be set side by side; may be
+// empty.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
                              std::optional<gpu::Access> otherAccess, bool float64, bool packets,
                              const std::vector<DeviceBeside>& devices = {});

@@ -12,6 +12,7 @@
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
 #include "pack/scene_arrays.h"
+#include "render/scene_buffers.h"
 #include "scene/sampling.h"
 #include "verify/stiffness.h"
 
@@ -19,8 +20,13 @@ namespace glint::report {
 
 namespace {
 
-gpu::Access otherThan(gpu::Access access) {
-    return access == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer : gpu::Access::StorageBuffer;
+// The way of loading that the renderer did not choose, if the device has it.
+std::optional<gpu::Access> otherAccess(const gpu::DeviceInfo& device, const render::Renderer& renderer,
+                                       const PackedScene& scene) {
+    const gpu::Access other = renderer.access() == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer
+                                                                              : gpu::Access::StorageBuffer;
+    return render::hasAccess(device, other, render::largestArray(scene)) ? std::optional(other)
+                                                                         : std::nullopt;
 }
 
 double boundOf(const LostBranches& lost, double pixels) {
@@ -82,7 +88,8 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     arrayBytes_ = probe.deviceBytes();
     access_ = probe.access();
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                         loaded_.scene.maxDepth, otherThan(probe.access()), device_.info().limits.float64,
+                         loaded_.scene.maxDepth, otherAccess(device_.info(), probe, loaded_.packed),
+                         device_.info().limits.float64,
                          nameOf(probe.traversal()) != nameOf(render::Traversal::Lane), limits_.devices);
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });

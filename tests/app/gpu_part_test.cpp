@@ -30,7 +30,7 @@ TEST_F(GpuPart, EveryLayerHasTheBitsOfOneRun) {
     writeSmallScene("a.json");
     const std::string layers =
         "color,alpha,depth,position,normal,uv,object,primitive,material,bounces,cost,samples";
-    compare("a.json", {"--aov", layers, "--traversal", "packet"}, 3);
+    compare("a.json", {"--aov", layers, "--traversal", hasPackets() ? "packet" : "lane"}, 3);
     compare("a.json", {"--aov", layers, "--spp", "5", "--sampler", "jittered", "--adaptive", "20,0.05"}, 4);
 }
 

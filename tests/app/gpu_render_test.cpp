@@ -55,12 +55,19 @@ TEST_F(GpuRender, TraversalSaysItsNameAndChangesNoByte) {
     for (const std::string traversal : {"lane", "packet", "bvh4", "cwbvh"}) {
         const Ran ran = runGlint({"render", "a.json", "--traversal", traversal, "--stats", "json", "-o",
                                   traversal + ".exr", "--aov", "color,depth,uv,primitive,bounces"});
+        if (traversal == "packet" && !hasPackets()) {
+            EXPECT_EQ(ran.code, 4);
+            EXPECT_TRUE(ran.err.starts_with("glint: packets of rays need subgroups of 8 lanes")) << ran.err;
+            continue;
+        }
         EXPECT_EQ(ran.code, 0) << ran.err;
         EXPECT_NE(ran.out.find("\"traversal\": \"" + traversal + "\""), std::string::npos) << ran.out;
     }
     EXPECT_FALSE(readBytes("lane.exr").empty());
-    for (const char* other : {"packet.exr", "bvh4.exr", "cwbvh.exr"})
-        EXPECT_EQ(readBytes("lane.exr"), readBytes(other)) << other;
+    for (const std::string other : {"packet", "bvh4", "cwbvh"}) {
+        if (other == "packet" && !hasPackets()) continue;
+        EXPECT_EQ(readBytes("lane.exr"), readBytes(other + ".exr")) << other;
+    }
 }
 
 TEST_F(GpuRender, CropIsThePartOfTheWhole) {
@@ -149,13 +156,16 @@ TEST_F(GpuRender, DeviceThatDoesNotExist) {
     EXPECT_EQ(names(), std::set<std::string>{"a.json"});
 }
 
-TEST_F(GpuRender, DeviceByIndexAndName) {
+// What is true of lavapipe alone.
+class Lavapipe : public GpuRender {};
+
+TEST_F(Lavapipe, ByIndexAndName) {
     for (const char* selector : {"0", "llvmpipe", "LLVM"}) render({"--device", selector, "--size", "8x6"});
 }
 
 // One kernel for whole paths is there sooner, packets are faster: the command counts the picture's rays. What
 // is sampled until an error is reached counts as many.
-TEST_F(GpuRender, PacketsAreForManyRays) {
+TEST_F(Lavapipe, PacketsAreForManyRays) {
     const auto walkOf = [](std::vector<std::string> options) {
         options.insert(options.begin(), {"render", glint::test::sourcePath("scenes/knot.json"), "-q",
                                          "--size", "40x30", "--stats", "json", "-o", "a.png"});
@@ -169,7 +179,7 @@ TEST_F(GpuRender, PacketsAreForManyRays) {
     EXPECT_EQ(walkOf({"--error", "0.5"}), "pack");
 }
 
-TEST_F(GpuRender, DevicesListsTheChosenOne) {
+TEST_F(Lavapipe, IsListedAsTheChosenOne) {
     const Ran ran = runGlint({"devices"});
     EXPECT_EQ(ran.code, 0);
     EXPECT_EQ(ran.err, "");

@@ -2,7 +2,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -29,16 +28,15 @@ uint64_t statusOf(const std::string& key) {
 
 // The most address space that the process has while `work` runs, looked at a thousand times a second.
 uint64_t mostWhile(const std::function<void()>& work) {
-    std::atomic<bool> done{false};
     uint64_t most = 0;
-    std::thread watch([&] {
-        while (!done) {
+    std::jthread watch([&](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
             most = std::max(most, statusOf("VmSize"));
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
     });
     work();
-    done = true;
+    watch.request_stop();
     watch.join();
     return most;
 }
@@ -99,8 +97,12 @@ class GpuReportMemory : public FolderTest {
 
 constexpr int kWidth = 384;
 
+// What is true of lavapipe alone, by which the memory of kernels was measured. SwiftShader takes several
+// times as much address space for them, and keeps it or gives it back.
+class LavapipeReportMemory : public GpuReportMemory {};
+
 // What more pixels take. The rest, the code of kernels, is a constant by measurement.
-TEST_F(GpuReportMemory, GrowsWithTheWidthAsEstimated) {
+TEST_F(LavapipeReportMemory, GrowsWithTheWidthAsEstimated) {
     const report::Options few = options(16), many = options(kWidth);
     const uint64_t least = mostWhile([&] { run(few); }), most = mostWhile([&] { run(many); });
     const report::MemoryNeed small = need(few), large = need(many);
@@ -109,7 +111,7 @@ TEST_F(GpuReportMemory, GrowsWithTheWidthAsEstimated) {
     EXPECT_GE(most - least, estimated / 2);
 }
 
-TEST_F(GpuReportMemory, IsEnough) {
+TEST_F(LavapipeReportMemory, IsEnough) {
     const report::Options many = options(kWidth);
     const report::MemoryNeed need = this->need(many);
     const Limit limit(statusOf("VmSize") + need.kept + need.passing);

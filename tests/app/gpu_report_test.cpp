@@ -3,11 +3,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "core/image_diff.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
 #include "support.h"
+#include "support/environment.h"
 
 namespace glint::app::test::gpu_report_test {
 namespace {
@@ -72,6 +74,21 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
     writeText("a.json", sceneText(16, 12, "\"background\": 0.25"));
     EXPECT_EQ(report({"--budget", "0"}).code, 0);
     EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u) << "another scene under the same name";
+}
+
+// A device that binds few texel buffers has one way of loading; the other is no setting of it.
+TEST_F(GpuReport, ADeviceOfTheLeastLimitsIsMeasured) {
+    const glint::test::ScopedEnvironment environment("GLINT_LIMITS", "minimum");
+    const Ran ran = runGlint({"report", "a.json", "-o", "out", "--only", "nothing,storage,texel", "--size",
+                              "16", "--repeats", "1", "--truth-spp", "2"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    std::set<std::string> families;
+    const nlohmann::json report = readJson();
+    for (const nlohmann::json& c : report["scenes"][0]["configurations"])
+        families.insert(c["family"].get<std::string>());
+    EXPECT_TRUE(families.contains("nothing left out"));
+    EXPECT_FALSE(families.contains("texel buffers"));
+    EXPECT_FALSE(families.contains("storage buffers"));
 }
 
 // The converged picture is no better than the pictures judged by it, whose errors are right all the same: its

@@ -3,6 +3,8 @@
 #include <sstream>
 
 #include "app/cli.h"
+#include "gpu/device.h"
+#include "render/traversal_choice.h"
 
 namespace glint::app::test {
 
@@ -13,6 +15,10 @@ Ran runGlint(const std::vector<std::string>& args) {
     ran.out = out.str();
     ran.err = err.str();
     return ran;
+}
+
+bool hasPackets() {
+    return render::runsPackets(gpu::Device().info());
 }
 
 std::string sceneText(int width, int height, const std::string& rest) {

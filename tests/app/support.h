@@ -20,6 +20,9 @@ struct Ran {
 // Runs a command line inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
+// Whether the device that commands take has packets of rays.
+bool hasPackets();
+
 using FolderTest = glint::test::WorkingFolderTest;
 using glint::test::errorOf;
 using glint::test::readBytes;

@@ -40,6 +40,19 @@ TEST(ChooseAccess, TexelBuffersOnLlvmpipeAndWhereStorageBuffersEnd) {
     EXPECT_EQ(choose(false, kStorage + 16, 4), StorageBuffer);
 }
 
+TEST(HasAccess, AsManyArraysAndAsLargeAsTheDeviceBinds) {
+    constexpr uint64_t kStorage = 1 << 20, kTexels = 1 << 17;  // 1 MiB and 2 MiB
+    const auto has = [&](gpu::Access access, uint64_t bytes, uint32_t images) {
+        return hasAccess(deviceWith(kStorage, kTexels, false, images), access, bytes);
+    };
+    using enum gpu::Access;
+    EXPECT_TRUE(has(TexelBuffer, 2 * kStorage, GLINT_BINDING_COUNT));
+    EXPECT_FALSE(has(TexelBuffer, 2 * kStorage + 16, GLINT_BINDING_COUNT));
+    EXPECT_FALSE(has(TexelBuffer, 16, GLINT_BINDING_COUNT - 1));
+    EXPECT_TRUE(has(StorageBuffer, kStorage, 0));
+    EXPECT_FALSE(has(StorageBuffer, kStorage + 16, 1000));
+}
+
 TEST(ChooseAccess, LlvmpipeWithFewTexels) {
     // The least that Vulkan guarantees: 65536 texels, 128 MiB.
     const gpu::DeviceInfo device = deviceWith(uint64_t{1} << 27, 65536, true);

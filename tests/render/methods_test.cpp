@@ -50,7 +50,6 @@ TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
 // Options::doublePrecision: of triangles, spheres and planes, t is the reference's, rounded once: half a unit
 // in the last place, and what double itself may be off by; needles and spheres from 4100 radii included.
 TEST_F(MethodsTest, DoublePrecisionRoundsOnce) {
-    ASSERT_TRUE(device().info().limits.float64);
     Random random(11);
     Scene scene = emptyScene();
     for (int i = 0; i < 20; ++i) {

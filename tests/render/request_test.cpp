@@ -52,7 +52,9 @@ TEST_F(RequestTest, KernelsOfLaterBouncesAreLeftOut) {
         renderer.render(c.camera, request);
         return renderer.codeBytes();
     };
-    EXPECT_LT(codeBytes(mirrors, 0, false), 0.8 * static_cast<double>(codeBytes(mirrors, 1, false)));
+    // Camera rays go by packets, others do not. Without packets one kernel serves both.
+    const double share = runsPackets(device().info()) ? 0.8 : 1.0001;
+    EXPECT_LT(codeBytes(mirrors, 0, false), share * static_cast<double>(codeBytes(mirrors, 1, false)));
     // Code for mirrors in a scene without any: in the kernels that there are, not kernels more.
     const Case matte = fileCase("knot", 16, 16);
     EXPECT_LT(codeBytes(matte, 8, true), 1.2 * static_cast<double>(codeBytes(matte, 8, false)));
