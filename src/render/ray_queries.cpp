@@ -139,9 +139,14 @@ struct RayQueries::State {
     Arrays arrays;
     bool inPlace;
     TraversalChoice traversal;
+    bool mayTakeFour;  // not where instances are: nodes of four were no faster there
     uint32_t tripBudget, rowCount, piece;
     SceneBuffers buffers;
     std::mutex mutex;
+    // Nodes of four are those of the scene: whoever has the slot, of which there is one then, makes them.
+    bool four = false;
+    // Rays of nearest and any hits that went by themselves: ever, and since the scene changed.
+    uint64_t alone = 0, aloneSinceChange = 0;
     std::condition_variable freed;
     std::vector<std::unique_ptr<Slot>> slots;
 
@@ -153,6 +158,8 @@ struct RayQueries::State {
           arrays(chooseArrays(dev.info(), access)),
           inPlace(dev.info().software),
           traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
+          mayTakeFour(dev.info().llvmpipe && traversal.nodes == NodeFormat::Two && arrays == Arrays::Apart &&
+                      !packed.features.instances),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
@@ -196,12 +203,14 @@ struct RayQueries::State {
 
     void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
-    void trace(Slot& slot, size_t paths, KernelId id, bool packets) const;
+    void trace(Slot& slot, size_t paths, KernelId id, bool packets, NodeFormat nodes) const;
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
     void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
-    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool coherent);
+    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets, NodeFormat nodes);
+    void makeFour(Slot& slot);
+    NodeFormat nodesFor(const RayTask& task, size_t count, size_t left);
     RayOrder orderOf(const RayTask& task, size_t first) const;
     // Packets count triangles and planes alone.
     bool packetsKnow(RayTask::Ask ask) const {
@@ -245,7 +254,7 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
         hostThreads());
 }
 
-void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets) const {
+void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packets, NodeFormat nodes) const {
     const auto groups = static_cast<uint32_t>(paths / shared::kWorkgroupSize);
     shared::Dispatch dispatch;
     dispatch.tileCount = dispatch.run = groups;
@@ -257,9 +266,8 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
     const size_t staged = slot.staging ? kRows.size() - (features.instances ? 0 : 1) : 0;
 
-    // What is certain is found in the binary tree, and a walk that does not end is not gone on with.
-    const bool certify = id == KernelId::Certify;
-    TraceModes modes = {.nodes = certify ? NodeFormat::Two : traversal.nodes};
+    const bool certify = id == KernelId::Certify;  // a walk that does not end is not gone on with
+    TraceModes modes = {.nodes = nodes};
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
@@ -293,14 +301,40 @@ void RayQueries::State::take(const Slot& slot, const Placement& placement, const
         hostThreads());
 }
 
-void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool coherent) {
+void RayQueries::State::makeFour(Slot& slot) {
+    {
+        const std::lock_guard lock(mutex);
+        if (four) return;
+    }
+    buffers.makeFour(device, scene, access);
+    slot.pipelines.bind(slot.counters, slot.rows, buffers);
+    const std::lock_guard lock(mutex);
+    four = true;
+    alone = std::max(alone, kFewestRaysForFour);  // from now on the kernels are there
+}
+
+// Of `count` rays that go by themselves, as probably all that are `left` of the batch. Counts in nodes of
+// four were no faster than in binary ones (docs/lab/library.md).
+NodeFormat RayQueries::State::nodesFor(const RayTask& task, size_t count, size_t left) {
+    if (task.ask == RayTask::Ask::Certain) return NodeFormat::Two;
+    if (task.ask == RayTask::Ask::Count || !mayTakeFour) return traversal.nodes;
+    const std::lock_guard lock(mutex);
+    const bool pays = four || fourPays(scene, alone + left, aloneSinceChange + left);
+    alone += count;
+    aloneSinceChange += count;
+    return pays ? NodeFormat::Four : NodeFormat::Two;
+}
+
+void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
+                                 NodeFormat nodes) {
     Slot& slot = acquire();
     const Release release{*this, slot};
+    if (nodes == NodeFormat::Four && mayTakeFour) makeFour(slot);
     const Placement placement(count, inPlace);
     fill(slot, placement, task, rays, count);
     const ProcessorWatch processor;
     const Stopwatch watch;
-    trace(slot, placement.places() * kBlock, kernelOf(task.ask), coherent && packetsKnow(task.ask));
+    trace(slot, placement.places() * kBlock, kernelOf(task.ask), packets, nodes);
     if (task.kernels) {
         const std::lock_guard lock(mutex);
         task.kernels->wall += watch.seconds();
@@ -338,7 +372,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     }
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
     gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
-    trace(slot, placement.places() * kBlock, KernelId::List, false);
+    trace(slot, placement.places() * kBlock, KernelId::List, false, traversal.nodes);
     std::vector<RowEntry> found(2 * sum);
     gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);
     std::vector<FoundHit> hits;
@@ -356,7 +390,14 @@ RayQueries::RayQueries(const gpu::Device& device, const PackedScene& scene)
     : state_(std::make_unique<State>(device, scene)) {}
 RayQueries::~RayQueries() = default;
 
+NodeFormat RayQueries::nodes() const {
+    const std::lock_guard lock(state_->mutex);
+    return state_->four ? NodeFormat::Four : state_->traversal.nodes;
+}
+
 bool RayQueries::update() {
+    state_->four = false;
+    state_->aloneSinceChange = 0;
     // The scene's arrays may be kept elsewhere than before, and features tell what the kernels are made for.
     return state_->features == hitFeatures(state_->scene.features) &&
            state_->buffers.update(state_->device, state_->scene);
@@ -383,11 +424,14 @@ bool RayQueries::run(const RayTask& task) {
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays{first, order.data()};
+        const bool packets = order.coherent && state_->packetsKnow(task.ask);
+        const NodeFormat nodes =
+            packets ? NodeFormat::Two : state_->nodesFor(task, order.count, task.count - first);
         parallelFor((order.count + usable - 1) / usable,
                     [&](size_t i) {
                         if (stops()) return;
                         const size_t count = std::min(usable, order.count - i * usable);
-                        state_->runPiece(task, rays.from(i * usable), count, order.coherent);
+                        state_->runPiece(task, rays.from(i * usable), count, packets, nodes);
                         const std::lock_guard lock(mutex);
                         done += count;
                         if (task.progress)

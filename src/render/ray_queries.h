@@ -101,6 +101,10 @@ class RayQueries {
     // rays costs beside the caller's arrays.
     uint64_t workingBytes() const;
 
+    // What nearest and any hits walk now where each ray goes by itself: nodes of four on lavapipe, once so
+    // many rays have been asked that they pay (fourPays), and until the scene changes.
+    NodeFormat nodes() const;
+
   private:
     struct State;
     std::unique_ptr<State> state_;

@@ -125,6 +125,14 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     write(device, instancesBinding, std::as_bytes(std::span(instances)));
 }
 
+void SceneBuffers::makeFour(const gpu::Device& device, const PackedScene& scene, gpu::Access access) {
+    const WideTree tree = wideTree(scene.nodes, NodeFormat::Four);
+    const std::span rows = std::as_bytes(std::span(tree.rows));
+    gpu::Buffer buffer(device, "wideRows", rows.size(), access, gpu::MemoryKind::Device);
+    gpu::upload(device, buffer, rows);
+    buffers_[wideRowsBinding] = std::move(buffer);
+}
+
 bool SceneBuffers::update(const gpu::Device& device, const PackedScene& scene) {
     if (nodes_ != NodeFormat::Two) return false;
     if (!packetSlots_.empty()) {

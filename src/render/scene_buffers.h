@@ -31,6 +31,10 @@ class SceneBuffers {
     // number depends on areas.
     bool update(const gpu::Device& device, const PackedScene& scene);
 
+    // Makes nodes of four children beside the binary ones, or makes them anew, as update() leaves them as
+    // they were: bind anew. For Arrays::Apart, and scenes without instances.
+    void makeFour(const gpu::Device& device, const PackedScene& scene, gpu::Access access);
+
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.

@@ -84,13 +84,10 @@ TraversalChoice chooseWide(Traversal wanted, const PackedScene& scene, const Met
     return {false, "a GPU: fewest steps and bytes a ray, by counts", NodeFormat::Compressed};
 }
 
-// Whether a tree of four children a node, which takes some 80 ns a primitive to make, pays for rays that walk
-// by themselves: see kFewestForFour. Not where a walk's order is in a picture's last bits, which are to be
-// those of other devices (docs/design/reproducibility.md).
-bool fourPays(const PackedScene& scene, const Methods& methods, uint64_t rays) {
-    return scene.nodes.size() >= kFewestForFour && scene.nodes.size() <= kMostFourNodes &&
-           methods.slabs == SlabPad::Gamma7 && !scene.features.coloredShadows && rays >= kFewestRaysForFour &&
-           rays >= kRaysOfPrimitiveForFour * primitivesIn(scene);
+// Not where a walk's order is in a picture's last bits, which are to be those of other devices
+// (docs/design/reproducibility.md).
+bool picturesMayTakeFour(const PackedScene& scene, const Methods& methods) {
+    return methods.slabs == SlabPad::Gamma7 && !scene.features.coloredShadows;
 }
 
 TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
@@ -126,6 +123,11 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
 
 }  // namespace
 
+bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfTree) {
+    return scene.nodes.size() >= kFewestForFour && scene.nodes.size() <= kMostFourNodes &&
+           raysOfKernels >= kFewestRaysForFour && raysOfTree >= kRaysOfPrimitiveForFour * primitivesIn(scene);
+}
+
 bool runsPackets(const gpu::DeviceInfo& device) {
     return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
 }
@@ -151,7 +153,8 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
         return chooseWide(wanted, scene, methods);
     TraversalChoice choice = chooseOnProcessor(wanted, device, scene, methods);
     const bool byThemselves = !choice.packets || goesOnAfterHits(scene.features);
-    if (wanted == Traversal::Auto && device.llvmpipe && byThemselves && fourPays(scene, methods, rays)) {
+    if (wanted == Traversal::Auto && device.llvmpipe && byThemselves && picturesMayTakeFour(scene, methods) &&
+        fourPays(scene, rays, rays)) {
         choice.nodes = NodeFormat::Four;
         choice.reason += "; so many rays that a tree of four children a node pays";
     }

@@ -37,6 +37,10 @@ inline constexpr size_t kFewestForFour = 2000;
 inline constexpr uint64_t kFewestRaysForFour = 4'000'000;
 inline constexpr uint64_t kRaysOfPrimitiveForFour = 4;
 
+// Whether on llvmpipe a tree of four children a node, which takes some 80 ns a primitive to make, pays for
+// rays that walk by themselves: as many in all as its kernels, and as the tree, will serve.
+bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfTree);
+
 enum class Traversal {
     Auto,    // by the device and the scene
     Lane,    // each lane walks the binary tree with a ray of its own

@@ -1,0 +1,127 @@
+// Batches of rays: what they walk, and that the answers do not depend on it.
+#include "render/ray_queries.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <tuple>
+
+#include "pack/moving_scene.h"
+#include "support.h"
+
+namespace glint::render::test::ray_queries_test {
+namespace {
+
+using glm::dvec3;
+
+constexpr uint32_t kCells = 64;
+
+using Answer = std::tuple<uint32_t, float, float, float>;  // primitive, t, u, v
+
+// A sheet in waves over [0, kCells] x [0, kCells].
+Scene sheet(double phase) {
+    Scene scene = emptyScene();
+    std::vector<dvec3> positions = glint::test::gridMesh(kCells)->positions;
+    for (dvec3& p : positions) p.z = 2 * std::sin(0.7 * p.x + phase) * std::cos(0.5 * p.y);
+    addMesh(scene, std::move(positions), glint::test::gridMesh(kCells)->corners);
+    return scene;
+}
+
+// Of which no two have anything to do with each other.
+std::vector<RayInput> raysThrough(size_t count) {
+    Random random(5);
+    std::vector<RayInput> rays;
+    const auto at = [&] {
+        return dvec3(0.5 * kCells, 0.5 * kCells, 0) + random.box(1) * dvec3(0.6 * kCells, 0.6 * kCells, 4);
+    };
+    while (rays.size() < count) rays.push_back(rayTowards(at(), at()));
+    return rays;
+}
+
+class RayQueriesTest : public RenderTest {
+  protected:
+    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask ask) {
+        static const std::vector<RayInput> rays = raysThrough(20'000);
+        std::vector<Answer> answers(rays.size());
+        RayTask task;
+        task.ask = ask;
+        task.count = rays.size();
+        task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
+            for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
+        };
+        task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
+            const bool nearest = ask == RayTask::Ask::Nearest;
+            for (size_t i = 0; i < found.size(); ++i) {
+                const bool hit = found.primitive(i) != shared::kNone;
+                Answer& answer = answers.at(numbers[i]);
+                if (nearest && hit) answer = {found.primitive(i), found.t(i), found.u(i), found.v(i)};
+                if (!nearest || !hit) answer = {hit ? 1 : 0, 0, 0, 0};
+            }
+        };
+        EXPECT_TRUE(queries.run(task));
+        return answers;
+    }
+    static void expectSame(RayQueries& queries, const PackedScene& scene, NodeFormat nodes) {
+        RayQueries fresh(device(), scene);
+        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any}) {
+            const std::vector<Answer> expected = ask(fresh, kind);
+            const auto hits = std::count_if(expected.begin(), expected.end(),
+                                            [](const Answer& a) { return std::get<0>(a) != 0; });
+            EXPECT_GT(hits, 5000);
+            EXPECT_LT(hits, 19'000);
+            EXPECT_EQ(ask(queries, kind), expected);
+        }
+        EXPECT_EQ(fresh.nodes(), NodeFormat::Two);
+        EXPECT_EQ(queries.nodes(), nodes);
+    }
+    // Begins with a batch that is large enough for nodes of four, and gives it up.
+    static void beginLargeBatch(RayQueries& queries, uint64_t count = kFewestRaysForFour) {
+        static const std::vector<RayInput> rays = raysThrough(40'000);
+        std::atomic<bool> begun = false;
+        RayTask task;
+        task.count = count;
+        task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
+            for (size_t i = 0; i < out.size(); ++i) out[i] = rays[numbers[i] % rays.size()];
+        };
+        task.take = [&](const RayNumbers&, const FoundHits&) { begun = true; };
+        task.cancelled = [&] { return begun.load(); };
+        EXPECT_FALSE(queries.run(task));
+    }
+};
+
+TEST_F(RayQueriesTest, NodesOfFourAnswerAsBinaryOnes) {
+    const PackedScene scene = packScene(sheet(0));
+    ASSERT_GE(scene.nodes.size(), kFewestForFour);
+    RayQueries queries(device(), scene);
+    expectSame(queries, scene, NodeFormat::Two);
+    beginLargeBatch(queries, kFewestRaysForFour / 2);
+    expectSame(queries, scene, NodeFormat::Two);
+    beginLargeBatch(queries);
+    expectSame(queries, scene, NodeFormat::Four);
+}
+
+// Nodes of four are no longer those of a scene that has changed, until they are made anew.
+TEST_F(RayQueriesTest, NodesOfFourAreMadeAnewWhenTheSceneChanges) {
+    MovingScene moving(sheet(0));
+    RayQueries queries(device(), moving.packed());
+    beginLargeBatch(queries);
+    expectSame(queries, moving.packed(), NodeFormat::Four);
+    for (const double phase : {0.4, 0.8}) {
+        ASSERT_TRUE(moving.update(sheet(phase), {true}));
+        ASSERT_TRUE(queries.update());
+        EXPECT_EQ(queries.nodes(), NodeFormat::Two);
+        beginLargeBatch(queries, 1'000'000);  // kernels are at hand: enough for the tree
+        expectSame(queries, moving.packed(), NodeFormat::Four);
+    }
+}
+
+TEST_F(RayQueriesTest, InstancesAreWalkedInBinaryNodes) {
+    const Case c = fileCase("instances", 8, 8);
+    ASSERT_GE(c.packed.nodes.size(), kFewestForFour);
+    RayQueries queries(device(), c.packed);
+    beginLargeBatch(queries);
+    EXPECT_EQ(queries.nodes(), NodeFormat::Two);
+}
+
+}  // namespace
+}  // namespace glint::render::test::ray_queries_test
