@@ -56,6 +56,9 @@ bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
     return through;
 }
 
+// Planes, which stand in no leaf, are asked by code of their own, where there are any to ask.
+bool mayBeOpen(uint kind) { return FEATURE_OPEN_PLANES || kind != kKindPlane; }
+
 // Takes the hit if it is one, does not let the ray through, and beats the best.
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
@@ -64,7 +67,7 @@ void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, f
         Triangle triangle = loadTriangle(primitive & kPrimitiveIndexMask);
         counts = !liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
     }
-    if (kMayGoThrough && counts) {
+    if (kMayGoThrough && mayBeOpen(kind) && counts) {
         Hit hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
         counts = !goesThrough(traversal, kind, hit);
     }

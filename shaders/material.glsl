@@ -75,7 +75,8 @@ Met metAt(Ray ray, uint kind, Hit hit) {
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
     if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
     Met met;
-    met.surface = surfaceOfKind(kind, ray, Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u), instance);
+    met.surface = surfaceOfKind(kind, ray, Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u), instance,
+                                FEATURE_OPEN_PLANES);
     met.leaving = dot(met.surface.geometricNormal, ray.direction) > 0.0;
     if (inInstance) {
         if (instance.material != kNone) met.surface.material = instance.material;

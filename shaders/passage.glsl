@@ -32,7 +32,7 @@ bool passes(inout Passage passage, Met met, uint kind, float t) {
     uint medium = loadMaterial(met.surface.material).medium;
     Optics optics = opticsOf(medium);
     vec3 depth = optics.density;
-    if (kHasTextures && optics.transmissionTexture != 0u)
+    if (FEATURE_TEXTURED_GLASS && optics.transmissionTexture != 0u)
         depth -= logarithm(max(textureAt(optics.transmissionTexture, met.surface).xyz, vec3(1e-30)));
     if (FEATURE_ATTENUATION) {
         float way = (passage.reach - t) * passage.scale;

@@ -80,8 +80,8 @@ vec3 evaluate(Interaction at, vec3 toLight) {
 // What passes a surface of this medium.
 vec3 transmissionAt(uint medium, Surface surface) {
     Optics optics = opticsOf(medium);
-    return kHasTextures ? optics.transmission * textureAt(optics.transmissionTexture, surface).xyz
-                        : optics.transmission;
+    return FEATURE_TEXTURED_GLASS ? optics.transmission * textureAt(optics.transmissionTexture, surface).xyz
+                                  : optics.transmission;
 }
 
 // A reflected ray, on the ray's side of the surface, and a refracted one, on the other. Directions are unit

@@ -29,12 +29,13 @@ void surfaceInWorld(Instance instance, inout Surface surface) {
     }
 #define GLINT_SURFACE_PACKETS(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
 #define GLINT_SURFACE_LEAVES(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
-#define GLINT_SURFACE_UNBOUNDED(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
+#define GLINT_SURFACE_UNBOUNDED(Kind, FEATURE) \
+    if (unbounded) GLINT_SURFACE_ALONE(Kind, FEATURE)
 #define GLINT_SURFACE_INSTANCES(Kind, FEATURE)
 
 // kind: of hit.primitive. The ray and the surface are in the coordinates of the primitive; `instance` is what
-// the hit has of that, if anything.
-Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance) {
+// the hit has of that, if anything. unbounded: a constant, whether it may be a plane.
+Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbounded) {
     Surface surface;
     surface.position = vec3(0.0);
     surface.error = vec3(0.0);
@@ -66,7 +67,7 @@ Surface surfaceAt(Ray ray, Hit hit) {
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
     if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
     if (inInstance) enterInstance(instance, ray.origin, ray.direction);
-    Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance);
+    Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance, true);
     if (inInstance) surfaceInWorld(instance, surface);
     fillObjectUv(hit.primitive >> kPrimitiveKindShift, surface);
     return surface;

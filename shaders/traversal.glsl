@@ -34,7 +34,7 @@ const bool kAsks = FEATURE_ALPHA_MASK && NODE_FORMAT != kNodesCompressed && !MOD
 // The planes are then the first leaf of a walk that nobody goes on with, so that there is one place alone
 // that decides.
 #ifdef GLINT_WHOLE_PATHS
-const bool kPlanesInWalk = FEATURE_PLANES && kAsks;
+const bool kPlanesInWalk = FEATURE_OPEN_PLANES && kAsks;
 #else
 const bool kPlanesInWalk = false;
 #endif

@@ -27,7 +27,9 @@
     X(24, THIN_LENS, thinLens)                  \
     X(31, ALPHA_MASK, alphaMask)                \
     X(32, SPLIT_TRIANGLES, splitTriangles)      \
-    X(40, SLIVERS, slivers)
+    X(40, SLIVERS, slivers)                     \
+    X(41, OPEN_PLANES, openPlanes)              \
+    X(42, TEXTURED_GLASS, texturedGlass)
 
 // X(constant id, GLSL name, C++ field of TraceModes)
 // aovs: write the rows kRowAov...; cost: count boxes and primitives; resume: go on with unfinished rays by

@@ -65,7 +65,13 @@ SceneFeatures featuresOf(const PackedScene& packed, const std::function<bool(siz
         f.mirrors |= packed.environment.maxDepth > 0 && packed.materials[i].mirror != glm::vec3(0);
         if (packed.materials[i].medium == 0) continue;
         f.transmission = true;
-        f.attenuation |= packed.optics[packed.materials[i].medium - 1].attenuation != glm::vec3(0);
+        const shared::Optics& optics = packed.optics[packed.materials[i].medium - 1];
+        f.attenuation |= optics.attenuation != glm::vec3(0);
+        f.texturedGlass |= optics.transmissionTexture != 0;
+    }
+    for (const shared::Plane& plane : packed.planes) {
+        const shared::Material& material = packed.materials[plane.material];
+        f.openPlanes |= material.alphaCutoff > 0 || material.medium != 0;
     }
     return f;
 }

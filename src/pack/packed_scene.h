@@ -39,6 +39,8 @@ struct SceneFeatures {
     bool splitTriangles = false;  // some triangles stand in the tree more than once
     bool thinLens = false;        // it moves with the sample
     bool slivers = false;         // some triangles are long and narrow, see haveSlivers
+    bool openPlanes = false;      // rays may go through some plane, or their light: a mask, a dielectric
+    bool texturedGlass = false;   // some material's transmission has a texture
     bool operator==(const SceneFeatures&) const = default;
 };
 

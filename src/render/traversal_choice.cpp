@@ -16,8 +16,9 @@ namespace {
 // Of the features that are no kinds of primitives, those that packets know or need not know. Any other, also
 // one that comes to the list later, is traced by lanes.
 constexpr std::string_view kKnown[] = {
-    "anchoredSpheres", "vertexNormals",  "pointLights",    "directionalLights", "spotLights", "specular",
-    "mirrors",         "parallelCamera", "splitTriangles", "environmentMap",    "thinLens",   "slivers"};
+    "anchoredSpheres", "vertexNormals", "pointLights",    "directionalLights", "spotLights",
+    "specular",        "mirrors",       "parallelCamera", "splitTriangles",    "environmentMap",
+    "thinLens",        "slivers",       "openPlanes",     "texturedGlass"};
 
 // Whether packets know a kind, by its role (shaders/shared/primitives.h).
 namespace packets {

@@ -98,6 +98,29 @@ TEST(PackFeatures, Primitives) {
     EXPECT_EQ(featuresOf(scene), expected);
 }
 
+// What the kernels leave out where they are false, and would draw other pictures if they were so by mistake.
+TEST(PackFeatures, PlanesAndGlassThatAskForMore) {
+    Scene scene;
+    Material glass;
+    glass.transmission = Color(0.9);
+    scene.materials = {Material{}, glass};
+    addObject(scene, SphereShape{{0, 0, 0}, 1}, 1);
+    addObject(scene, PlaneShape{});
+    EXPECT_TRUE(featuresOf(scene).transmission);
+    EXPECT_FALSE(featuresOf(scene).openPlanes || featuresOf(scene).texturedGlass);
+
+    scene.objects[1].material = 1;
+    EXPECT_TRUE(featuresOf(scene).openPlanes);
+
+    scene.objects[1].material = 0;
+    scene.textures.push_back({CheckerTexture{}});
+    scene.materials[0].transmissionTexture = 0;  // of no dielectric
+    EXPECT_FALSE(featuresOf(scene).texturedGlass);
+    scene.materials[1].transmissionTexture = 0;
+    EXPECT_TRUE(featuresOf(scene).texturedGlass);
+    EXPECT_FALSE(featuresOf(scene).openPlanes);
+}
+
 // A triangle that is dropped is not there, and neither is its material.
 TEST(PackFeatures, DroppedTrianglesDoNotCount) {
     Scene scene;
