@@ -95,6 +95,12 @@ float nextTowards(float x, float sense) {
     return intBitsToFloat(floatBitsToInt(x) + step);
 }
 
+// How far a point moves along the unit normal of its surface to come out of the box of its error.
+float clearance(vec3 error, vec3 n) {
+    precise float d = dot(abs(n), error);
+    return d;
+}
+
 // A point safely on the side of the surface that `n` points to: `p` is off the true surface by at most
 // `error` on each axis (Pharr, Jakob, Humphreys, Physically Based Rendering, 4th ed., sec. 6.8.6). The other
 // two are for `glint report`: a distance that knows nothing of the scene's size, and none.
@@ -104,8 +110,7 @@ vec3 offsetOrigin(vec3 p, vec3 error, vec3 n) {
         precise vec3 shifted = p + 1e-4 * n;
         return shifted;
     }
-    precise float d = dot(abs(n), error);
-    precise vec3 offset = d * n;
+    precise vec3 offset = clearance(error, n) * n;
     precise vec3 moved = p + offset;
     return vec3(nextTowards(moved.x, offset.x), nextTowards(moved.y, offset.y),
                 nextTowards(moved.z, offset.z));

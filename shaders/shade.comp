@@ -22,7 +22,9 @@ void storeAovs(uint path, Interaction at) {
     storeRow(kRowAovIndices, path,
              uvec4(floatBitsToUint(at.isHit ? uv.x : 0.0), floatBitsToUint(at.isHit ? uv.y : 0.0),
                    at.isHit ? at.surface.object : kNone, at.isHit ? at.surface.primitive : kNone));
-    storeRow(kRowAovGeometry, path, packRow(at.isHit ? side * at.surface.geometricNormal : vec3(0.0), 0u));
+    float clear = at.isHit ? clearance(at.surface.error, at.surface.geometricNormal) : 0.0;
+    storeRow(kRowAovGeometry, path,
+             packRow(at.isHit ? side * at.surface.geometricNormal : vec3(0.0), floatBitsToUint(clear)));
 }
 
 void main() {

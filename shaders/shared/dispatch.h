@@ -123,7 +123,7 @@ GLINT_CONST_UINT(kRowAovNormal, 8u);
 GLINT_CONST_UINT(kRowAovIndices, 9u);
 // bounces, cost, shadow bits, path hash
 GLINT_CONST_UINT(kRowAovCounts, 10u);
-// outward geometric normal, 0
+// outward geometric normal, how far along it next rays begin
 GLINT_CONST_UINT(kRowAovGeometry, 11u);
 GLINT_CONST_UINT(kPathRowsWithAovs, 12u);
 // rgb, alpha: weighted sums over samples

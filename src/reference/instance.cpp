@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/error_box.h"
+
 namespace glint::reference {
 
 using glm::dvec3;
@@ -29,6 +31,18 @@ dvec3 InstanceFrame::pointInWorld(const dvec3& point) const {
 
 dvec3 InstanceFrame::normalInWorld(const dvec3& normal) const {
     return glm::normalize(glm::transpose(toObject_) * normal);
+}
+
+// The matrix, its products and their sum round by gamma_5 on the way out; and a ray that starts at the point
+// by as much of |W| |x - place| on its way in again, which it must come to the same side after. The place is
+// added to the point, and taken from it.
+dvec3 InstanceFrame::errorInWorld(const dvec3& point, const dvec3& error) const {
+    const auto times = [](const glm::dmat3& m, const dvec3& v) {
+        return glm::abs(m[0]) * v.x + glm::abs(m[1]) * v.y + glm::abs(m[2]) * v.z;
+    };
+    const dvec3 inAgain = times(toObject_, glm::abs(toWorld_ * point));
+    const dvec3 inside = error + gammaOf(5) * (glm::abs(point) + inAgain);
+    return (1 + gammaOf(5)) * times(toWorld_, inside) + gammaOf(2) * glm::abs(place_);
 }
 
 double InstanceFrame::scaleInWorld(double size) const {

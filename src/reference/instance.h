@@ -16,6 +16,8 @@ class InstanceFrame {
     glm::dvec3 pointInWorld(const glm::dvec3& point) const;
     // Unit; by the inverse transpose.
     glm::dvec3 normalInWorld(const glm::dvec3& normal) const;
+    // The box of a point's error (error_box.h), in the world, of one in the instance's coordinates.
+    glm::dvec3 errorInWorld(const glm::dvec3& point, const glm::dvec3& error) const;
     // The greatest coordinate, and the greatest number that one in the world is a sum of, of points with
     // coordinates no greater than `size`.
     double scaleInWorld(double size) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/error_box.h"
 #include "reference/quadric.h"
 
 namespace glint::reference {
@@ -21,6 +22,7 @@ void flatSurface(const Flat& flat, const dvec3& anchor, const Place& place, Surf
     surface.shadingNormal = surface.geometricNormal;
     const double distance = glm::dot(surface.geometricNormal, place.point - dvec3(anchor));
     surface.position = place.point - distance * surface.geometricNormal;
+    surface.error = errorBox(surface.position - anchor, anchor);
 }
 
 // Without what says whose it is.
@@ -55,6 +57,8 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     surface.primitive = data.primitive;
     surface.material = data.material;
     surface.position = w * v0 + hit.u * v1 + hit.v * v2;
+    surface.error = gammaOf(7) * (std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) +
+                                  std::abs(hit.v) * glm::abs(v2));
     surface.geometricNormal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
     surface.shadingNormal = surface.geometricNormal;
 }
@@ -88,6 +92,7 @@ void surfaceOf(const rows::Sphere& sphere, const Place& place, Surface& surface)
         surface.geometricNormal = glm::normalize(place.point - anchor);
         surface.position = anchor + radius * surface.geometricNormal;
     }
+    surface.error = errorBox(surface.position - anchor, anchor);
     surface.shadingNormal = surface.geometricNormal;
 }
 
@@ -103,6 +108,7 @@ bool meets(const rows::Plane& plane, const Meeting& m, Root& root, uint32_t&) {
 
 void surfaceOf(const rows::Plane& plane, const Place& place, Surface& surface) {
     flatSurface(plane, plane.point, place, surface);
+    surface.error = errorBox(surface.position, plane.point);  // it is never an offset
 }
 
 double reachOf(const Model&, const Methods&, const rows::Plane& plane) {
@@ -151,6 +157,8 @@ void surfaceOf(const rows::Quadric& quadric, const Place& place, Surface& surfac
     surface.position = site.position;
     surface.geometricNormal = surface.shadingNormal = site.normal;
     surface.bend = site.bend;
+    surface.error =
+        errorBox(site.position - quadric.point, quadric.point) + site.error * glm::abs(site.normal);
 }
 
 double reachOf(const Model&, const Methods&, const rows::Quadric& quadric) {

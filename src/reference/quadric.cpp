@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "reference/error_box.h"
+
 namespace glint::reference {
 namespace {
 
@@ -270,6 +272,20 @@ bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint
     return Search(quadric, ray, rough, tMax).run(isSource, ownPart, root, part);
 }
 
+namespace {
+
+// The left side of the equation, of terms that add up to `terms` in magnitude, is off by gamma_12 of that,
+// and by gamma_5 of what the local coordinates are sums of; as a way along the gradient.
+double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dvec3& offset,
+                  double steepness) {
+    const dvec3 away = glm::abs(offset);
+    double moved = 0;
+    for (int i = 0; i < 3; ++i) moved += std::abs(slope[i]) * glm::dot(glm::abs(rows[i]), away);
+    return (gammaOf(12) * terms + gammaOf(5) * moved) / steepness;
+}
+
+}  // namespace
+
 QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dvec3& point,
                           const dvec3& direction) {
     const dmat3 local = toLocal(quadric), transposed = glm::transpose(local);
@@ -282,6 +298,8 @@ QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dve
             glm::dot(row, point - origin) - static_cast<double>(upper ? quadric.hi.z : quadric.lo.z);
         site.position = point - height / glm::dot(row, row) * row;
         site.normal = glm::normalize(upper ? row : -row);
+        const double plane = std::abs(static_cast<double>(upper ? quadric.hi.z : quadric.lo.z));
+        site.error = errorAlong(plane, {0, 0, 1}, transposed, site.position - origin, glm::length(row));
         return site;
     }
     const dmat3 squares(quadric.squares.x, quadric.products.z, quadric.products.y, quadric.products.z,
@@ -301,6 +319,12 @@ QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dve
     site.bend =
         2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / std::sqrt(square);
     site.position = point - std::clamp(value / std::sqrt(square), -limit, limit) * site.normal;
+    const double terms = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(linear)) +
+                         std::abs(static_cast<double>(quadric.constant));
+    // Near an apex the surface is no farther than the root of what the equation is off by.
+    const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / std::sqrt(square);
+    site.error =
+        std::min(most, errorAlong(terms, slope, transposed, site.position - origin, std::sqrt(square)));
     return site;
 }
 

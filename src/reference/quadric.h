@@ -41,10 +41,12 @@ bool intersectQuadric(const rows::Quadric& quadric, const PreparedRay& ray, uint
 
 // The surface next to `point`, moved onto it; normal outward, of length 1. direction: of the ray, against
 // which the surface faces where it has no normal (the apex of a cone, a double plane).
-// bend: at most how far the normal turns for a unit of way.
+// bend: at most how far the normal turns for a unit of way. error: along the normal, of the value of the
+// equation there, in fp32 (error_box.h).
 struct QuadricPoint {
     glm::dvec3 position, normal;
     double bend = 0;
+    double error = 0;
 };
 QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const glm::dvec3& point,
                           const glm::dvec3& direction);

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/parallel.h"
+#include "reference/error_box.h"
 #include "reference/sampling.h"
 #include "reference/tracer.h"
 
@@ -31,6 +32,7 @@ PixelData dataOf(const dvec3& origin, const PixelRecord& record) {
     data.position = origin + record.surface->position;
     data.normal = glm::vec3(record.surface->shadingNormal);
     data.geometricNormal = glm::vec3(record.surface->geometricNormal);
+    data.clearance = static_cast<float>(clearanceOf(record.surface->error, record.surface->geometricNormal));
     data.object = record.surface->object;
     data.primitive = record.surface->primitive;
     data.material = record.surface->material;

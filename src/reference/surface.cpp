@@ -29,6 +29,7 @@ dvec3 vertexNormal(const Model& scene, const Hit& hit, const dvec3& normal) {
 void surfaceInWorld(const Model& scene, const Hit& hit, Surface& surface) {
     const rows::Instance& instance = scene.instances[hit.instance];
     const InstanceFrame frame(instance);
+    surface.error = frame.errorInWorld(surface.position, surface.error);
     surface.position = frame.pointInWorld(surface.position);
     surface.geometricNormal = frame.normalInWorld(surface.geometricNormal);
     surface.shadingNormal = surface.geometricNormal;

@@ -72,6 +72,7 @@ struct Surface {
     double scale = 0;       // the greatest coordinate of the position, and of what it is computed from
     glm::dvec2 uvScale{0};  // the same of u and v, in units of theirs
     double bend = 0;        // of quadrics: at most how far the normal turns for a unit of way
+    glm::dvec3 error{0};    // what fp32 may make of the position, on each axis (error_box.h)
 };
 
 // Moves rays by the size of rounding, to find where the picture hangs on it. Every camera ray, reflected ray

@@ -78,6 +78,7 @@ PixelData AovRows::at(uint32_t path, const glm::dvec3& origin) const {
     }
     data.normal = {normal[path].f[0], normal[path].f[1], normal[path].f[2]};
     data.geometricNormal = {geometry[path].f[0], geometry[path].f[1], geometry[path].f[2]};
+    data.clearance = geometry[path].f[3];
     data.material = normal[path].u[3];
     data.u = indices[path].f[0];
     data.v = indices[path].f[1];

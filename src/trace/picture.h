@@ -29,6 +29,7 @@ struct PixelData {
     glm::vec3 normal{0};           // outward shading normal
     glm::vec3 geometricNormal{0};  // outward
     float u = 0, v = 0;
+    float clearance = 0;  // how far from the point, along its geometric normal, rays begin that leave it
     uint32_t object = kNoIndex;
     uint32_t primitive = kNoIndex;
     uint32_t material = kNoIndex;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/error_box.h"
 #include "reference/rounding.h"
 #include "verify/stiffness.h"
 
@@ -55,6 +56,23 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
     return q;
 }
 
+namespace {
+
+// What the numbers of the first hit are sums of, and what its normal may be turned by, in units.
+struct Reach {
+    double way, turn;
+};
+
+Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
+    const reference::Surface& surface = *record.surface;
+    const double way = record.hit->t + greatest(ray.origin) + ray.originScale +
+                       (isTriangle(*record.hit) ? surface.scale : greatest(surface.position));
+    const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
+    return {way, 12 + reference::normalError(surface.bend, way, gain)};
+}
+
+}  // namespace
+
 // t, and each coordinate of a point, is a sum of a dozen products of numbers up to the way and the eye's
 // coordinates, and of a triangle its corners', 16 units with the last rounding; normals and texture
 // coordinates take as many of numbers up to 1 (8 to 12, texcoord.glsl), of coordinates beyond it up to what
@@ -65,10 +83,7 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + 0x1p-120;
     if (!record.hit) return f;
     const reference::Surface& surface = *record.surface;
-    const double way = record.hit->t + greatest(ray.origin) + ray.originScale +
-                       (isTriangle(*record.hit) ? surface.scale : greatest(surface.position));
-    const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
-    const double turn = 12 + reference::normalError(surface.bend, way, gain);
+    const auto [way, turn] = reachOf(scene, record, ray);
     f[kDepth] = 16 * kFloatUnit * way;
     for (size_t i = 0; i < 3; ++i) {
         f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatest(scene.origin);
@@ -77,6 +92,21 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     f[kU] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.x);
     f[kV] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.y);
     return f;
+}
+
+// The clearance is a sum of magnitudes, none of which rounding can cancel: of each the device has all but the
+// last digits, 2^-12 of it are 4096 units. What goes with the point is off by gamma_16 of what the point is
+// off by, and what goes with the normal, or a quadric's gradient, by what that is turned by.
+bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
+                 const PixelData& device) {
+    if (!record.hit) return device.clearance == 0;
+    const reference::Surface& surface = *record.surface;
+    const auto [way, turn] = reachOf(scene, record, ray);
+    const glm::dvec3 error = surface.error;
+    const double share = std::max(0x1p-12, 2 * turn * kFloatUnit);
+    const double room =
+        share * (error.x + error.y + error.z) + reference::gammaOf(16) * 16 * kFloatUnit * way;
+    return std::abs(device.clearance - reference::clearanceOf(error, surface.geometricNormal)) <= room;
 }
 
 void Hull::include(const Quantities& q) {

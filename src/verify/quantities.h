@@ -21,6 +21,10 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray);
 
+// Whether rays that leave the first hit begin as far from it as rounding demands.
+bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
+                 const PixelData& device);
+
 // The smallest box of quantities seen.
 struct Hull {
     Quantities lo, hi;

@@ -109,7 +109,8 @@ class Comparison {
             sums.account.addAlike(expected.lost, weight);
         else
             sums.account.addOther(data.bounces, weight);
-        const bool covered = isCovered(x, y, s.weight);
+        const bool covered = isCovered(x, y, s.weight) && (!samePath || !isSameHit(data, expected) ||
+                                                           beginsClear(scene_, expected, ray, data));
         if (finite && covered && samePath && isSameHit(data, expected) &&
             isPredicted(tracer_, ray, expected, scene_, seen))
             return;

@@ -28,6 +28,8 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
 # themselves, with a stack, judge those.
 WALKS = ("traversal.glsl", "behind.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
          "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
+# Cases that are drawn with glint's own quotients and roots judge this file alone.
+ARITHMETIC = "arithmetic.glsl"
 # spirv-opt -O without what takes 20 s a kernel: functions stay functions.
 OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
@@ -47,6 +49,14 @@ def includes(name, seen=None):
         near = os.path.normpath(os.path.join(os.path.dirname(name), included))
         includes(near if (SHADERS / near).exists() else included, seen)
     return seen
+
+
+def folded(name, operation, operands):
+    """What is known of a constant made of others, of which None is not known."""
+    if operation == "Not":
+        return {} if operands[0] is None else {name: not operands[0]}
+    decides = operation == "Or"
+    return {name: decides} if decides in operands else {} if None in operands else {name: not decides}
 
 
 class Compiler:
@@ -90,7 +100,7 @@ class Compiler:
 
     def compile_probe(self, file, output):
         """The test's shader for arithmetic, if the file is that."""
-        if file == "arithmetic.glsl":
+        if file == ARITHMETIC:
             self.call("glslangValidator", f"-I{self.shaders}", SOURCE / "tests/render/arithmetic_probe.comp", "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
 
     def text(self, kernel):
@@ -110,6 +120,35 @@ class Compiler:
         if not self.call("spirv-opt", "--strip-debug", *OPTIMISER, module, "-o", output):
             raise RuntimeError(f"spirv-opt does not read {module}")
         return output.read_bytes()
+
+    def without_counts(self, module):
+        """The module of a pipeline that counts neither rays by class nor tests: with those modes as constants."""
+        words = self.folder / "counts.spvasm"
+        if not self.call("spirv-dis", "--raw-id", module, "-o", words):
+            raise RuntimeError(f"spirv-dis does not read {module}")
+        text = words.read_text()
+        known = dict.fromkeys(re.findall(r'OpName (%\d+) "MODE_(?:TALLY|COST)"', text), False)
+        lines = []
+        for line in text.splitlines():
+            decorated = re.match(r" *OpDecorate (%\d+) SpecId", line)
+            made = re.match(r" *(%\d+) = OpSpecConstant(?:False|Op) (%\d+)(?: Logical(And|Or|Not)((?: %\d+)+))?$", line)
+            if made and made[1] not in known and made[3]:
+                known |= folded(made[1], made[3], [known.get(operand) for operand in made[4].split()])
+            if made and made[1] in known:
+                line = f"{made[1]} = OpConstant{known[made[1]]} {made[2]}"
+            if not (decorated and decorated[1] in known):
+                lines.append(line)
+        text = "\n".join(lines)
+        words.write_text(text)
+        output = self.folder / "counts.spv"
+        if not self.call("spirv-as", "--preserve-numeric-ids", "--target-env", "spv1.3", words, "-o", output):
+            raise RuntimeError(f"spirv-as does not read {words}")
+        return self.optimised(output)
+
+    def same_but_for_counts(self, broken, sound):
+        if ("counts", sound) not in self.kept:
+            self.kept["counts", sound] = self.without_counts(sound)
+        return self.without_counts(broken) == self.kept["counts", sound]
 
     def same_after_optimisation(self, broken, sound, keep=False):
         if keep and sound not in self.kept:

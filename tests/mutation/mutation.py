@@ -6,7 +6,8 @@
     mutation.py table [--results FILE] [--output docs/lab/mutation.md]
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
-with the reference's. Mutants whose kernels are the same after optimisation are equivalent. Results are lines of JSON; a run goes on where
+with the reference's. Mutants whose kernels are the same after optimisation are equivalent; those whose kernels are the same once rays and
+tests are not counted (--stats, --aov cost) change counts alone, which verify does not ask for. Results are lines of JSON; a run goes on where
 the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, unless reasons.json explains
 it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
 suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first those of PROGRAM
@@ -30,7 +31,7 @@ from pathlib import Path
 
 import page
 import sites
-from kernels import KERNELS, SOURCE, WALKS, Compiler
+from kernels import ARITHMETIC, KERNELS, SOURCE, WALKS, Compiler
 
 HERE = Path(__file__).resolve().parent
 # Pipelines of sound kernels, and of a mutant's whose code is the same in many cases, are found again; nothing of it goes to a disk.
@@ -43,8 +44,9 @@ PICTURES = ("", "same code", "same bits", "other bits")
 def case_names(file=None):
     """All cases, or those that may judge a file."""
     lines = (line for line in (HERE / "cases.txt").read_text().splitlines() if line and not line.startswith("#"))
-    walks = re.compile(r" (traversal|trips|stack|compaction)=")
-    return [line.split()[0] for line in lines if file is None or file in WALKS or not walks.search(line)]
+    walks, own = re.compile(r" (traversal|trips|stack|compaction)="), re.compile(r" own\b")
+    return [line.split()[0] for line in lines if file is None or ((file in WALKS or not walks.search(line)) and
+                                                                  (file == ARITHMETIC or not own.search(line)))]
 
 
 class Judge:
@@ -191,6 +193,8 @@ class Run:
         drawn = [case for case in pictures if pictures[case] == "same bits"]
         if seen != "other bits" and not self.arguments.cases and self.equivalent(compiler, judge, broken, drawn):
             return {"state": "equivalent"}
+        if seen != "other bits" and all(compiler.same_but_for_counts(m, sound / m.name) for m in broken.iterdir()):
+            return {"state": "counts"}
         return {"state": "survived", "pictures": seen}
 
     @staticmethod

@@ -50,6 +50,7 @@ class Score:
         self.asked = sum("suite" in r for r in unexplained)
         self.left = [r for r in unexplained if not r.get("suite")]
         self.all, self.equivalent, self.killed = len(results), self.states["equivalent"], self.states["killed"]
+        self.counts = self.states["counts"]
         self.tried = self.killed + len(unexplained)
         self.by_verify = self.killed / self.tried if self.tried else 0
         self.by_all = (self.killed + len(self.by_suite)) / self.tried if self.tried else 0

@@ -33,6 +33,7 @@ const char* difference(const PixelData& a, const PixelData& b) {
     if (!sameVector(a.normal, b.normal)) return "normal";
     if (!sameVector(a.geometricNormal, b.geometricNormal)) return "geometric normal";
     if (bits(a.u) != bits(b.u) || bits(a.v) != bits(b.v)) return "uv";
+    if (bits(a.clearance) != bits(b.clearance)) return "clearance";
     if (a.object != b.object) return "object";
     if (a.primitive != b.primitive) return "primitive";
     if (a.material != b.material) return "material";

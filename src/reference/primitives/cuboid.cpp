@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/error_box.h"
 #include "reference/primitives.h"
 
 namespace glint::reference {
@@ -106,6 +107,7 @@ void surfaceOf(const rows::Cuboid& c, const Place& place, Surface& surface) {
     const double distance = glm::dot(dvec3(normals[axis]), place.point - dvec3(c.point)) -
                             static_cast<double>(upper ? c.hi[a] : c.lo[a]);
     surface.position = place.point - distance * normal;
+    surface.error = errorBox(surface.position - c.point, c.point);
     surface.geometricNormal = surface.shadingNormal = upper ? normal : -normal;
     // How far along x, y and z the point is. On the sides v goes up and u to the right as seen from outside.
     dvec3 share;

@@ -1,0 +1,27 @@
+// How far a hit point may be off where it is found in fp32 (docs/numerics.md, where rays begin): a box around
+// it, from whose edge the rays begin that leave the point. In the coordinates of the primitive, until an
+// instance takes the point into the world.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "reference/rounding.h"
+
+namespace glint::reference {
+
+// The relative error of n roundings.
+constexpr double gammaOf(double n) {
+    return n * kFloatUnit / (1 - n * kFloatUnit);
+}
+
+// Of a point that is put back onto its surface as an offset from an anchor, and then added to that.
+inline glm::dvec3 errorBox(const glm::dvec3& offset, const glm::dvec3& anchor) {
+    return gammaOf(7) * (glm::abs(offset) + glm::abs(anchor));
+}
+
+// How far along the unit normal of its surface a ray begins from a point.
+inline double clearanceOf(const glm::dvec3& error, const glm::dvec3& normal) {
+    return glm::dot(glm::abs(normal), error);
+}
+
+}  // namespace glint::reference
