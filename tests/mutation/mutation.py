@@ -231,7 +231,11 @@ def run(arguments):
     if job.failure:
         return 2
     score = page.Score(page.counted(job.results))
-    print(f"{score.summary()}; verify found {score.by_verify:.1%} of those that are not equivalent")
+    raw = score.tried + len(score.explained)
+    shares = [(name, "{:.1%} to {:.1%}".format(*page.interval(score.killed, tried))) for name, tried in
+              (("all", raw), ("those without a recorded reason", score.tried)) if tried]
+    print(f"{score.summary()}; verify found {score.by_verify:.1%} of those that are not equivalent; with 95 % confidence " +
+          ", ".join(f"{share} of {name}" for name, share in shares))
     for r in score.left:
         print(f"  {r['file']}:{r['line']}: {r['kind']}: `{r['was']}` -> `{r['is']}` in {r['within']}")
     return 0 if score.tried and score.by_verify >= arguments.require else 1

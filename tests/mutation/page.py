@@ -1,6 +1,7 @@
 """What came out of mutants, and the page that says it."""
 import collections
 import json
+import math
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -34,6 +35,14 @@ REASONS = read_reasons()
 
 def reason_of(result):
     return REASONS.get((result["file"], result["within"], result["was"], result["is"]))
+
+
+def interval(found, tried):
+    """That a share lies in with 95 % confidence (E. B. Wilson, J. Am. Stat. Assoc. 22(158), 1927)."""
+    z = 1.96
+    share, middle = found / tried, z * z / (2 * tried)
+    spread = z * math.sqrt(share * (1 - share) / tried + (z / (2 * tried)) ** 2)
+    return tuple((share + middle + side * spread) / (1 + z * z / tried) for side in (-1, 1))
 
 
 def counted(results):
@@ -119,6 +128,7 @@ def figures(results, score, places):
     seconds = [r["seconds"] for r in results]
     lines = [f"Of {score.all} mutants",
              f"- *equivalent*: {score.equivalent}, whose kernels are the same, word for word, after spirv-opt;",
+             f"- *counts alone*: {score.counts}, whose kernels are the same once rays and tests are not counted;" if score.counts else None,
              f"- *no defects*: {len(score.explained)}, for a reason that `tests/mutation/reasons.json` gives for each (" +
              "; ".join(f"{n}: {WHAT[w]}" for w, n in classes.most_common()) + ");" if score.explained else None,
              f"- of the {score.tried} others `verify` alone finds {score.killed}, **{100 * score.by_verify:.1f} %** (" +
