@@ -91,13 +91,20 @@ what has been looked into, and not what `verify` finds of defects that nobody ha
 
 | sample | of what is not equivalent | `verify` finds |
 |---|---|---|
-| CI's, `--seed 7 --count 36` | 34 | 23 (68 %) |
+| CI's, `--seed 7 --count 36` | 34 | 23 (68 %); 26 of 33 (79 %) since error boxes are looked at, and with cases made for two of its survivors |
 | `--seed 11 --count 40` | 38 | 30 (79 %); 31 (82 %) since it looks at alpha |
 | `--seed 23 --count 60`, its first 37 | 31 | 19 (61 %), and as many since |
 | `--seed 101 --count 60`, its first 34 | 33 | 21 (64 %) |
 | `--seed 211 --count 44`, its first 31 | 28 | 21 (75 %) |
+| `--seed 1009 --count 96` | 86 | 54 (63 %; with 95 % confidence 52 to 72 %), before error boxes were looked at |
+| `--seed 20261 --count 110` | 102 | 67 (66 %; 56 to 74 %), after |
 
-No reasons are taken off in this table. The 19 that survived of the last two seeds were read one by one, without proof: 13 are no defects (4 bounds that
+The last two were drawn to see what one day's work changes: the share moved by less than chance moves it. Error boxes without an `abs` (two of the 32 that survived of seed 1009, and one of CI's) show in no picture: `verify` looks at where rays begin now, and finds them. With reasons taken off that are recorded in `reasons.json` it finds 54 of 72 (75 %; 64 to 84 %) and 67 of 90 (74 %; 65 to 82 %). **The target of 90 % is missed on samples that nobody has worked on.** What is left of seed 20261: bounds within
+a kernel that are narrower than derived and still hold for all that is drawn (one of quadrics, one of the second look at slivers); the walk of packets and when they are given up; glint's own quotients and roots at places that no scene comes to; where a ray may overflow its stack; thresholds
+moved from 0 to 0.001. A wrong count of rays or tests is no picture (*counts alone* below): that is decided by the kernels, which must be the same once `MODE_TALLY` and `MODE_COST` are constants. Tried and taken out again, as they found no survivor: edges that bodies share at the
+middles of pixels, eight cases with glint's own arithmetic, outlines of other kinds than triangles seen from close by. A comparison of how many boxes were tested was not built: the reference takes the nearer child first, shadow rays on the device the farther.
+
+No reasons are taken off in this table. The 19 that survived of seeds 101 and 211 were read one by one, without proof: 13 are no defects (4 bounds that
 still hold, 7 where nothing that is drawn differs, 2 where only the time does), so that 42 of 48 are found (88 %). The six others: half a unit in the last
 place of a square root, which lies within any predicted error (`ArithmeticTest` finds it); the sign of a rounding in the second look at slivers; a ray that
 touches a box in one point; what a packet's light kernel begins with beside alpha masks; where the stack of compressed nodes begins; the kind of a hit in
