@@ -49,8 +49,12 @@ class Comparison {
     // Searches on for what explains a pixel of this sample.
     void explainPersistently(DifferingPixel& pixel) const {
         const reference::FilmSample s = filmSampleAt(pixel.x, pixel.y);
-        if (isCovered(pixel.x, pixel.y, s.weight))
-            explainIfPossible(rayThrough(pixel.x, pixel.y, s), pixel, true);
+        const reference::Ray ray = rayThrough(pixel.x, pixel.y, s);
+        // What is right but for where rays begin no move of a ray explains.
+        if (isCovered(pixel.x, pixel.y, s.weight) &&
+            !isPredictedHit(ray, pixel.reference, pixel.device,
+                            quantitiesOf(pixel.deviceColor, pixel.device)))
+            explainIfPossible(ray, pixel, true);
     }
 
     double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
@@ -109,11 +113,9 @@ class Comparison {
             sums.account.addAlike(expected.lost, weight);
         else
             sums.account.addOther(data.bounces, weight);
-        const bool covered = isCovered(x, y, s.weight) && (!samePath || !isSameHit(data, expected) ||
-                                                           beginsClear(scene_, expected, ray, data));
-        if (finite && covered && samePath && isSameHit(data, expected) &&
-            isPredicted(tracer_, ray, expected, scene_, seen))
-            return;
+        const bool covered = isCovered(x, y, s.weight);
+        const bool predicted = finite && covered && isPredictedHit(ray, expected, data, seen);
+        if (predicted && beginsClear(scene_, expected, ray, data)) return;
         DifferingPixel pixel;
         pixel.x = x;
         pixel.y = y;
@@ -123,7 +125,7 @@ class Comparison {
         pixel.device = data;
         pixel.reference = tracer_.trace(ray, {}, true);
         sums.idsDiffer += samePath ? 0 : 1;
-        if (covered) explainIfPossible(ray, pixel, false);
+        if (covered && !predicted) explainIfPossible(ray, pixel, false);
         sums.differing.push_back(std::move(pixel));
     }
 
@@ -132,6 +134,12 @@ class Comparison {
         if (!std::isfinite(pixel.difference)) return;
         if (data.pathHash == pixel.reference.pathHash && !isSameHit(data, pixel.reference)) return;
         explain(tracer_, ray, scene_, quantitiesOf(pixel.deviceColor, data), pixel, persistently);
+    }
+
+    bool isPredictedHit(const reference::Ray& ray, const reference::PixelRecord& expected,
+                        const PixelData& data, const Quantities& seen) const {
+        return data.pathHash == expected.pathHash && isSameHit(data, expected) &&
+               isPredicted(tracer_, ray, expected, scene_, seen);
     }
 
     // The picture's alpha is the sample's weight where the device has hit anything, and 0 elsewhere. The
