@@ -21,6 +21,27 @@ vec3 bilinear(vec3 squares, vec3 products, vec3 y) {
     return image;
 }
 
+// A point and the equation that loses least there: y.Qy + 2 linear.y + constant = 0.
+struct QuadricPlace {
+    vec3 y, linear;
+    float constant;
+};
+
+// A cone with a tip is measured from near the eye or from its apex. From near the eye the sums err by
+// 2 sqrt(n(y) n(a)) of their rounding, n(y) the sum of the magnitudes of y.Qy, and from the apex by n(y + a).
+QuadricPlace placeOf(Quadric q, vec3 y) {
+    QuadricPlace place = QuadricPlace(y, q.linear, q.constant);
+    if ((q.caps & kFromApex) != 0u) {
+        precise vec3 fromApex = y + q.linear;
+        precise float near = dot(abs(y), bilinear(abs(q.squares), abs(q.products), abs(y)));
+        precise float far = dot(abs(fromApex), bilinear(abs(q.squares), abs(q.products), abs(fromApex)));
+        bool isNear = 16.0 * near < far;
+        vec3 slope = bilinear(q.squares, q.products, q.linear);
+        place = QuadricPlace(isNear ? y : fromApex, isNear ? slope : vec3(0.0), isNear ? q.constant : 0.0);
+    }
+    return place;
+}
+
 // Where a line crosses a box, and by which of the two planes that may be capped.
 struct QuadricSpan {
     float enter, leave;
@@ -147,24 +168,25 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
 
     vec3 image = bilinear(q.squares, q.products, d);
     precise float A = dot(d, image);
-    precise float along2 = dot(q.linear, d);
     float begin = larger(p.enter, 0.0);
     precise vec3 y = o + begin * d;
-    precise float B = dot(y, image) + along2;
-    precise vec3 form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
-    precise float C = dot(y, form) + q.constant;
+    QuadricPlace at = placeOf(q, y);
+    precise float B = dot(at.y, image) + dot(at.linear, d);
+    precise vec3 form = bilinear(q.squares, q.products, at.y) + 2.0 * at.linear;
+    precise float C = dot(at.y, form) + at.constant;
     precise float middle = A * C <= 0.5 * B * B ? 0.0 : quotient(-B, A);
     float reach = larger(p.leave - begin, 0.0);
     middle = middle < reach ? larger(middle, 0.0) : reach;
     bool fromSide = own && ownPart == kPartSide;
     precise float start = fromSide ? 0.0 : begin + middle;
     y = o + start * d;
-    B = dot(y, image) + along2;
-    form = bilinear(q.squares, q.products, y) + 2.0 * q.linear;
-    C = dot(y, form) + q.constant;
+    at = placeOf(q, y);
+    B = dot(at.y, image) + dot(at.linear, d);
+    form = bilinear(q.squares, q.products, at.y) + 2.0 * at.linear;
+    C = dot(at.y, form) + at.constant;
     // Sums of magnitudes: B errs by gamma_8 of its own, C by gamma_9.
-    precise float magnitudeB = dot(abs(y), abs(image)) + dot(abs(q.linear), abs(d));
-    precise float magnitudeC = dot(abs(y), abs(form)) + abs(q.constant);
+    precise float magnitudeB = dot(abs(at.y), abs(image)) + dot(abs(at.linear), abs(d));
+    precise float magnitudeC = dot(abs(at.y), abs(form)) + abs(at.constant);
     precise float errorB = gammaBound(8.0) * magnitudeB;
     precise float slack = errorB * errorB + abs(A) * (gammaBound(9.0) * magnitudeC);
     if (fromSide) {
@@ -179,8 +201,8 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
             vec3(dot(abs(q.toLocal0), far), dot(abs(q.toLocal1), far), dot(abs(q.toLocal2), far));
         precise float errorSide =
             gammaBound(8.0) *
-            (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) + dot(abs(q.linear), terms));
-        precise float steepness = length(form - q.linear);
+            (dot(reach, bilinear(abs(q.squares), abs(q.products), terms)) + dot(abs(at.linear), terms));
+        precise float steepness = length(form - at.linear);
         if (steepness > 0.0) errorSide += quotient(0.5 * abs(C), steepness) * length(image);
         C = 0.0;
         if (abs(B) <= errorSide) B = 0.0;
@@ -211,10 +233,12 @@ vec3 asTheLineTouches(Ray ray, Hit hit, Quadric q, vec3 y, vec3 offset, vec3 nor
     vec3 along = toLocal(q, ray.direction);
     vec3 terms = abs(ray.origin - q.point) + abs(hit.t * ray.direction);
     vec3 reach = vec3(dot(abs(q.toLocal0), terms), dot(abs(q.toLocal1), terms), dot(abs(q.toLocal2), terms));
-    vec3 image = bilinear(abs(q.squares), abs(q.products), reach) + abs(q.linear);
+    QuadricPlace at = placeOf(q, y);
+    vec3 image = bilinear(abs(q.squares), abs(q.products), reach + abs(at.y - y)) + abs(at.linear);
     float slip = gammaBound(16.0) * dot(image, abs(along));
-    if (abs(dot(bilinear(q.squares, q.products, y) + q.linear, along)) > slip) return normal;
-    vec3 slope = bilinear(q.squares, q.products, toLocal(q, offset)) + q.linear;
+    if (abs(dot(bilinear(q.squares, q.products, at.y) + at.linear, along)) > slip) return normal;
+    QuadricPlace moved = placeOf(q, toLocal(q, offset));
+    vec3 slope = bilinear(q.squares, q.products, moved.y) + moved.linear;
     vec3 gradient = slope.x * q.toLocal0 + slope.y * q.toLocal1 + slope.z * q.toLocal2;
     float steepest = larger(larger(abs(gradient.x), abs(gradient.y)), abs(gradient.z));
     if (steepest <= 1e-30) return normal;
@@ -239,10 +263,11 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
     uint part = (hit.primitive >> kPartShift) & kPartMask;
     precise vec3 offset = (ray.origin - q.point) + hit.t * ray.direction;
     vec3 y = toLocal(q, offset);
-    vec3 image = bilinear(q.squares, q.products, y);
-    precise vec3 slope = 2.0 * (image + q.linear);
-    precise float value = dot(y, image + 2.0 * q.linear) + q.constant;
-    float magnitude = dot(abs(y), abs(image)) + 2.0 * dot(abs(y), abs(q.linear)) + abs(q.constant);
+    QuadricPlace at = placeOf(q, y);
+    vec3 image = bilinear(q.squares, q.products, at.y);
+    precise vec3 slope = 2.0 * (image + at.linear);
+    precise float value = dot(at.y, image + 2.0 * at.linear) + at.constant;
+    float magnitude = dot(abs(at.y), abs(image)) + 2.0 * dot(abs(at.y), abs(at.linear)) + abs(at.constant);
     if (part != kPartSide) {
         bool upper = part == kPartUpperCap;
         slope = vec3(0.0, 0.0, upper ? 1.0 : -1.0);

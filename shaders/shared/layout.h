@@ -245,6 +245,7 @@ GLINT_CONST_UINT(kPartLowerCap, 1u);
 GLINT_CONST_UINT(kPartUpperCap, 2u);
 GLINT_CONST_UINT(kCapLower, 1u);
 GLINT_CONST_UINT(kCapUpper, 2u);
+GLINT_CONST_UINT(kFromApex, 4u);
 // A line meets a side twice at the most, each cap once.
 GLINT_CONST_UINT(kQuadricHits, 4u);
 

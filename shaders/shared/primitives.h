@@ -44,7 +44,8 @@
 // fp32's range. Q: squares on the diagonal, products beside it (yz, xz, xy: each stands there twice). Inside
 // is where the left side is negative; `caps` closes it where it leaves the box through y.z = lo.z (kCapLower)
 // or hi.z (kCapUpper). The box then has room on its other sides. Where the eye is close to a surface of
-// little curvature, `point` lies on it, and constant vanishes.
+// little curvature, `point` lies on it, and constant vanishes. Of a cone with a tip that is close (kFromApex
+// in `caps`) `linear` is y - y', y' = T (x - apex), and y'.Qy' = 0 its equation; `constant` that of y.
 #define GLINT_QUADRIC_ROWS(V3F, V3U, U4, A) \
     V3U(A, point, id)                       \
     V3F(A, toLocal0, constant)              \

@@ -22,6 +22,7 @@ struct Form {
     dvec3 lo{-1}, hi{1};
     uint32_t caps = 0;
     bool isSingular = false;  // the gradient may vanish on the surface
+    bool hasTip = false;      // a cone, measured from its apex
 
     double value(const dvec3& y) const { return glm::dot(y, squares * y + 2.0 * linear) + constant; }
     dvec3 gradient(const dvec3& y) const { return 2.0 * (squares * y + linear); }
@@ -130,7 +131,7 @@ struct ExactForm {
                                                : form.center + glm::inverse(form.toLocal) * dvec3(0, 0, apex);
             form.lo.z -= apex;
             form.hi.z -= apex;
-            form.isSingular = std::abs(apex) <= axis.half;  // a cut one has no tip either
+            form.isSingular = form.hasTip = std::abs(apex) <= axis.half;  // a cut one has no tip either
         } else {
             form.linear = dvec3(0, 0, -slope * r);
             form.constant = -r * r;
@@ -226,10 +227,10 @@ std::optional<dvec3> nearestOnSide(const Form& form, const dvec3& eye) {
 // The point of the surface nearest the eye, if that is near: there the constant, and with it the radius of
 // curvature, drops out of the equation, as it does from an anchored sphere's; the plane of a cap is at
 // exactly 0. Measured from anywhere else, hits would err by 2^-24 of the way there. Where the gradient
-// vanishes, as at the apex of a cone, rounded constants would open or fill the tip: such a form is moved only
-// if the eye is so near that the rest would lose six digits.
+// vanishes rounded constants would open or fill the surface: such a form is moved only if the eye is so near
+// that the rest would lose six digits. A cone with a tip goes on to be measured from there, too.
 std::optional<dvec3> anchorOf(const Form& form, const dvec3& eye) {
-    double nearest = form.isSingular ? 1.0 / 64 : 0.5;
+    double nearest = form.isSingular && !form.hasTip ? 1.0 / 64 : 0.5;
     std::optional<dvec3> anchor;
     const auto offer = [&](const dvec3& y) {
         if (!(glm::distance(y, eye) < nearest)) return;
@@ -260,6 +261,17 @@ void scaleEquation(Form& form) {
     form.constant /= unit;
 }
 
+// A cone whose equation is y'.Qy' = 0 with y' = y + fromApex: as the rounded numbers have it, the tip where
+// the box ends.
+void measureFromApexToo(const dvec3& fromApex, const Form& form, shared::Quadric& out) {
+    const bool tipIsUpper = std::abs(form.hi.z + fromApex.z) < std::abs(form.lo.z + fromApex.z);
+    out.linear = glm::vec3(fromApex);
+    const dvec3 a(out.linear);
+    out.constant = static_cast<float>(glm::dot(a, dvec3(out.squares) * a));
+    out.caps |= shared::kFromApex;
+    (tipIsUpper ? out.hi : out.lo).z = -out.linear.z;
+}
+
 }  // namespace
 
 Extent quadricExtent(const Object& object) {
@@ -275,8 +287,9 @@ Extent quadricExtent(const Object& object) {
 
 shared::Quadric roundQuadric(const Object& object, const Frame& frame) {
     Form form = formOf(object);
-    const dvec3 eye = form.toLocal * (frame.eye - form.center);
-    if (const auto anchor = anchorOf(form, eye)) {
+    const dvec3 apex = form.center, eye = form.toLocal * (frame.eye - form.center);
+    const auto anchor = anchorOf(form, eye);
+    if (anchor) {
         form.moveTo(*anchor);
     } else if (std::holds_alternative<CylinderShape>(object.shape) && form.hi.z > 4) {
         // A pipe is measured from its place nearest the eye: its equation is the same all along the axis.
@@ -298,6 +311,7 @@ shared::Quadric roundQuadric(const Object& object, const Frame& frame) {
     out.lo = glm::vec3(form.lo);
     out.hi = glm::vec3(form.hi);
     out.caps = form.caps;
+    if (form.hasTip && anchor) measureFromApexToo(form.toLocal * (form.center - apex), form, out);
     return out;
 }
 

@@ -37,6 +37,18 @@ struct Disturbance {
     }
 };
 
+// What the device holds of a cone with a tip near the eye (GLINT_QUADRIC_ROWS), as one equation: in double
+// it loses nothing that counts at either end.
+void asOneEquation(rows::Quadric& cone) {
+    if (!(cone.caps & shared::kFromApex)) return;
+    const glm::dvec3 a = cone.linear;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        cone.linear[i] = cone.squares[i] * a[i] + cone.products[k] * a[j] + cone.products[j] * a[k];
+    }
+    cone.constant = glm::dot(a, cone.linear);
+}
+
 }  // namespace
 
 Model widened(const PackedScene& scene) {
@@ -48,6 +60,7 @@ Model widened(const PackedScene& scene) {
     widenArray(scene.kinds, model.kinds);
     GLINT_PRIMITIVES(GLINT_WIDEN, 0)
 #undef GLINT_WIDEN
+    for (rows::Quadric& quadric : model.quadrics) asOneEquation(quadric);
     widenArray(scene.triangleSurfaces, model.triangleSurfaces);
     widenArray(scene.vertexNormals, model.vertexNormals);
     widenArray(scene.polygonVertices, model.polygonVertices);

@@ -48,5 +48,14 @@ TEST_F(NearSolidsTest, TruncatedCones) {
                      turned.linear * dvec3(1.5, 0, 0), turned.linear * dvec3(0, 2, 3)));
 }
 
+// They are measured from near the eye and from the tip: neither do hits here err by their size, nor is the
+// tip, which the second picture shows, open.
+TEST_F(NearSolidsTest, ConesWithATip) {
+    const Affine turned = rotation({1, 2, 3}, 50);
+    const ConeShape cone{{-101, -10, 0}, {-101, 400, 0}, 100, 0, true};
+    for (const dvec3 target : {dvec3(0, 2, 3), dvec3(-101, 380, 0)})
+        expectExact(seen(cone, turned, turned.linear * dvec3(1.5, 0, 0), turned.linear * target));
+}
+
 }  // namespace
 }  // namespace glint::render::test::near_solids_test

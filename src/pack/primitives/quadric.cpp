@@ -38,13 +38,15 @@ class QuadricPacker final : public KindPacker {
     // Inside if it is so of the surface and of the box that cuts it off, as of a capped one.
     double windings(const PackedScene& scene, uint32_t index, const glm::dvec3& point) const override {
         const shared::Quadric& q = scene.quadrics[index];
-        const glm::dvec3 y = toLocal(q) * (point - glm::dvec3(q.point)), s(q.squares), p(q.products);
+        const bool fromApex = (q.caps & shared::kFromApex) != 0;
+        const glm::dvec3 local = toLocal(q) * (point - glm::dvec3(q.point)), s(q.squares), p(q.products);
+        const glm::dvec3 y = fromApex ? local + glm::dvec3(q.linear) : local;
         const glm::dvec3 qy(s.x * y.x + p.z * y.y + p.y * y.z, p.z * y.x + s.y * y.y + p.x * y.z,
                             p.y * y.x + p.x * y.y + s.z * y.z);
-        const double side =
-            glm::dot(y, qy) + 2 * glm::dot(glm::dvec3(q.linear), y) + static_cast<double>(q.constant);
-        const bool inBox = glm::all(glm::greaterThanEqual(y, glm::dvec3(q.lo))) &&
-                           glm::all(glm::lessThanEqual(y, glm::dvec3(q.hi)));
+        const double rest = 2 * glm::dot(glm::dvec3(q.linear), y) + static_cast<double>(q.constant);
+        const double side = glm::dot(y, qy) + (fromApex ? 0 : rest);
+        const bool inBox = glm::all(glm::greaterThanEqual(local, glm::dvec3(q.lo))) &&
+                           glm::all(glm::lessThanEqual(local, glm::dvec3(q.hi)));
         return side < 0 && inBox ? 1 : 0;
     }
 
