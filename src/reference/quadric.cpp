@@ -1,6 +1,7 @@
 #include "reference/quadric.h"
 
 #include <array>
+#include <limits>
 
 #include "reference/error_box.h"
 
@@ -284,6 +285,22 @@ double errorAlong(double terms, const dvec3& slope, const dmat3& rows, const dve
     return (gammaOf(12) * terms + gammaOf(5) * moved) / steepness;
 }
 
+// The magnitudes that add up to the left side of the equation. A cone with a tip is summed at y or, where
+// n(y) is no less than a sixteenth of n(y + a), from its apex, n the form of all magnitudes. NaN: at that
+// bound.
+double termsAt(const rows::Quadric& quadric, const dmat3& squares, const dvec3& y) {
+    const dvec3 linear(quadric.linear);
+    const double here = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(linear)) +
+                        std::abs(static_cast<double>(quadric.constant));
+    if (!(quadric.caps & shared::kFromApex)) return here;
+    const dmat3 positive(glm::abs(squares[0]), glm::abs(squares[1]), glm::abs(squares[2]));
+    const auto form = [&](const dvec3& v) { return glm::dot(glm::abs(v), positive * glm::abs(v)); };
+    const dvec3 fromApex = y + glm::inverse(squares) * linear;
+    const double near = 16 * form(y), far = form(fromApex);
+    if (std::abs(near - far) <= 0x1p-10 * far) return std::numeric_limits<double>::quiet_NaN();
+    return near < far ? here : glm::dot(glm::abs(fromApex), glm::abs(squares * fromApex));
+}
+
 }  // namespace
 
 QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dvec3& point,
@@ -319,8 +336,7 @@ QuadricPoint quadricPoint(const rows::Quadric& quadric, uint32_t part, const dve
     site.bend =
         2 * (glm::length(turning[0]) + glm::length(turning[1]) + glm::length(turning[2])) / std::sqrt(square);
     site.position = point - std::clamp(value / std::sqrt(square), -limit, limit) * site.normal;
-    const double terms = glm::dot(glm::abs(y), glm::abs(squares * y) + 2.0 * glm::abs(linear)) +
-                         std::abs(static_cast<double>(quadric.constant));
+    const double terms = termsAt(quadric, squares, y);
     // Near an apex the surface is no farther than the root of what the equation is off by.
     const double most = std::sqrt(gammaOf(12) * terms) * glm::length(slope) / std::sqrt(square);
     site.error =

@@ -96,16 +96,21 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
 
 // The clearance is a sum of magnitudes, none of which rounding can cancel: of each the device has all but the
 // last digits, 2^-12 of it are 4096 units. What goes with the point is off by gamma_16 of what the point is
-// off by, and what goes with the normal, or a quadric's gradient, by what that is turned by.
+// off by, and what goes with the normal, or a quadric's gradient, by what that is turned by: where a ray
+// touches, or a textbook's method loses digits, both are more than their floors, and judged by themselves.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device) {
     if (!record.hit) return device.clearance == 0;
     const reference::Surface& surface = *record.surface;
     const auto [way, turn] = reachOf(scene, record, ray);
     const glm::dvec3 error = surface.error;
-    const double share = std::max(0x1p-12, 2 * turn * kFloatUnit);
-    const double room =
-        share * (error.x + error.y + error.z) + reference::gammaOf(16) * 16 * kFloatUnit * way;
+    if (std::isnan(error.x)) return true;  // of a cone, where its two sums meet
+    const glm::dvec3 seen = glm::abs(glm::dvec3(device.geometricNormal));
+    const double turned = glm::length(seen - glm::abs(surface.geometricNormal));
+    const double moved = glm::distance(device.position, scene.origin + surface.position);
+    const double share = std::max(0x1p-12, 2 * (turn * kFloatUnit + turned));
+    const double room = share * (error.x + error.y + error.z) +
+                        reference::gammaOf(16) * std::max(16 * kFloatUnit * way, moved);
     return std::abs(device.clearance - reference::clearanceOf(error, surface.geometricNormal)) <= room;
 }
 
