@@ -97,7 +97,8 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
 // The clearance is a sum of magnitudes, none of which rounding can cancel: of each the device has all but the
 // last digits, 2^-12 of it are 4096 units. What goes with the point is off by gamma_16 of what the point is
 // off by, and what goes with the normal, or a quadric's gradient, by what that is turned by: where a ray
-// touches, or a textbook's method loses digits, both are more than their floors, and judged by themselves.
+// touches, or a textbook's method loses digits, both are more than their floors, and judged by themselves. So
+// are the shares that a triangle's corners have in the point: those of a needle may change where it does not.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device) {
     if (!record.hit) return device.clearance == 0;
@@ -109,8 +110,12 @@ bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record,
     const double turned = glm::length(seen - glm::abs(surface.geometricNormal));
     const double moved = glm::distance(device.position, scene.origin + surface.position);
     const double share = std::max(0x1p-12, 2 * (turn * kFloatUnit + turned));
+    const double shifted = !isTriangle(*record.hit)
+                               ? 0
+                               : std::abs(device.u - record.hit->u) + std::abs(device.v - record.hit->v);
     const double room = share * (error.x + error.y + error.z) +
-                        reference::gammaOf(16) * std::max(16 * kFloatUnit * way, moved);
+                        reference::gammaOf(16) * std::max(16 * kFloatUnit * way, moved) +
+                        reference::gammaOf(7) * 4 * shifted * surface.scale;
     return std::abs(device.clearance - reference::clearanceOf(error, surface.geometricNormal)) <= room;
 }
 
