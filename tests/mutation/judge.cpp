@@ -178,8 +178,8 @@ class Judge {
             sound.hash = pictureHash(renderer.render(trial.scene.camera, trial.options).color);
         } else {
             sound.pictures = picturesOf(renderer, trial, drawn == Drawn::Data);
-            if (!verdict(renderer, trial, drawn == Drawn::Plain).empty())
-                throw std::runtime_error("sound kernels do not pass");
+            const std::string why = verdict(renderer, trial, drawn == Drawn::Plain);
+            if (!why.empty()) throw std::runtime_error("sound kernels do not pass: " + why);
         }
         for (const auto& program : programs)
             sound.runs.push_back({program, codeOf(program->key.spirv, program->key.constants)});
