@@ -114,19 +114,62 @@ SurfaceAxes surfaceAxes(const dvec3& normal) {
     return {u, glm::cross(normal, u)};
 }
 
-CubeOrigin cubeOrigin(const Scene& scene) {
-    std::optional<CubeOrigin> found;
-    for (const Texture& texture : scene.textures) {
-        const auto* checker = std::get_if<CheckerTexture>(&texture.source);
-        if (checker == nullptr || !checker->solid) continue;
-        const CubeOrigin here{checker->corner, 2 / texture.scale.x};
-        if (!found) found = here;
-        if (here.corner != found->corner || here.period != found->period) found->period = 0;
+namespace {
+
+// Takes the period of the scene's textures that are asked about: one of all, or 0.
+class CommonPeriod {
+  public:
+    explicit CommonPeriod(const Scene& scene) : scene_(scene) {}
+
+    void include(uint32_t texture) {
+        if (texture == Material::kNoTexture) return;
+        const auto* checker = std::get_if<CheckerTexture>(&scene_.textures[texture].source);
+        if (checker == nullptr || !checker->solid) return;
+        const double period = 2 / scene_.textures[texture].scale.x;
+        period_ = !found_ || period == period_ ? period : 0;
+        found_ = true;
     }
-    return found.value_or(CubeOrigin{});
+    double value() const { return period_; }
+
+  private:
+    const Scene& scene_;
+    bool found_ = false;
+    double period_ = 0;
+};
+
+double periodOf(const Scene& scene, const Object& object, const CubeOrigin& cubes) {
+    const auto* mesh = std::get_if<MeshShape>(&object.shape);
+    if (cubes.period > 0 || (mesh != nullptr && !mesh->mesh->materials.empty())) return cubes.period;
+    const Material& material = scene.materials[object.material];
+    CommonPeriod period(scene);
+    for (const uint32_t texture : {material.ambientTexture, material.diffuseTexture, material.specularTexture,
+                                   material.mirrorTexture, material.transmissionTexture})
+        period.include(texture);
+    return period.value();
 }
 
-shared::ObjectFrame objectFrame(const Object& object, const dvec3& origin, const CubeOrigin& cubes) {
+}  // namespace
+
+CubeOrigin cubeOrigin(const Scene& scene) {
+    CommonPeriod period(scene);
+    std::optional<dvec3> corner;
+    for (uint32_t i = 0; i < scene.textures.size(); ++i) {
+        period.include(i);
+        const auto* checker = std::get_if<CheckerTexture>(&scene.textures[i].source);
+        if (checker != nullptr && checker->solid && !corner) corner = checker->corner;
+    }
+    return {corner.value_or(dvec3(0)), period.value()};
+}
+
+double inCubes(double fromCorner, double period) {
+    // Cubes of a thousand periods away are still told apart to 2^-13 of their size.
+    constexpr double kManyPeriods = 1024;
+    const bool far = period > 0 && std::abs(fromCorner) > kManyPeriods * period;
+    return far ? std::remainder(fromCorner, period) : fromCorner;
+}
+
+shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const dvec3& origin,
+                                const CubeOrigin& cubes) {
     const Affine fromWorld = object.transform ? inverse(*object.transform) : Affine{};
     const Affine toObject = inverse(object.applied);  // from the shape's coordinates
     const Affine all{toObject.linear * fromWorld.linear,
@@ -138,12 +181,9 @@ shared::ObjectFrame objectFrame(const Object& object, const dvec3& origin, const
     frame.toObjectX = glm::vec3(rows[0]);
     frame.toObjectY = glm::vec3(rows[1]);
     frame.toObjectZ = glm::vec3(rows[2]);
-    // Cubes of a thousand periods away are still told apart to 2^-13 of their size.
-    constexpr double kManyPeriods = 1024;
+    const double period = periodOf(scene, object, cubes);
     const auto fromCubes = [&](double offset, double corner) {
-        const double from = offset - corner;
-        const bool far = cubes.period > 0 && std::abs(from) > kManyPeriods * cubes.period;
-        return static_cast<float>(far ? std::remainder(from, cubes.period) : from);
+        return static_cast<float>(inCubes(offset - corner, period));
     };
     frame.offsetX = fromCubes(all.offset.x, cubes.corner.x);
     frame.offsetY = fromCubes(all.offset.y, cubes.corner.y);

@@ -7,17 +7,23 @@ namespace glint {
 
 // Where the cubes of a scene's solid checkers are counted from, in the space of every object: a corner of the
 // first one's, of which nothing but differences is rounded then. `period`: the cubes repeat after so much
-// along each axis, if all solid checkers have the same cubes; else 0.
+// along each axis, if all solid checkers have cubes of one size; else 0.
 struct CubeOrigin {
     glm::dvec3 corner{0};
     double period = 0;
 };
 CubeOrigin cubeOrigin(const Scene& scene);
 
-// `origin`: of the local coordinates. An object's own are given from cubes.corner on, and, where that is far
-// out, in the period around it, as fp32 tells no cubes apart there. The (u, v) of flat shapes is as
+// A coordinate counted from that corner: as it is, or, where fp32 tells no cubes apart, in the period around
+// the corner. Which period is seen by none, so an object's place may be moved by some, and a texture's corner
+// by others. period 0: as it is.
+double inCubes(double fromCorner, double period);
+
+// `origin`: of the local coordinates. An object's own are given from cubes.corner on, and in the period
+// around it if all solid checkers that it shows have cubes of one size. The (u, v) of flat shapes is as
 // docs/reference/shading.md has it; that of others is left 0.
-shared::ObjectFrame objectFrame(const Object& object, const glm::dvec3& origin, const CubeOrigin& cubes);
+shared::ObjectFrame objectFrame(const Scene& scene, const Object& object, const glm::dvec3& origin,
+                                const CubeOrigin& cubes);
 
 // Two unit vectors across a unit normal, u x v = normal: u horizontal and v upwards on what stands upright or
 // leans, u = x where the normal is vertical, to within a sine of 1e-4.

@@ -60,7 +60,9 @@ class TexturePacker {
         out.scaleV = static_cast<float>(texture.scale.y);
         if (const auto* checker = std::get_if<CheckerTexture>(&texture.source)) {
             out.flags = shared::kTextureChecker | (checker->solid ? shared::kTextureSolid : 0);
-            if (checker->solid) out.place = glm::vec3(checker->corner - cubes_.corner);
+            const glm::dvec3 corner = checker->corner - cubes_.corner;
+            for (int i = 0; i < 3 && checker->solid; ++i)
+                out.place[i] = static_cast<float>(inCubes(corner[i], 2 / texture.scale.x));
             out.colorA = glm::vec3(checker->a);
             out.colorB = glm::vec3(checker->b);
             packed_.features.checkers = true;
@@ -194,7 +196,7 @@ void packTextures(const Scene& scene, const std::function<bool(size_t)>& used, P
     if (packed.features.textures || packed.features.checkers) {
         packed.objectFrames.reserve(scene.objects.size());
         for (const Object& object : scene.objects)
-            packed.objectFrames.push_back(objectFrame(object, packed.origin, packer.cubes()));
+            packed.objectFrames.push_back(objectFrame(scene, object, packed.origin, packer.cubes()));
         warnOfMissingCoordinates(scene, packed);
     }
     packed.environment.frameCount = static_cast<uint32_t>(packed.objectFrames.size());

@@ -51,9 +51,11 @@ inline double powerError(double cosine, double n, double power, double length, d
 }
 
 // Of e^-x for an x that is a sum of magnitudes `sum`, by 8 roundings each; exp by an ulp, at most 2 units,
-// and by its product with the light.
-inline double exponentialRoundings(double sum) {
-    return 4 + 8 * sum;
+// and by its product with the light. `ends`: what the ends of the way through a medium may be off by, each 9
+// units of the numbers that its point is a sum of (lightTurn), times what the medium takes of a unit of way:
+// of a triangle with corners a hundred times as far away as the hit they are more than the way itself.
+inline double exponentialRoundings(double sum, double ends) {
+    return 4 + 8 * sum + 9 * ends;
 }
 
 }  // namespace glint::reference

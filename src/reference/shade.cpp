@@ -49,10 +49,11 @@ class PathTracer {
         dvec3 radiance{0}, error{0};
     };
     // What is left of a light behind what it shines through; `fade`: the sum of the magnitudes that its
-    // optical depth is made of.
+    // optical depth is made of; `ends`: what the points between its parts are sums of, each times its
+    // medium's attenuation.
     struct Passed {
         dvec3 part{1};
-        double fade = 0;
+        double fade = 0, ends = 0;
     };
 
     Ray moved(const Ray& cameraRay);
@@ -182,6 +183,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     dvec3 left(1), sigma(0), fade(0);
     for (uint32_t medium : at.crossing.before) sigma += attenuationOf(scene_, medium);
     std::vector<dvec3> change;
+    double ends = at.scale * greatestCoordinate(sigma);
     // What is opaque blocks with its edges too.
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
@@ -193,6 +195,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
         left *= transmissionAt(scene_, medium, surface);
         const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
         change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
+        ends += surface.scale * greatestCoordinate(change.back());
     }
     if (directional) {
         // Infinitely far away there is no medium, so what the ray starts in is what it leaves.
@@ -209,7 +212,7 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     }
     if (!directional) fade += (1 - from) * sigma;
     terms += length * greatestCoordinate(fade);
-    return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms};
+    return Passed{glm::min(left * glm::exp(-length * fade), dvec3(1)), terms, ends};
 }
 
 // Nothing of a light that is occluded, nor of one that lies on the surface or shines elsewhere.
@@ -242,7 +245,8 @@ std::optional<PathTracer::Light> PathTracer::shadeLight(const Interaction& at, s
         if (keepPath_) record_.path.back().occluded[index] = 1;
         return std::nullopt;
     }
-    one.error = through->part * (one.error + exponentialRoundings(through->fade) * one.radiance);
+    one.error =
+        through->part * (one.error + exponentialRoundings(through->fade, through->ends) * one.radiance);
     one.radiance = through->part * one.radiance;
     return one;
 }
@@ -368,8 +372,9 @@ void PathTracer::follow(Branch branch) {
     const dvec3 throughput = branch.throughput * left;
     dvec3 slack = branch.slack * left;
     if (at.crossing.mediumBefore != 0) {
-        const dvec3 depth = way * attenuationOf(scene_, at.crossing.mediumBefore);
-        for (int i = 0; i < 3; ++i) slack[i] += throughput[i] * exponentialRoundings(depth[i]);
+        const dvec3 sigma = attenuationOf(scene_, at.crossing.mediumBefore);
+        for (int i = 0; i < 3; ++i)
+            slack[i] += throughput[i] * exponentialRoundings(way * sigma[i], at.scale * sigma[i]);
     }
     if (at.crossing.counts) {
         const dvec3 ambient = dvec3(at.material.ambient) * dvec3(environment.ambient);

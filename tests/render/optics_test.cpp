@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scene/transform.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -307,6 +308,33 @@ TEST_F(OpticsTest, NothingIsMadeOfSubnormalThroughput) {
     EXPECT_EQ(picture.losses.cut.count, expected.lost.cut.count);
     EXPECT_EQ(picture.losses.cut.sum, 0);
     EXPECT_EQ(expected.lost.cut.bound, 0);
+}
+
+// The eye is in a crystal that absorbs, 4 from a face with corners 300 away. t errs by the
+// corners' last digits, which is more than its own, and what is left of the light by as much.
+TEST_F(OpticsTest, LightFadesByAWayThatErrsWithItsFacesCorners) {
+    Scene scene = emptyScene();
+    scene.ambient = Color(1);
+    const uint32_t glass = addGlass(scene, 1.5);
+    scene.materials[glass].attenuation = {3, 2, 1};
+    scene.materials[glass].ambient = Color(0.7);
+    const glm::dmat3 turned = rotation({1, 2, 3}, 50).linear;
+    auto crystal = std::make_shared<Mesh>();
+    for (const dvec3& p : {dvec3(-300, -200, 4), dvec3(250, -180, 4), dvec3(20, 330, 4), dvec3(0, 0, -300)})
+        crystal->positions.push_back(turned * p);
+    crystal->corners = {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}};
+    scene.objects.push_back({"", MeshShape{crystal}, glass, std::nullopt});
+    look(scene, {0, 0, 0}, turned * dvec3(0, 0, 1));
+    scene.camera.projection = Projection::Perspective;
+    scene.camera.fovY = 60;
+    const Case c = makeCase(scene, 48, 36);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    EXPECT_TRUE(report.passed());
+    EXPECT_EQ(report.explained() + report.unexplained, 0u);
 }
 
 // Between two facing panes each reflection leaves a branch waiting. The account of the 17th: the reflected

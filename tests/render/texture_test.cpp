@@ -150,6 +150,27 @@ TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
     }
 }
 
+// Each object counts the cubes that it shows itself from near itself, whatever other objects show, and one
+// that shows two checkers of one size those of both.
+TEST_F(TextureTest, SolidCheckersOfTwoSizesKeepTheirCubesFarOut) {
+    const Case c = textCase(
+        R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 2, "transform": [{"translate": [3, 5, -7]}], "material": "m"},
+            {"type": "sphere", "center": [0, 0, 0], "radius": 1, "transform": [{"translate": [4, 8, -9]}], "material": "n"}],
+            "camera": {"type": "orthographic", "eye": [2, 10, -8], "target": [3, 5, -7], "height": 6},
+            "ambient": 1, "lights": [{"type": "directional", "direction": [1, -3, 2]}], "materials": {
+            "m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [298.116, 5587.24, 25022.0969]},
+                  "diffuse": {"checker": [0.1, 0.9], "scale": 2.08, "solid": true, "corner": [-6298.4, 7.24, 25021.31]}},
+            "n": {"ambient": {"checker": [0.3, 0.7], "scale": 3.08, "solid": true, "corner": [9298.1, -7.3, -25022.7]}}}})",
+        160, 120);
+    Renderer renderer(device(), c.packed, {});
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    EXPECT_TRUE(report.passed());
+    EXPECT_EQ(report.explained() + report.representation->explained, 0u);
+}
+
 // Whole numbers added to coordinates change nothing as long as they have digits left; beyond 1e9 they are 0.
 TEST_F(TextureTest, GreatCoordinatesStayInTheImage) {
     Texture far{ImageTexture{"q", quadImage(), Wrap::Repeat, Wrap::Repeat, TexelFilter::Nearest}, dvec2(1),
