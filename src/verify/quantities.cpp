@@ -58,17 +58,25 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data) {
 
 namespace {
 
-// What the numbers of the first hit are sums of, and what its normal may be turned by, in units.
+// What the numbers of the first hit are sums of, and what its normal may be turned by, in units. slant: of a
+// triangle 1 / the cosine between ray and normal. Its test sees the edges moved sideways by units of the
+// corners' distance (explain.cpp), and along the ray, and in shares of the triangle, that is so much more.
 struct Reach {
-    double way, turn;
+    double way, turn, slant;
 };
 
 Reach reachOf(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
     const reference::Surface& surface = *record.surface;
-    const double way = record.hit->t + greatest(ray.origin) + ray.originScale +
-                       (isTriangle(*record.hit) ? surface.scale : greatest(surface.position));
+    double way = record.hit->t + greatest(ray.origin) + ray.originScale, slant = 1;
+    if (isTriangle(*record.hit)) {
+        const double cosine = glm::dot(surface.geometricNormal, glm::normalize(ray.direction));
+        slant = 1 / std::max(std::abs(cosine), kFloatUnit);
+        way += surface.scale * slant;
+    } else {
+        way += greatest(surface.position);
+    }
     const double gain = record.hit->instance == shared::kNone ? 0 : scene.instanceGain;
-    return {way, 12 + reference::normalError(surface.bend, way, gain)};
+    return {way, 12 + reference::normalError(surface.bend, way, gain), slant};
 }
 
 }  // namespace
@@ -83,14 +91,14 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     for (int i = 0; i < 3; ++i) f[static_cast<size_t>(i)] = record.rounding[i] + 0x1p-120;
     if (!record.hit) return f;
     const reference::Surface& surface = *record.surface;
-    const auto [way, turn] = reachOf(scene, record, ray);
+    const auto [way, turn, slant] = reachOf(scene, record, ray);
     f[kDepth] = 16 * kFloatUnit * way;
     for (size_t i = 0; i < 3; ++i) {
         f[kPosition + i] = 16 * kFloatUnit * way + 0x1p-50 * greatest(scene.origin);
         f[kNormal + i] = f[kGeometric + i] = turn * kFloatUnit;
     }
-    f[kU] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.x);
-    f[kV] = 16 * kFloatUnit * std::max(1.0, surface.uvScale.y);
+    f[kU] = 16 * kFloatUnit * std::max(slant, surface.uvScale.x);
+    f[kV] = 16 * kFloatUnit * std::max(slant, surface.uvScale.y);
     return f;
 }
 
@@ -103,7 +111,7 @@ bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record,
                  const PixelData& device) {
     if (!record.hit) return device.clearance == 0;
     const reference::Surface& surface = *record.surface;
-    const auto [way, turn] = reachOf(scene, record, ray);
+    const auto [way, turn, ignored] = reachOf(scene, record, ray);
     const glm::dvec3 error = surface.error;
     if (std::isnan(error.x)) return true;  // of a cone, where its two sums meet
     const glm::dvec3 seen = glm::abs(glm::dvec3(device.geometricNormal));

@@ -1,8 +1,10 @@
 #include "verify/representation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "reference/truth/truth.h"
@@ -25,6 +27,16 @@ constexpr uint64_t kLastScenes = 1024;
 // more of the random moves, and of two such moves one is 5 times as long as the other in one case of ten, of
 // ten the longest hardly ever.
 constexpr double kMoveGain = 4;
+
+// Some kMaxKappaPixels of those asked. splitmix64 (Steele, Lea, Flood 2014).
+bool isProbed(int x, int y, uint32_t sample, size_t asked) {
+    uint64_t z =
+        (static_cast<uint64_t>(sample) << 40 | static_cast<uint64_t>(y) << 20 | static_cast<uint64_t>(x)) *
+        0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z % std::max<size_t>(asked, 1) < kMaxKappaPixels;
+}
 
 double greatestDifference(const glm::dvec3& a, const glm::dvec3& b) {
     const glm::dvec3 d = glm::abs(a - b);
@@ -51,7 +63,11 @@ RepresentationCheck::RepresentationCheck(const Scene& read, const PackedScene& p
       camera_(reference::truthCamera(read.camera, options.width, options.height, packed.origin)),
       rounded_(rounded),
       roundedCamera_(camera),
-      rows_(static_cast<size_t>(options.height)) {}
+      rows_(static_cast<size_t>(options.height)) {
+    asked_ = static_cast<size_t>(options.width) * static_cast<size_t>(options.height);
+    if (asked_ > kSmallPicture) asked_ /= 4;
+    asked_ *= options.samples.round;
+}
 
 bool RepresentationCheck::asks(int x, int y, uint32_t sample) const {
     const size_t pixels = static_cast<size_t>(options_.width) * static_cast<size_t>(options_.height);
@@ -63,9 +79,9 @@ bool RepresentationCheck::asks(int x, int y, uint32_t sample) const {
 }
 
 reference::Ray RepresentationCheck::rayOf(const reference::Tracer& tracer,
-                                          const reference::rows::Camera& camera, const Doubt& doubt) const {
-    return tracer.cameraRay(camera, doubt.x + doubt.film.offset.x, doubt.y + doubt.film.offset.y,
-                            doubt.film.lens);
+                                          const reference::rows::Camera& camera, int x, int y,
+                                          const reference::FilmSample& film) const {
+    return tracer.cameraRay(camera, x + film.offset.x, y + film.offset.y, film.lens);
 }
 
 void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference::FilmSample& s,
@@ -81,6 +97,7 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
     doubt.difference = greatestDifference(rounded.color, truth.color);
     row.differences.push_back(static_cast<float>(doubt.difference));
     row.squares += glm::dot(d, d);
+    if (isProbed(x, y, sample, asked_)) row.probed.push_back({x, y, s});
     doubt.decisions = truth.decisions;
     doubt.samePath = truth.pathHash == rounded.pathHash;
     if (doubt.samePath) {
@@ -142,6 +159,37 @@ void RepresentationCheck::searchOn(Doubt& doubt, bool persistently) const {
     if (pixel.reason != Reason::Unexplained) doubt.state = Doubt::State::Explained;
 }
 
+// What rays tell of how much hangs on rounding, numbers may exceed: of facets a hundredth of the scene in
+// size the corners' last places turn the normals by a hundred units, behind each of which a ray goes on.
+double RepresentationCheck::changedShare() const {
+    std::vector<Place> places;
+    for (const Row& row : rows_) places.insert(places.end(), row.probed.begin(), row.probed.end());
+    std::vector<reference::PixelRecord> still(places.size());
+    parallelFor(places.size(), [&](size_t i) {
+        still[i] = truth_.trace(rayOf(truth_, camera_, places[i].x, places[i].y, places[i].film));
+    });
+    Sensitivity sensitivity;
+    sensitivity.tried = places.size();
+    for (const bool widely : {false, true}) {
+        std::atomic<uint64_t> changed = 0;
+        const double units = widely ? kWideUnits : 1;
+        for (uint64_t seed = 1; seed <= kFirstScenes; ++seed) {
+            const auto moved =
+                std::make_shared<const reference::Model>(reference::disturbed(*model_, seed, units));
+            const reference::Tracer tracer(moved, options_, radianceBound_);
+            const reference::rows::Camera camera = reference::disturbed(camera_, seed, units);
+            parallelFor(places.size() / kFirstScenes + 1, [&](size_t turn) {
+                const size_t i = turn * kFirstScenes + seed - 1;
+                if (i >= places.size()) return;
+                const reference::Ray ray = rayOf(tracer, camera, places[i].x, places[i].y, places[i].film);
+                changed += isOtherwise(still[i], tracer.trace(ray));
+            });
+        }
+        (widely ? sensitivity.changedWidely : sensitivity.changed) = changed;
+    }
+    return sensitivity.changedShare();
+}
+
 RepresentedPixel RepresentationCheck::pixelOf(const Doubt& doubt) const {
     RepresentedPixel pixel;
     pixel.x = doubt.x;
@@ -173,6 +221,13 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
     result.p99 = percentile99(std::move(differences));
     const double share = sensitivity.tieShare() + kShareOfPrediction * sensitivity.changedShare();
     result.allowed = greatestCount(share * static_cast<double>(result.asked));
+    bool probed = false;
+    const auto areTooMany = [&](size_t count) {
+        if (count <= result.allowed || std::exchange(probed, true)) return count > result.allowed;
+        const double changed = kShareOfPrediction * changedShare() * static_cast<double>(result.asked);
+        result.allowed = std::max(result.allowed, greatestCount(changed));
+        return count > result.allowed;
+    };
     uint64_t drawn = 0;
     const auto drawUpTo = [&](uint64_t last) {
         while (drawn < last && !open.empty()) draw(++drawn, 1, open);
@@ -183,8 +238,8 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
     do {
         before = open.size();
         drawUpTo(std::max(kMovedScenes, 3 * drawn));
-    } while (open.size() > result.allowed && 2 * open.size() <= before && drawn < kLastScenes);
-    if (open.size() <= result.allowed) {
+    } while (areTooMany(open.size()) && 2 * open.size() <= before && drawn < kLastScenes);
+    if (!areTooMany(open.size())) {
         parallelFor(open.size(), [&](size_t i) { searchOn(*open[i], false); });
         std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
         drawUpTo(kLastScenes);
@@ -200,6 +255,7 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
         result.unexplained += doubt->state == Doubt::State::Unexplained;
         if (doubt->state != Doubt::State::Predicted) shown.push_back(doubt);
     }
+    areTooMany(result.explained);
     std::sort(shown.begin(), shown.end(), [](const Doubt* a, const Doubt* b) {
         if (a->state != b->state) return a->state == Doubt::State::Unexplained;
         return std::tuple(-a->difference, a->y, a->x) < std::tuple(-b->difference, b->y, b->x);

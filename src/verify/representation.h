@@ -30,7 +30,9 @@ struct Representation {
     // Beyond what the truth's own response predicts: given by some rounding of the scene, or a defect in
     // packing.
     uint64_t explained = 0, unexplained = 0;
-    uint64_t allowed = 0;                    // how many may be explained, as of the device's
+    // How many may be explained: as of the device's, or, where these are more, as many as the truth sees
+    // otherwise for its numbers moved.
+    uint64_t allowed = 0;
     double rmse = 0, p99 = 0, greatest = 0;  // of colour, between both scenes
     std::vector<RepresentedPixel> worst;     // unexplained first, then by difference
     bool passed() const { return unexplained == 0 && explained <= allowed; }
@@ -70,14 +72,24 @@ class RepresentationCheck {
         std::vector<Class> classes;
         enum class State { Open, Predicted, Explained, Unexplained } state = State::Open;
     };
+    struct Place {
+        int x, y;
+        reference::FilmSample film;
+    };
     struct Row {
         std::vector<float> differences;
         double squares = 0;
         std::vector<Doubt> doubts;
+        std::vector<Place> probed;  // a few of those asked, at random
     };
     bool asks(int x, int y, uint32_t sample) const;
+    reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera, int x, int y,
+                         const reference::FilmSample& film) const;
     reference::Ray rayOf(const reference::Tracer& tracer, const reference::rows::Camera& camera,
-                         const Doubt& doubt) const;
+                         const Doubt& doubt) const {
+        return rayOf(tracer, camera, doubt.x, doubt.y, doubt.film);
+    }
+    double changedShare() const;
     void draw(uint64_t seed, double units, std::vector<Doubt*>& open) const;
     void searchOn(Doubt& doubt, bool persistently) const;
     RepresentedPixel pixelOf(const Doubt& doubt) const;
@@ -91,6 +103,7 @@ class RepresentationCheck {
     const reference::Tracer& rounded_;
     const shared::Camera& roundedCamera_;
     std::vector<Row> rows_;
+    size_t asked_;  // about as many pixels
 };
 
 }  // namespace glint::verify

@@ -27,6 +27,13 @@ bool isTie(const reference::PixelRecord& a, const reference::PixelRecord& b) {
 
 }  // namespace
 
+bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
+    if (still.pathHash != moved.pathHash) return true;
+    if (still.decisions == moved.decisions) return false;
+    const glm::dvec3 d = glm::abs(still.color - moved.color);
+    return glm::any(glm::greaterThan(d, still.rounding));
+}
+
 double percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;
     const double last = static_cast<double>(values.size() - 1);
@@ -50,13 +57,6 @@ namespace {
 struct RowCounts {
     uint64_t changed = 0, changedWidely = 0, ties = 0;
 };
-
-bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved) {
-    if (still.pathHash != moved.pathHash) return true;
-    if (still.decisions == moved.decisions) return false;
-    const glm::dvec3 d = glm::abs(still.color - moved.color);
-    return glm::any(glm::greaterThan(d, still.rounding));
-}
 
 // The greatest change of one unit.
 double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint64_t seed, int seeds,

@@ -40,6 +40,9 @@ inline constexpr double kWideUnits = 32;
 // A pixel of cell number `cell` of step x step pixels, at random.
 glm::ivec2 placeInCell(size_t cell, int step);
 
+// Whether a pixel is seen otherwise: by another path, or by other decisions and another colour.
+bool isOtherwise(const reference::PixelRecord& still, const reference::PixelRecord& moved);
+
 // Of the pixels' samples in turns.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
                           int height, const PackedSamples& samples, int seeds = 3);

@@ -12,7 +12,7 @@ class NearSolidsTest : public RenderTest {
   protected:
     // What verify says of a picture of one shape.
     static verify::Report seen(const Shape& shape, const std::optional<Affine>& transform, const dvec3& eye,
-                               const dvec3& target) {
+                               const dvec3& target, double fovY = 90) {
         Scene scene = emptyScene();
         scene.materials[addMaterial(scene, Color(0.7))].specular = Color(0.3);
         scene.objects.push_back({"/objects/0", shape, 0});
@@ -20,7 +20,7 @@ class NearSolidsTest : public RenderTest {
         scene.lights.push_back(PointLight{eye + dvec3(1, 3, 2), Color(1)});
         scene.camera.eye = eye;
         scene.camera.target = target;
-        scene.camera.fovY = 90;
+        scene.camera.fovY = fovY;
         const Case c = makeCase(scene, 48, 36);
         Renderer renderer(device(), c.packed);
         verify::Options options;
@@ -55,6 +55,12 @@ TEST_F(NearSolidsTest, ConesWithATip) {
     const ConeShape cone{{-101, -10, 0}, {-101, 400, 0}, 100, 0, true};
     for (const dvec3 target : {dvec3(0, 2, 3), dvec3(-101, 380, 0)})
         expectExact(seen(cone, turned, turned.linear * dvec3(1.5, 0, 0), turned.linear * target));
+}
+
+// Corners sixty times as far away as the hits, which are seen aslant.
+TEST_F(NearSolidsTest, TrianglesSeenAslant) {
+    const TriangleShape triangle{{{59, 98.9, 1456}, {-17.3, -114, 2794}, {-33.6, 36.4, -1914}}};
+    expectExact(seen(triangle, std::nullopt, {10.76, 25.45, 34.13}, {-2.27, -0.2, 2.08}, 40));
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // Does verify find a defect in packing? Both tracers read the packed scene, so neither differs from the
 // other: only the truth does, which packs nothing. Each defect is put into the packed scene by hand.
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <utility>
 
+#include "scene/transform.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -245,6 +248,51 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
     const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.representation->explained, 0u);
+}
+
+// A ball of glass of so many meridians and parallels, whose facets are small: a corner's last place turns one
+// by as much as a ray by dozens of its own, and behind each facet a ray goes on.
+std::shared_ptr<const Mesh> facettedBall(uint32_t meridians, uint32_t parallels) {
+    Mesh mesh;
+    for (uint32_t i = 0; i <= parallels; ++i) {
+        for (uint32_t j = 0; j < meridians; ++j) {
+            const double polar = std::numbers::pi * i / parallels,
+                         turn = 2 * std::numbers::pi * j / meridians;
+            mesh.positions.push_back(
+                {std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn)});
+            const uint32_t next = (j + 1) % meridians, here = i * meridians, above = here - meridians;
+            if (i > 1) mesh.corners.push_back({above + j, above + next, here + next});
+            if (i > 0 && i < parallels) mesh.corners.push_back({above + j, here + next, here + j});
+        }
+    }
+    return std::make_shared<const Mesh>(std::move(mesh));
+}
+
+TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
+    Scene scene = emptyScene();
+    scene.background = Color(0.5);
+    scene.maxDepth = 16;
+    scene.textures.push_back({CheckerTexture{Color(0.1), Color(0.9)}});
+    scene.materials[0].diffuseTexture = 0;
+    scene.lights.push_back(DirectionalLight{});
+    scene.objects.push_back({"", PlaneShape{{0, -1, 0}, {0, 1, 0}}});
+    Material glass;
+    glass.transmission = Color(0.9);
+    glass.ior = 1.33;
+    scene.materials.push_back(glass);
+    scene.objects.push_back({"", MeshShape{facettedBall(80, 20)}, 1});
+    scene.objects.back().transform = then(scaling({0.3, 0.35, 0.32}), rotation({0.5, -0.4, -0.7}, 290));
+    scene.camera.eye = {0.27, -0.63, 1.87};
+    scene.camera.target = {0, 0, 0};
+    scene.camera.fovY = 30;
+    const Case c = makeCase(scene, 64, 48);
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    EXPECT_TRUE(report.passed());
+    EXPECT_GT(report.representation->explained, report.allowedOthers()) << "more than moved rays predict";
 }
 
 }  // namespace
