@@ -127,12 +127,12 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     std::snprintf(line, sizeof(line),
                   "    %llu pixels; beyond their predicted error: %llu edge, %llu rounding (at most %llu), "
                   "%llu tie (at most %llu), %llu unexplained\n"
-                  "    of %llu pixels the reference sees %llu otherwise for rays moved by 2^-24, %llu by 32 "
+                  "    of %llu pixels the reference sees %.3g otherwise for rays moved by 2^-24, %llu by 32 "
                   "times that\n"
                   "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
                   number(report.pixels), number(report.edges), number(report.roundings),
                   number(report.allowedOthers()), number(report.ties), number(report.allowedTies()),
-                  number(report.unexplained), number(s.tried), number(s.changed), number(s.changedWidely),
+                  number(report.unexplained), number(s.tried), s.changedByOne(), number(s.changedWidely),
                   report.rmse, report.rmseSamePath, report.maxSamePath);
     out << line;
     if (report.plainDiffers > 0)

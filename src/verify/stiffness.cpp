@@ -66,9 +66,8 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
     for (int i = 1; i <= seeds; ++i) {
         const reference::PixelRecord moved = tracer.trace(ray, {seed + static_cast<uint64_t>(i), 1});
         change = std::max(change, greatestChange(still.color, moved.color));
-        if (i > 1) continue;
         const bool tie = isTie(still, moved);
-        counts.ties += tie;
+        counts.ties += i == 1 && tie;
         counts.changed += !tie && isOtherwise(still, moved);
     }
     const reference::PixelRecord moved = tracer.trace(ray, {seed, kWideUnits});
@@ -94,8 +93,8 @@ double Sensitivity::changedShare() const {
     if (tried == 0) return 0;
     const double all = static_cast<double>(tried);
     const double byWidth = greatestMean(changedWidely) / kWideUnits;
-    const double atOne = greatestMean(changed);
-    const bool chaotic = static_cast<double>(changed) > byWidth;
+    const double atOne = greatestMean(changed) / static_cast<double>(moves);
+    const bool chaotic = changedByOne() > byWidth;
     return std::min((chaotic ? atOne : byWidth) / all, 1.0);
 }
 
@@ -128,6 +127,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
     });
     Sensitivity result;
     result.tried = changes.size();
+    result.moves = static_cast<uint64_t>(seeds);
     for (const RowCounts& row : counts) {
         result.changed += row.changed;
         result.changedWidely += row.changedWidely;

@@ -23,13 +23,15 @@ struct Sensitivity {
     double kappa = 0;
     // An upper limit of it: the order statistic that the true percentile exceeds with a chance of 1e-3.
     double kappaLimit = 0;
-    uint64_t tried = 0;  // pixels, one move each
-    // Of those tried, which the reference itself sees otherwise for rays moved by up to one unit, and by up
-    // to kWideUnits: other primitives, or other decisions and a colour off by more than arithmetic. Where
-    // first hits tie, `ties` at one unit and nothing else. Identical surfaces do not tie (Jitter): the device
-    // has to follow the rule for equal t.
+    uint64_t tried = 0;  // pixels, with so many moves of one unit each, and one of kWideUnits
+    uint64_t moves = 1;
+    // Of those moves, for which the reference itself sees a pixel otherwise: `changed` of all of one unit,
+    // `changedWidely` of kWideUnits: other primitives, or other decisions and a colour off by more than
+    // arithmetic. Where first hits tie, `ties` at one unit and nothing else. Identical surfaces do not tie
+    // (Jitter): the device has to follow the rule for equal t.
     uint64_t changed = 0, changedWidely = 0, ties = 0;
 
+    double changedByOne() const { return static_cast<double>(changed) / static_cast<double>(moves); }
     // The share of pixels that a move of one unit changes: an upper limit with kConfidence. Edges are as wide
     // as the move, so that a wide one counts for as many; where more than that change at one unit, paths are
     // chaotic, and they are counted at one unit alone.

@@ -206,6 +206,8 @@ TEST(Sensitivity, WideMovesCountForAsManyUnits) {
     EXPECT_NEAR(s.changedShare(), greatestMean(100) / kWideUnits / 1000, 1e-12);
     s.changed = 50;  // chaotic: far more than a thirty-second of them
     EXPECT_NEAR(s.changedShare(), greatestMean(50) / 1000, 1e-12);
+    s.moves = 3;  // by all three together
+    EXPECT_NEAR(s.changedShare(), greatestMean(50) / 3 / 1000, 1e-12);
     EXPECT_EQ(s.tieShare(), 0);
     s.ties = 5;
     EXPECT_NEAR(s.tieShare(), 2 * greatestMean(5) / 1000, 1e-12);
