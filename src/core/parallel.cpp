@@ -4,16 +4,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/call_terms.h"
 
 namespace glint {
-namespace {
 
 // The state of one parallelFor call; each of its threads runs work().
 class IndexLoop {
@@ -61,7 +62,84 @@ class IndexLoop {
     std::exception_ptr exception_;
 };
 
+namespace {
+
+// Of KeptThreads; null: none.
+thread_local KeptThreads::Team* teamInForce = nullptr;
+
+// Fewer where no further thread is to be had (a limit on processes): those that run do the work.
+template <class Body>
+void startUpTo(size_t count, std::vector<std::jthread>& threads, const Body& body) {
+    try {
+        while (threads.size() < count) threads.emplace_back(body);
+    } catch (const std::system_error&) {
+    }
+}
+
 }  // namespace
+
+class KeptThreads::Team {
+  public:
+    ~Team() {
+        {
+            const std::lock_guard lock(mutex_);
+            ended_ = true;
+        }
+        called_.notify_all();
+    }
+
+    // False, and nothing is done, in a body of the same thread's.
+    bool run(IndexLoop& loop, size_t helpers, const CallTerms* terms) {
+        if (busy_) return false;
+        busy_ = true;
+        startUpTo(helpers, threads_, [this] { serve(); });
+        {
+            const std::lock_guard lock(mutex_);
+            loop_ = &loop;
+            terms_ = terms;
+            places_ = helpers;
+        }
+        for (size_t i = 0; i < helpers; ++i) called_.notify_one();
+        loop.work();
+        std::unique_lock lock(mutex_);
+        places_ = 0;  // who has not come by now is not waited for
+        left_.wait(lock, [this] { return working_ == 0; });
+        busy_ = false;
+        return true;
+    }
+
+  private:
+    void serve() {
+        std::unique_lock lock(mutex_);
+        for (;;) {
+            called_.wait(lock, [this] { return ended_ || places_ > 0; });
+            if (ended_) return;
+            --places_;
+            ++working_;
+            IndexLoop* const loop = loop_;
+            const CallTerms* const terms = terms_;
+            lock.unlock();
+            loop->workFor(terms);
+            lock.lock();
+            if (--working_ == 0) left_.notify_one();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable called_, left_;
+    IndexLoop* loop_ = nullptr;
+    const CallTerms* terms_ = nullptr;
+    size_t places_ = 0, working_ = 0;
+    bool ended_ = false;
+    bool busy_ = false;                  // of the thread that has the team
+    std::vector<std::jthread> threads_;  // joined before anything else goes
+};
+
+KeptThreads::KeptThreads()
+    : team_(std::make_unique<Team>()), before_(std::exchange(teamInForce, team_.get())) {}
+KeptThreads::~KeptThreads() {
+    teamInForce = before_;
+}
 
 unsigned defaultThreadCount() {
     // The affinity mask and not hardware_concurrency(): containers and taskset narrow the former only.
@@ -79,15 +157,10 @@ void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned
     if (threads == 0) threads = terms != nullptr ? terms->threads : 0;
     const size_t wanted = std::min<size_t>(count, threads == 0 ? defaultThreadCount() : threads);
     IndexLoop loop(count, body);
-    {
+    const bool kept = wanted > 1 && teamInForce != nullptr && teamInForce->run(loop, wanted - 1, terms);
+    if (!kept) {
         std::vector<std::jthread> helpers;  // joined at the end of this block
-        try {
-            for (size_t i = 1; i < wanted; ++i) {
-                helpers.emplace_back([&loop, terms] { loop.workFor(terms); });
-            }
-        } catch (const std::system_error&) {
-            // No further thread to be had (a limit on processes): those that run do the work.
-        }
+        if (wanted > 1) startUpTo(wanted - 1, helpers, [&loop, terms] { loop.workFor(terms); });
         loop.work();
     }
     loop.rethrow();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/call_terms.h"
+#include "core/parallel.h"
 #include "glint/glint.h"
 
 namespace glint::library {
@@ -46,7 +47,10 @@ glint_status guarded(Body&& body) noexcept {
 template <class Body>
 glint_status guarded(const CallTerms* terms, Body&& body) noexcept {
     const CallScope scope(terms);
-    return guarded(std::forward<Body>(body));
+    return guarded([&] {
+        const KeptThreads threads;  // a query's pieces are several loops each
+        body();
+    });
 }
 
 // A caller's struct as this version knows it: what an older caller did not have is zero. `what` names it.
