@@ -17,7 +17,8 @@ unsigned defaultThreadCount();
 void parallelFor(size_t count, const std::function<void(size_t)>& body, unsigned threads = 0);
 
 // While it lives, the threads that parallelFor starts for the thread that made it wait for its next call
-// instead of ending: to start one costs as much as thousands of rays. Starts none itself; the innermost holds.
+// instead of ending: to start one costs as much as thousands of rays. Starts none itself; the innermost
+// holds.
 class KeptThreads {
   public:
     KeptThreads();

@@ -3,12 +3,17 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "core/call_terms.h"
 
 namespace glint::parallel_test {
 namespace {
@@ -98,6 +103,104 @@ TEST(ParallelFor, MayBeNested) {
         },
         2);
     EXPECT_EQ(calls, 64);
+}
+
+// How often the thread at hand has been in a loop.
+thread_local int visitsOfThread = 0;
+
+// The least and the most visits of the threads that have been in the next loop, which is all four.
+std::pair<int, int> visitsOfFour() {
+    std::atomic<int> arrived{0};
+    std::mutex mutex;
+    std::vector<int> visits;
+    parallelFor(
+        4,
+        [&](size_t) {
+            ++arrived;
+            while (arrived < 4) std::this_thread::yield();
+            const std::lock_guard lock(mutex);
+            visits.push_back(++visitsOfThread);
+        },
+        4);
+    const auto [least, most] = std::minmax_element(visits.begin(), visits.end());
+    return {*least, *most};
+}
+
+TEST(KeptThreads, AreThoseOfTheLoopBefore) {
+    visitsOfThread = 0;
+    {
+        const KeptThreads threads;
+        for (int loop = 1; loop <= 20; ++loop)
+            EXPECT_EQ(visitsOfFour(), (std::pair{loop, loop})) << "in loop " << loop;
+    }
+    EXPECT_EQ(visitsOfFour(), (std::pair{1, 21})) << "new ones once they are not kept";
+}
+
+TEST(KeptThreads, EveryIndexOnceInEachOfManyLoops) {
+    const KeptThreads threads;
+    std::vector<std::atomic<int>> visits(64);
+    for (int loop = 0; loop < 2000; ++loop) {
+        const auto wanted = static_cast<unsigned>(2 + loop % 3);
+        parallelFor(
+            visits.size(), [&](size_t i) { ++visits[i]; }, wanted);
+        for (size_t i = 0; i < visits.size(); ++i) ASSERT_EQ(visits[i], loop + 1) << i << " in loop " << loop;
+    }
+}
+
+TEST(KeptThreads, WorkOnTheTermsOfEachCall) {
+    const KeptThreads threads;
+    std::array<CallTerms, 2> each;
+    for (CallTerms& terms : each) terms.threads = 4;
+    for (size_t loop = 0; loop < 50; ++loop) {
+        const CallTerms& terms = each[loop % 2];
+        const CallScope scope(&terms);
+        std::atomic<int> arrived{0}, others{0};
+        parallelFor(4, [&](size_t) {
+            ++arrived;
+            while (arrived < 4) std::this_thread::yield();
+            if (CallScope::current() != &terms) ++others;
+        });
+        ASSERT_EQ(others, 0) << "in loop " << loop;
+    }
+}
+
+TEST(KeptThreads, ExceptionsAndNestedLoopsAsWithoutThem) {
+    const KeptThreads threads;
+    for (int loop = 0; loop < 20; ++loop) {
+        EXPECT_THROW(parallelFor(
+                         1000, [](size_t) { throw std::runtime_error("each"); }, 4),
+                     std::runtime_error);
+        std::atomic<int> calls{0};
+        parallelFor(
+            8,
+            [&](size_t) {
+                parallelFor(
+                    8, [&](size_t) { ++calls; }, 2);
+            },
+            2);
+        EXPECT_EQ(calls, 64);
+    }
+}
+
+TEST(KeptThreads, AreNotWaitedForByALoopWithinTheirOwn) {
+    const KeptThreads threads;
+    const std::thread::id caller = std::this_thread::get_id();
+    std::atomic<int> arrived{0}, calls{0};
+    std::atomic<bool> done{false};
+    parallelFor(
+        2,
+        [&](size_t) {
+            ++arrived;
+            while (arrived < 2) std::this_thread::yield();
+            if (std::this_thread::get_id() == caller) {
+                parallelFor(
+                    8, [&](size_t) { ++calls; }, 2);
+                done = true;
+            }
+            while (!done) std::this_thread::yield();  // for what the other does after its loop
+        },
+        2);
+    EXPECT_EQ(calls, 8);
 }
 
 TEST(DefaultThreadCount, FollowsTheAffinityMask) {
