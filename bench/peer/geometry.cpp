@@ -61,7 +61,7 @@ Geometry::~Geometry() {
 }
 
 Geometry::Item Geometry::itemOf(const Object& object) {
-    frames_.push_back(objectFrame(object, origin_, {}));
+    frames_.push_back(objectFrame(scene_, object, origin_, {}));
     Item item;
     item.frame = static_cast<uint32_t>(frames_.size() - 1);
     item.material = object.material;
