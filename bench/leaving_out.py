@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the code of each feature costs a scene that does not use it: code, compile time, rays a second, memory.
 
-    bench/leaving_out.py [--page docs/lab/leaving-out.md] [--traversal lane|packet|bvh4|cwbvh] [--quick]
+    bench/leaving_out.py [--page docs/lab/leaving-out.md] [--traversal lane|packet|bvh4|cwbvh] [--only FEATURE,...] [--quick]
 
 The scene is 100,000 triangles under one light, matte: it needs nothing but triangles and pointLights. `glint bench --with FEATURE` draws it with
 a pipeline that holds the code of one feature more, `--full` with that of all. SPIR-V is what the driver is given, machine instructions what
@@ -10,7 +10,7 @@ it made of it (lavapipe only; needs zstd and objdump, see kernel_code.py).
 All take turns, several rounds of them, and every third run is of the pipeline that holds what the scene needs alone. Each run is compared with
 the nearest of these in its round, so that what else the machine does meets both; the rounds' ratios have a median and quartiles. How far two
 runs of the same pipeline are apart is measured in the same way: a row whose quartiles overlap those says that it is within noise. About
-six minutes on two idle cores.
+six minutes on two idle cores. `--only` measures some features, into a table of their own.
 """
 import pathlib
 import re
@@ -113,6 +113,7 @@ def main():
     parser = measure.arguments(__doc__)
     parser.add_argument("--traversal", default="auto")
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", type=lambda text: text.split(","))
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -127,19 +128,21 @@ def main():
         used = run("")["features"]
         shutil.rmtree(folder / "cache-")
         extra = ["spheres", "transmission"] if options.quick else [f for f in features(options.glint, scene) if f not in used]
-        first, pairs = take_turns(run, [*extra, "full"], 2 if options.quick else options.rounds)
+        extra = options.only or extra
+        all_code = [] if options.only else ["full"]
+        first, pairs = take_turns(run, [*extra, *all_code], 2 if options.quick else options.rounds)
     noise = ratios(pairs[""], processors)
     rows = [row("**what the scene needs**", first[""], pairs[""], None)] + [row(n, first[n], pairs[n], noise) for n in extra]
-    rows += [row("**everything (`--full`)**", first["full"], pairs["full"], noise)]
+    rows += [row("**everything (`--full`)**", first[n], pairs[n], noise) for n in all_code]
     header = ["code of", "SPIR-V, KiB", "machine instructions", "compile, ms, cold", "primary rays/s", "shadow rays/s", "processor time", "verdict",
               "host, MiB", "device, MiB", "picture"]
     base, absolute = first[""], [run for run, _ in pairs[""]]
     median = lambda figure: statistics.median(figure(r) for r in absolute)
-    publish = (f"{measure.machine(base)}, {base['traversal']}s, 512 x 512, {len(pairs['full'])} rounds. What the scene needs: primary "
+    publish = (f"{measure.machine(base)}, {base['traversal']}s, 512 x 512, {len(pairs[extra[0]])} rounds. What the scene needs: primary "
                f"{median(lambda r: rate(r, 'primary')) / 1e6:.3g}, shadow {median(lambda r: rate(r, 'shadow')) / 1e6:.3g} Mrays/s, "
                f"{median(processors) * 1e3:.3g} ms of processor time a picture; all else against it, in turns: median (quartiles).\n\n"
                + measure.table(header, rows))
-    measure.publish(options.page, "leaving_out", publish)
+    measure.publish(options.page, "leaving_out_only" if options.only else "leaving_out", publish)
 
 
 if __name__ == "__main__":
