@@ -40,7 +40,7 @@ uint traceNearest(inout Traversal traversal, Environment environment, uint slot,
     do {
         if (going) {
             left = trace(traversal, environment, slot, place);
-            going = looksLast() && kBounces && meetsBehind(ray, traversal.hit);
+            going = looksLast(false) && kBounces && meetsBehind(ray, traversal.hit);
             if (going) {
                 ray.tMin = traversal.hit.t;
                 traversal.ray = ray;

@@ -23,8 +23,10 @@ void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint
 bool isShadowRay(Traversal traversal) {
 #ifdef GLINT_BOTH_HITS
     return traversal.any;
-#else
+#elif defined(GLINT_SHADOW_RAYS)
     return true;
+#else
+    return false;
 #endif
 }
 
@@ -35,9 +37,11 @@ const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 const bool kMayGoThrough = FEATURE_ALPHA_MASK;
 #endif
 
-// See kLooksAgain.
-bool looksAtOnce() { return kLooksAgain && (MODE_RESUME || kMayGoThrough); }
-bool looksLast() { return kLooksAgain && !looksAtOnce(); }
+// See kLooksAgain. Light goes through dielectrics, nearest hits through holes alone.
+bool looksAtOnce(bool shadowRay) {
+    return kLooksAgain && (MODE_RESUME || FEATURE_ALPHA_MASK || (shadowRay && kMayGoThrough));
+}
+bool looksLast(bool shadowRay) { return kLooksAgain && !looksAtOnce(shadowRay); }
 
 // The primitive that the ray starts on, in whatever space it is.
 uint sourceOf(Traversal traversal) {
@@ -63,7 +67,8 @@ bool mayBeOpen(uint kind) { return FEATURE_OPEN_PLANES || kind != kKindPlane; }
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
     bool counts = isHit;
-    if (looksAtOnce() && kind == kKindTriangle && isHit && sourceOf(traversal) != kNone) {
+    if (looksAtOnce(isShadowRay(traversal)) && kind == kKindTriangle && isHit &&
+        sourceOf(traversal) != kNone) {
         Triangle triangle = loadTriangle(primitive & kPrimitiveIndexMask);
         counts = !liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
     }
@@ -130,7 +135,8 @@ bool hitTriangleAt(inout Traversal traversal, Ray ray, uint index, uint primitiv
                  !isOwnTriangle(traversal, primitive, triangle.id);
 #endif
 #ifdef GLINT_SHADOW_RAYS
-    if (FEATURE_COLORED_SHADOWS) traversal.passage.counts = crossesOnce(ray, traversal.frame, triangle);
+    if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal))
+        traversal.passage.counts = crossesOnce(ray, traversal.frame, triangle);
 #endif
     hit = Hit(t, u, v, primitive, kNone, triangle.id);
     return isHit;

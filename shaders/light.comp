@@ -70,7 +70,10 @@ void onePacket(uint turn) {
         if (index < end) {
             GLINT_EACH_RAY sights[r] = aim(lit[r], index, true, packet[r]);
             complete = tracePacket(environment);
-            if (dropHitsBehind()) complete = false;
+            // Not within: the driver leaves no loop out for what it starts with.
+            if (looksLast(true)) {
+                if (dropHitsBehind()) complete = false;
+            }
             GLINT_EACH_RAY take(lit[r], index, sights[r], packet[r], complete);
             ++index;
         }

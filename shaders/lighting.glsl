@@ -121,7 +121,7 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
 // Whether the shadow ray is to be traced again, as what it was found to meet lies behind it (liesBehind): for
 // its nearest hit, and then from that on, as something may lie before it.
 bool passesBy(inout Traversal traversal) {
-    bool behind = looksLast() && meetsBehind(worldRay(traversal), traversal.hit);
+    bool behind = looksLast(true) && meetsBehind(worldRay(traversal), traversal.hit);
     float after = traversal.after < 0.0 ? 0.0 : traversal.hit.t;
     traversal.after = behind ? after : -1.0;
     if (behind) traversal.hit.primitive = kNone;

@@ -371,7 +371,7 @@ bool tracePacket(Environment environment) {
 bool dropHitsBehind() {
     uint hits = 0u;
     GLINT_EACH_RAY hits |= packet[r].hit.primitive != kNone ? 1u << r : 0u;
-    uint left = looksLast() ? anyOfLanes(hits) : 0u;
+    uint left = anyOfLanes(hits);
     uint dropped = 0u;
     do {
         if (left != 0u) {
