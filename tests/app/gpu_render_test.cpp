@@ -1,6 +1,7 @@
 // What `glint render` writes from a device.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/image_io.h"
 #include "import/load.h"
@@ -177,6 +178,28 @@ TEST_F(Lavapipe, PacketsAreForManyRays) {
     EXPECT_EQ(walkOf({}), "lane");
     EXPECT_EQ(walkOf({"--spp", "1024"}), "pack");
     EXPECT_EQ(walkOf({"--error", "0.5"}), "pack");
+}
+
+// Rays of whole paths walk by themselves: the name is that of their nodes, not of packets that the scene
+// could have. Of four million rays all leave the scene at once. A box has too few nodes.
+TEST_F(Lavapipe, FourChildrenAreForManyRays) {
+    const auto walkOf = [](const std::string& mesh, const std::string& samples) {
+        writeText("many.json",
+                  R"({"camera": {"eye": [0, 0, 99], "target": [0, 0, 999]}, "maxDepth": 1,
+                      "lights": [{"type": "point", "position": [0, 9, 9]}, {"type": "point", "position": [9, 0, 9]},
+                                 {"type": "directional", "direction": [0, -1, 0]}],
+                      "materials": {"chrome": {"mirror": 0.9}},
+                      "objects": [{"type": "mesh", "mesh": "many", "material": "chrome"}],
+                      "meshes": {"many": {"file": ")" +
+                      glint::test::sourcePath("scenes/meshes/" + mesh) + R"("}}})");
+        const Ran ran = runGlint({"render", "many.json", "-q", "--allow-outside", "--size", "512x512",
+                                  "--spp", samples, "--stats", "json", "-o", "a.png"});
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        return nlohmann::json::parse(ran.out).at("traversal").get<std::string>();
+    };
+    EXPECT_EQ(walkOf("knot.obj", "1"), "lane");
+    EXPECT_EQ(walkOf("knot.obj", "4"), "bvh4");
+    EXPECT_EQ(walkOf("box.obj", "4"), "lane");
 }
 
 TEST_F(Lavapipe, IsListedAsTheChosenOne) {
