@@ -28,6 +28,7 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
             Sight sight = aim(lit, index, true, traversal);
             uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
             bool again = passesBy(traversal);
+            traversal.trips += again ? tripsOfAnotherWalk(environment) : 0u;
             finished = left == kNone || settled(traversal) || !sight.facing;
             take(lit, index, sight, traversal, finished && !again);
             index += again ? 0u : 1u;
