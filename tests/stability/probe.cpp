@@ -1,11 +1,12 @@
 #include "probe.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <map>
 
-#include "gpu/compute.h"
 #include "mutant_probes.h"
+#include "render/renderer.h"
 #include "shared/dispatch.h"
 #include "support/packed_scene_maker.h"
 
@@ -42,13 +43,20 @@ std::vector<Row> pathRows(const std::vector<FloatRay>& rays) {
     return rows;
 }
 
+uint64_t largestBytes(const std::vector<Array>& arrays, size_t rays) {
+    uint64_t largest = shared::kPathRows * rays * sizeof(Row);
+    for (const Array& array : arrays) largest = std::max<uint64_t>(largest, array.bytes.size());
+    return largest;
+}
+
 std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& rays, uint32_t kind,
                         const std::vector<Array>& arrays) {
     using gpu::Access;
     gpu::KernelOptions options;
     options.name = "primitive probe";
-    options.spirv = probeCode(subject.mutant);
-    options.bindings.assign(GLINT_BINDING_COUNT, Access::TexelBuffer);
+    const Access access = accessOf(subject, largestBytes(arrays, rays.size()));
+    options.spirv = probeCode(subject.mutant, access);
+    options.bindings.assign(GLINT_BINDING_COUNT, access);
     options.bindings[0] = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
@@ -114,6 +122,11 @@ std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& a
 }
 
 }  // namespace
+
+gpu::Access accessOf(const Subject& subject, uint64_t largestArrayBytes) {
+    return subject.mutant.empty() ? render::chooseAccess(subject.device->info(), largestArrayBytes)
+                                  : gpu::Access::TexelBuffer;
+}
 
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Triangle>& triangles) {

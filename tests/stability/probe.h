@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/compute.h"
 #include "gpu/device.h"
 #include "shared/layout.h"
 
@@ -19,6 +20,9 @@ struct Subject {
     const gpu::Device* device = nullptr;
     std::string mutant;
 };
+
+// How the subject's kernels load: as the device does best. Mutants are of one kind.
+gpu::Access accessOf(const Subject& subject, uint64_t largestArrayBytes);
 
 struct FloatRay {
     glm::vec3 origin{0};

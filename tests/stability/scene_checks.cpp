@@ -6,6 +6,7 @@
 #include "../render/support.h"
 #include "checks.h"
 #include "reference/render.h"
+#include "render/scene_buffers.h"
 
 namespace glint::stability {
 
@@ -22,7 +23,8 @@ using render::test::Random;
 class SubjectRenderer {
   public:
     SubjectRenderer(const Subject& subject, const PackedScene& scene)
-        : code_(subject.mutant.empty() ? render::embeddedKernels(gpu::Access::TexelBuffer)
+        : access_(accessOf(subject, render::largestArray(scene))),
+          code_(subject.mutant.empty() ? render::embeddedKernels(access_)
                                        : render::test::mutantKernels(subject.mutant)),
           mutant_(!subject.mutant.empty()),
           renderer_(*subject.device, scene, options()) {}
@@ -31,12 +33,13 @@ class SubjectRenderer {
   private:
     Options options() const {
         Options o;
-        o.access = gpu::Access::TexelBuffer;
+        o.access = access_;
         o.kernels = &code_;
         // Of a mutant the kernels for packets are sound.
         if (mutant_) o.traversal = render::Traversal::Lane;
         return o;
     }
+    gpu::Access access_;
     render::KernelCode code_;
     bool mutant_;
     Renderer renderer_;
