@@ -2,9 +2,7 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <iostream>
 #include <string>
 #include <system_error>
@@ -65,20 +63,6 @@ void checkOutputFolder(const fs::path& folder) {
 void checkStandardOutput(const std::ostream& out) {
     if (&out != &std::cout || ::write(STDOUT_FILENO, "", 0) == 0) return;
     throw Error(ErrorKind::Failed, "cannot write to standard output: " + reasonOf(errno));
-}
-
-void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available, const char* advice) {
-    const uint64_t needed = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * bytesPerPixel;
-    if (needed <= available) return;
-    // Of the same shape.
-    const double scale = std::sqrt(static_cast<double>(available) / static_cast<double>(needed));
-    const auto fitting = [scale](int side) {
-        return std::to_string(std::max(static_cast<int>(scale * side), 1));
-    };
-    throw Error(ErrorKind::Failed, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                       " pixels takes " + gibibytes(needed) + " of memory, " +
-                                       gibibytes(available) + " are free; ask for a smaller --size (" +
-                                       fitting(width) + "x" + fitting(height) + " fits)" + advice);
 }
 
 }  // namespace glint::app

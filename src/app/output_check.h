@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <iosfwd>
 
+#include "core/available_memory.h"
+
 namespace glint::app {
 
 // Throws Error(Usage) if the extension names no picture format, and Error(Failed) if `path` cannot be written
@@ -20,10 +22,5 @@ void checkOutputFolder(const std::filesystem::path& folder);
 // Throws Error(Failed) if `out` is standard output and the system refuses to write there: it is closed, or
 // the device behind it is full.
 void checkStandardOutput(const std::ostream& out);
-
-// Throws Error(Failed) if `width` x `height` pixels of `bytesPerPixel` need more than `available` bytes.
-// `advice`: what there is beside a smaller --size.
-void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available,
-                 const char* advice = ", or for parts with glint render --crop");
 
 }  // namespace glint::app

@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <limits>
+
+#include "core/error.h"
 
 namespace glint {
 
@@ -91,6 +94,20 @@ std::string gibibytes(uint64_t bytes) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.1f GiB", static_cast<double>(bytes) / (1024.0 * 1024.0 * 1024.0));
     return text;
+}
+
+void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available, const char* advice) {
+    const uint64_t needed = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * bytesPerPixel;
+    if (needed <= available) return;
+    // Of the same shape.
+    const double scale = std::sqrt(static_cast<double>(available) / static_cast<double>(needed));
+    const auto fitting = [scale](int side) {
+        return std::to_string(std::max(static_cast<int>(scale * side), 1));
+    };
+    throw Error(ErrorKind::Failed, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                                       " pixels takes " + gibibytes(needed) + " of memory, " +
+                                       gibibytes(available) + " are free; ask for a smaller --size (" +
+                                       fitting(width) + "x" + fitting(height) + " fits)" + advice);
 }
 
 }  // namespace glint

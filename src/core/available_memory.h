@@ -15,4 +15,9 @@ uint64_t availableMemory(const std::filesystem::path& root = "/");
 // "1.5 GiB"
 std::string gibibytes(uint64_t bytes);
 
+// Throws Error(Failed) if `width` x `height` pixels of `bytesPerPixel` need more than `available` bytes.
+// `advice`: what there is beside a smaller --size.
+void checkMemory(int width, int height, uint64_t bytesPerPixel, uint64_t available,
+                 const char* advice = ", or for parts with glint render --crop");
+
 }  // namespace glint

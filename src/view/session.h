@@ -51,6 +51,12 @@ class Session {
     // What the panel's settings are to a tracer.
     Tracing tracing() const;
     shared::Camera packedCamera() const;
+    // What pictures of the view and what is shown of them take at most, of a device that is the processor
+    // too: the full picture and the coarse one with what they came from, colours as they are shown, here, in
+    // the window and in up to four images of its swapchain.
+    static constexpr uint64_t bytesPerPixel() {
+        return 2 * (4 * sizeof(float) + 1 + sizeof(PixelData)) + 4 * sizeof(float) + 6 * sizeof(uint32_t);
+    }
     int width() const { return width_; }
     int height() const { return height_; }
 

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
 
 #include "bvh/builder.h"
+#include "core/available_memory.h"
 #include "gpu/swapchain.h"
 #include "view/settings.h"
 
@@ -35,6 +37,7 @@ struct Options {
     std::filesystem::path script;
     gpu::PresentMode presentMode = gpu::PresentMode::Fifo;
     double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
+    std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
 };
 
 // Opens the window and returns once it is closed, by the user or by an interrupt (core/interrupt.h). Throws

@@ -84,8 +84,9 @@ void Viewer::openDevice() {
     options.selector = options_.device;
     options.validation = options_.validation;
     options.window = window_.system();
-    device_ = std::make_unique<gpu::Device>(options);
     const PixelSize size = window_.size();
+    checkMemory(size.width, size.height, Session::bytesPerPixel(), options_.memory(), "");
+    device_ = std::make_unique<gpu::Device>(options);
     swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, model_.mode);
     model_.mode = swapchain_->presentMode();
     model_.modes = gpu::presentModes(*device_);

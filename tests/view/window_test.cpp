@@ -6,10 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/available_memory.h"
+#include "core/error.h"
 #include "core/image_io.h"
 #include "support.h"
 #include "support/environment.h"
 #include "view/layers.h"
+#include "view/session.h"
+#include "view/view.h"
 
 namespace glint::view::test::window_test {
 namespace {
@@ -249,6 +253,31 @@ TEST_F(Window, AFailedExpectationFails) {
     const Ran ran = view("key H\nclick 70 90\n# a comment\nexpect-object 3\n");
     EXPECT_EQ(ran.code, 1);
     EXPECT_EQ(ran.err, "glint: script.txt:4: expect-object: it is '0'\n");
+}
+
+// Before the device is opened, with both figures and what would fit.
+TEST_F(Window, PicturesBeyondMemoryAreRefused) {
+    Options options;
+    options.scene = "scene.json";
+    options.width = 640;
+    options.height = 480;
+    options.frames = 1;
+    const uint64_t needed = 640 * 480 * Session::bytesPerPixel();
+    const auto answer = [&](uint64_t free) -> std::string {
+        options.memory = [free] { return free; };
+        std::ostringstream out, err;
+        try {
+            glint::view::view(options, out, err);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::Failed);
+            return error.what();
+        }
+        return "opened";
+    };
+    EXPECT_EQ(answer(needed / 4), "a picture of 640x480 pixels takes " + gibibytes(needed) + " of memory, " +
+                                      gibibytes(needed / 4) +
+                                      " are free; ask for a smaller --size (320x240 fits)");
+    EXPECT_EQ(answer(needed), "opened");
 }
 
 TEST_F(Window, WithoutADisplayNamesRender) {
