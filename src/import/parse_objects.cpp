@@ -187,6 +187,7 @@ const MeshMemory::Read& ObjectParser::remembered(const std::filesystem::path& pa
     MeshMemory::Read& read = memory_.files[path];
     if (read.mesh && (read.firstMaterial == firstMaterial || read.mesh->materials.empty())) return read;
     ImportedMesh imported = importMesh(path, files_);
+    validateVertices(imported.mesh, path.string());
     for (uint32_t& material : imported.mesh.materials) material += firstMaterial;
     read = {std::move(imported.materials), std::move(imported.textures), std::move(imported.warnings),
             std::make_shared<const Mesh>(std::move(imported.mesh)), firstMaterial};

@@ -37,6 +37,10 @@ void checkRadius(const Place& place, double radius) {
                    "must be from " + describe(kMinRadius) + " to " + describe(kMaxRadius) + got(radius));
 }
 
+bool isColor(const Color& color) {
+    return finite(color) && std::min({color.x, color.y, color.z}) >= 0 && greatest(color) <= kMaxColor;
+}
+
 void checkColor(const Place& place, std::string_view key, const Color& color) {
     if (!finite(color)) place.fail(key, "must be finite" + gotColor(color));
     if (std::min({color.x, color.y, color.z}) < 0) place.fail(key, "must be >= 0" + gotColor(color));
@@ -104,6 +108,16 @@ void checkSpot(const SpotLight& spot, const Place& place) {
         place.fail({}, "angle + penumbra must be from " + describe(kMinSpotAngle) + " to 180 degrees" +
                            got(describe(spot.angle) + " + " + describe(spot.penumbra)));
     checkColor(place, "intensity", spot.intensity);
+}
+
+void checkVertices(const Mesh& mesh, const Place& place, const char* ofWhat) {
+    for (size_t i = 0; i < mesh.colors.size(); i++)
+        if (!isColor(mesh.colors[i]))
+            checkColor(place, "color of vertex " + std::to_string(i), mesh.colors[i]);
+    for (size_t i = 0; i < mesh.positions.size(); i++)
+        if (finite(mesh.positions[i]) && greatest(mesh.positions[i]) >= kMaxCoordinate)
+            place.fail({}, "vertex " + std::to_string(i) + ofWhat + ": coordinates must be below " +
+                               describe(kMaxCoordinate) + got(mesh.positions[i]));
 }
 
 void checkMeshIndices(const Mesh& mesh, const Place& place, size_t materialCount) {
@@ -207,13 +221,7 @@ struct ShapeCheck {
     void operator()(const MeshShape& shape) const {
         if (!shape.mesh) place.fail({}, "the mesh is missing");
         checkMeshIndices(*shape.mesh, place, materialCount);
-        for (size_t i = 0; i < shape.mesh->colors.size(); i++)
-            checkColor(place, "color of vertex " + std::to_string(i), shape.mesh->colors[i]);
-        const auto& positions = shape.mesh->positions;
-        for (size_t i = 0; i < positions.size(); i++)
-            if (finite(positions[i]) && greatest(positions[i]) >= kMaxCoordinate)
-                place.fail({}, "vertex " + std::to_string(i) + " of the mesh: coordinates must be below " +
-                                   describe(kMaxCoordinate) + got(positions[i]));
+        checkVertices(*shape.mesh, place, " of the mesh");
     }
 };
 
@@ -402,6 +410,10 @@ void validateFramedScene(const Scene& scene, const std::string& name) {
                                  describe(kMaxCoordinate) + ", too)");
     }
     validateScene(scene, name);
+}
+
+void validateVertices(const Mesh& mesh, const std::string& name) {
+    checkVertices(mesh, {name, ""}, " (the first is 0)");
 }
 
 void validateScene(const Scene& scene, const std::string& name) {

@@ -30,6 +30,8 @@ void validateCameras(const Scene& scene, const std::string& name);  // its own a
 void validateLight(const Light& light, const Place& place);
 void validateMaterial(const Material& material, const Place& place);
 void validateTexture(const Texture& texture, const Place& place);
+// Coordinates and colours of the vertices. `name`: of what the mesh was read from.
+void validateVertices(const Mesh& mesh, const std::string& name);
 // Every vertex of a mesh is looked at; materials are checked against `materialCount`.
 void validateShape(const Shape& shape, const Place& place, size_t materialCount);
 

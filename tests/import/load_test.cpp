@@ -75,6 +75,20 @@ TEST(Load, TheCameraOfAModelThatIsTooLargeIsNotBlamed) {
                   "coordinates must be below 1e+18, too)");
 }
 
+TEST(Load, TheFileOfAFaultyMeshIsNamed) {
+    const TemporaryFolder folder;
+    const auto path = folder.write(
+        "s.json", R"({"meshes": {"m": {"file": "far.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}]})");
+    const auto errorWith = [&](const std::string& vertex) {
+        folder.write("far.obj", "v 0 0 0\nv " + vertex + "\nv 0 0 1\nf 1 2 3\n");
+        return errorOf([&] { loadScene(path); });
+    };
+    const std::string file = (folder.path() / "far.obj").string();
+    EXPECT_EQ(errorWith("1e30 1 0"),
+              file + ": vertex 1 (the first is 0): coordinates must be below 1e+18 (got [1e+30, 1, 0])");
+    EXPECT_EQ(errorWith("1 1 0"), "no error");
+}
+
 TEST(Load, WhatIsNoMeshFileIsSaidOfTheScene) {
     const TemporaryFolder folder;
     const std::string text = folder.write("a.txt", "x").string();
