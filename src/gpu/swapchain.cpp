@@ -153,7 +153,9 @@ VkSwapchainCreateInfoKHR SwapchainState::describe(const VkSurfaceCapabilitiesKHR
     VkSwapchainCreateInfoKHR info{};
     info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
     info.surface = state.surface;
-    info.minImageCount = capabilities.minImageCount + 1;
+    // One to draw into beside those that the screen may hold, and three at least: with two (SwiftShader holds
+    // one) a late picture waits for a whole turn of the screen, as best-practices validation says.
+    info.minImageCount = std::max(capabilities.minImageCount + 1, 3u);
     if (capabilities.maxImageCount > 0)
         info.minImageCount = std::min(info.minImageCount, capabilities.maxImageCount);
     info.imageFormat = chosen.format;
