@@ -5,8 +5,9 @@
     check_citations.py --self-test    checks that each kind of fault is found
 
 Checked are: links and images of Markdown pages, with their anchors; repository paths in backquotes on pages; paths of pages, sources and
-scenes in comments of code; section numbers and cases (T01 ...) of docs/numerics.md; pages in docs/ that no other page links to.
+scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers and cases (T01 ...) of docs/numerics.md; pages in docs/ that no other page links to.
 """
+import fnmatch
 import pathlib
 import re
 import subprocess
@@ -18,6 +19,8 @@ CODE_SUFFIXES = (".h", ".cpp", ".glsl", ".comp", ".py", ".cmake", ".json", ".txt
 ROOT_PAGES = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")
 NUMERICS = "docs/numerics.md"
 SOURCE_PATH = re.compile(r"(?<![\w/.<>-])((?:docs|src|shaders|tests|tools|bench|cmake|scenes)/[\w./-]*\w)(#[\w-]+)?")
+
+TEST_NAME = re.compile(r"([A-Z]\w*[a-z]\w*)\.([A-Z]\w*\*?|\*)")
 
 
 def tracked(root):
@@ -80,6 +83,9 @@ class Checker:
         self.sections = set(re.findall(r"(?m)^#+ (\d+(?:\.\d+)?)\.? ", numerics))
         self.cases = set(re.findall(r"(?m)^\| (T\d\d) \|", numerics))
 
+        self.tests = {f"{suite}.{name}" for f in self.files if f.parts[0] == "tests" and f.suffix == ".cpp" for suite, name in
+                      re.findall(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\s*\)", (root / f).read_text(errors="replace"))}
+
     def fault(self, where, what):
         self.faults.append(f"{where}: {what}")
 
@@ -126,6 +132,9 @@ class Checker:
                 match = SOURCE_PATH.fullmatch(quoted)
                 if match:
                     self.check_path(where, match[1], match[2])
+                match = TEST_NAME.fullmatch(quoted)
+                if match and quoted != "Suite.WhatHolds" and not any(fnmatch.fnmatchcase(test, quoted) for test in self.tests):
+                    self.fault(where, f"no test {quoted}")
             if name != NUMERICS:
                 self.check_numerics(where, line)
         return linked
@@ -177,7 +186,8 @@ class Checker:
 
 
 GOOD = {
-    "README.md": "# A\n[page](docs/page.md#two-words) `src/a.cpp`\n",
+    "README.md": "# A\n[page](docs/page.md#two-words) `src/a.cpp` `Balls.Are` `Balls.*`\n",
+    "tests/a_test.cpp": "TEST_F(Balls,\n       Are) {}\n",
     "docs/page.md": "# Page\n## Two `words`\n[numbers](numerics.md)\n```sh\n[no link](nowhere.md)\n```\n",
     "docs/numerics.md": "# N\n## 2. Bounds\n### 2.3 Boxes\n| T01 | a |\n",
     "src/a.cpp": "// docs/numerics.md 2.3, T01 and docs/page.md#page; src/a.cpp\nint a;  // see docs/numerics.md\n// T01\n",
@@ -187,6 +197,8 @@ BAD = {
     "a link to no section": ("README.md", "[x](docs/page.md#gone)", "no such section"),
     "a picture that is not there": ("docs/page.md", "![x](images/gone.png)", "images/gone.png"),
     "a source in backquotes": ("docs/page.md", "`src/gone.cpp`", "src/gone.cpp"),
+    "a test": ("README.md", "`Balls.AreGone`", "no test Balls.AreGone"),
+    "a suite": ("README.md", "`Gone.*`", "no test Gone.*"),
     "a page that nobody links": ("docs/lonely.md", "# Lonely", "no page links here"),
     "a page in a comment": ("src/b.cpp", "// docs/gone.md", "docs/gone.md"),
     "a page without its folder": ("src/b.cpp", "// gone.md", "gone.md"),
