@@ -85,7 +85,7 @@ void Viewer::openDevice() {
     options.validation = options_.validation;
     options.window = window_.system();
     const PixelSize size = window_.size();
-    checkMemory(size.width, size.height, Session::bytesPerPixel(), options_.memory(), "");
+    checkRoom(size);
     device_ = std::make_unique<gpu::Device>(options);
     swapchain_ = std::make_unique<gpu::Swapchain>(*device_, size.width, size.height, model_.mode);
     model_.mode = swapchain_->presentMode();
@@ -96,6 +96,14 @@ void Viewer::openDevice() {
                                                : kGpuTarget);
     showScene(scene_);
     fillModel();
+}
+
+// Whether there is memory for a window of this size; what the one that there is has taken may be taken again.
+void Viewer::checkRoom(PixelSize size) const {
+    const uint64_t free = options_.memory();
+    const uint64_t pixels = session_ ? static_cast<uint64_t>(session_->width()) * session_->height() : 0;
+    const uint64_t held = std::min(pixels * Session::bytesPerPixel(), ~free);
+    checkMemory(size.width, size.height, Session::bytesPerPixel(), free + held, "");
 }
 
 // A driver that crashed once may work again; twice in a session is a fault that more tries would not mend.
@@ -150,6 +158,7 @@ void Viewer::showView() {
     cursorX_ += std::exchange(left_, left) - left;
     size.width -= left;
     if (size.width != session_->width() || size.height != session_->height()) {
+        checkRoom(size);
         touchMotion();
         forgetPick(false);
     }

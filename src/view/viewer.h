@@ -43,6 +43,7 @@ class Viewer {
   private:
     // viewer.cpp
     void openDevice();
+    void checkRoom(PixelSize size) const;
     void recover(const gpu::DeviceLost& lost);
     void round();
     void gatherEvents();

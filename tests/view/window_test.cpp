@@ -278,6 +278,14 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
                                       gibibytes(needed / 4) +
                                       " are free; ask for a smaller --size (320x240 fits)");
     EXPECT_EQ(answer(needed), "opened");
+    // And when it grows, with what it has taken already.
+    options.frames = 0;
+    options.width = 64;
+    options.height = 48;
+    writeText("grow.txt", "wait 2\nresize 640 480\nwait 2\n");
+    options.script = "grow.txt";
+    EXPECT_EQ(answer(needed / 4).rfind("a picture of 640x480 pixels takes ", 0), 0u);
+    EXPECT_EQ(answer(needed - 64 * 48 * Session::bytesPerPixel()), "opened");
 }
 
 TEST_F(Window, WithoutADisplayNamesRender) {
