@@ -24,6 +24,11 @@ KERNELS = {
     "whole": ("whole.comp", ()),
 }
 PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
+# Shaders of tests: their defines, and what they include.
+PROBES = {
+    "tests/render/arithmetic_probe.comp": ((), ("arithmetic.glsl",)),
+    "tests/stability/primitive_probe.comp": (("-DGLINT_TEXEL_LOADS=1",), ("intersect.glsl", "primitives/all.glsl")),
+}
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
 WALKS = ("traversal.glsl", "behind.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
@@ -98,10 +103,12 @@ class Compiler:
         folder.mkdir(parents=True)
         return all(self.compile(k, folder / f"{k}.spv", texel) for k in kernels)
 
-    def compile_probe(self, file, output):
-        """The test's shader for arithmetic, if the file is that."""
-        if file == ARITHMETIC:
-            self.call("glslangValidator", f"-I{self.shaders}", SOURCE / "tests/render/arithmetic_probe.comp", "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
+    def compile_probes(self, file, folder):
+        """The tests' own shaders that include the file."""
+        for source, (defines, included) in PROBES.items():
+            if any(file in includes(name) for name in included):
+                self.call("glslangValidator", f"-I{self.shaders}", *defines, SOURCE / source, "--quiet", "-V", "--target-env", "vulkan1.1", "-o",
+                          folder / f"{Path(source).stem}.spv")
 
     def text(self, kernel):
         """The kernel behind the preprocessor, without its lines' numbers."""

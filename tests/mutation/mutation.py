@@ -11,7 +11,7 @@ tests are not counted (--stats, --aov cost) change counts alone, which verify do
 the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, unless reasons.json explains
 it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
 suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first those of PROGRAM
-(render_test), run on the mutant's kernels, then the gallery's hashes, as tools/test-drivers asks for them, by JUDGE.
+(render_test, stability_test), run on the mutant's kernels, then the gallery's hashes, as tools/test-drivers asks for them, by JUDGE.
 table: writes what came out.
 """
 import argparse
@@ -286,7 +286,8 @@ class Suite:
         (self.kernels / "texel").mkdir()
         for access in ("texel", "storage"):
             (self.kernels / access / "shade.spv").write_bytes(bytes(64))
-        if not failed_test(self.arguments.program, "AnalyticTest.*", self.kernels, self.arguments.seconds):
+        (self.kernels / "primitive_probe.spv").write_bytes(bytes(64))
+        if not failed_test(self.arguments.program, "AnalyticTest.*:SliverTest.*", self.kernels, self.arguments.seconds):
             raise RuntimeError("the tests do not run on other kernels than the program's own")
 
     def verdict(self, site):
@@ -296,7 +297,7 @@ class Suite:
         kernels = [k for k in KERNELS if site.file in self.compiler.files[k]]
         for access in ("texel", "storage"):
             self.compiler.compile_all(kernels, self.kernels / access, access == "texel")
-        self.compiler.compile_probe(site.file, self.kernels / "arithmetic_probe.spv")
+        self.compiler.compile_probes(site.file, self.kernels)
         self.compiler.mend(site)
         tests = failed_test(self.arguments.program, self.arguments.filter, self.kernels, self.arguments.seconds)
         return tests or ("tools/gallery-hashes" if self.arguments.gallery and self.changes_gallery(site.file) else "")

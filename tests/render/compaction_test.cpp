@@ -79,7 +79,7 @@ Request settingsOf(const Case& c) {
     Request settings;
     settings.width = c.width;
     settings.height = c.height;
-    settings.data = settings.cost = settings.ledger = true;
+    settings.data = settings.cost = settings.ledger = settings.tally = true;
     return settings;
 }
 

@@ -194,6 +194,31 @@ TEST_F(QuadricTest, NoAcne) {
     }
 }
 
+// A line along the axis of a hyperboloid that touches its neck is inside: the outward normal looks along it,
+// whichever way the axis and the side lie, though the gradient has one component alone and the line no part
+// along it.
+TEST_F(QuadricTest, ALineThatTouchesANeckIsInside) {
+    for (int axis = 0; axis < 3; ++axis) {
+        std::array<double, 10> coefficients = {1, 1, 1, 0, 0, 0, 0, 0, 0, -1};
+        coefficients[axis] = -1;
+        vec3 direction(0);
+        direction[axis] = -1;
+        for (const int side : {(axis + 1) % 3, (axis + 2) % 3}) {
+            for (const float sign : {-1.0f, 1.0f}) {
+                vec3 outwards(0);
+                outwards[side] = sign;
+                const RayHit hit =
+                    hitsOf(general(coefficients, 2), {rayOf(outwards - 4.0f * direction, direction)})[0];
+                ASSERT_TRUE(hit.hit);
+                EXPECT_EQ(hit.t, 4);
+                const vec3 normal = hit.data.geometricNormal;
+                EXPECT_GT(glm::dot(normal, outwards), 0.99f) << axis << ' ' << side << ' ' << sign;
+                EXPECT_GT(glm::dot(normal, direction), 0) << axis << ' ' << side << ' ' << sign;
+            }
+        }
+    }
+}
+
 // Radius 1e6 and an eye 1 above: t within 1e-6 of 1, as for spheres.
 TEST_F(QuadricTest, HugeCylinderUnderTheEye) {
     Scene scene = emptyScene();

@@ -1,15 +1,33 @@
 #include "mutant_probes.h"
 
+#include <cstdlib>
+
+#include "../mutation/kernel_folder.h"
 #include "mutant_probe_includes.inc"
 #include "primitive_probe_storage.spv.h"
 #include "primitive_probe_texel.spv.h"
 
 namespace glint::stability {
 
+namespace {
+
+// Or, with GLINT_TEST_KERNELS=FOLDER, FOLDER/primitive_probe.spv if there is one
+// (tests/mutation/mutation.py).
+std::span<const uint32_t> soundProbe() {
+    static const char* const folder = std::getenv("GLINT_TEST_KERNELS");
+    static mutation::Replacements replaced;
+    std::span<const uint32_t> probe = primitive_probe_texel_spv;
+    if (folder) replaced.replace(std::filesystem::path(folder) / "primitive_probe.spv", probe);
+    return probe;
+}
+
+}  // namespace
+
 std::span<const uint32_t> probeCode(const std::string& name, gpu::Access access) {
     if (name.empty() && access == gpu::Access::StorageBuffer) return primitive_probe_storage_spv;
 #include "mutant_probe_cases.inc"
-    return primitive_probe_texel_spv;
+    static const std::span<const uint32_t> sound = soundProbe();
+    return sound;
 }
 
 }  // namespace glint::stability

@@ -92,6 +92,17 @@ TEST_F(SliverTest, TrianglesBehindARayAreNotMet) {
     EXPECT_LE(left, met / 50);
 }
 
+// Of still narrower ones rounding may leave nothing of the normal: then no side is certain, and no hit lost.
+TEST_F(SliverTest, NothingIsLostWhereTheNormalIsRounding) {
+    for (const double offset : {0.0, 15.0}) {
+        for (const double width : {1e-4, 1e-5, 1e-6}) {
+            const SliverCount count = judgeSlivers({&device(), {}}, {20, width, offset, 8}, 50000, 721);
+            EXPECT_GT(count.ahead, 100u) << width;
+            EXPECT_EQ(count.lost, 0u) << width;
+        }
+    }
+}
+
 // T59, T61: the discriminant must hold however far away the sphere is. The bars are those of the table in
 // docs/numerics.md 2.4 for t over the radius of the unit sphere, a tenth added for other seeds; the t of
 // another radius may stand elsewhere between two powers of two, where rounding is up to twice as coarse.
