@@ -86,34 +86,32 @@ tests/mutation/mutation.py suite build/bin/mutation_judge build/bin/render_test 
 tests/mutation/mutation.py table --results tests/mutation/results.jsonl
 ```
 
-The results are kept in the repository, and a further `run` goes on where they end. Cases and tests were added for what survived of this sample, so it says
-what has been looked into, and not what `verify` finds of defects that nobody has looked at. Of samples for which no case was made it finds
+The results are kept in the repository, and a further `run` goes on where they end. `suite` is given `stability_test` in the place of `render_test` for primitives alone (its probe is broken, too).
 
-| sample | of what is not equivalent | `verify` finds |
-|---|---|---|
-| CI's, `--seed 7 --count 36` | 34 | 23 (68 %); 26 of 33 (79 %) since error boxes are looked at, and with cases made for two of its survivors |
-| `--seed 11 --count 40` | 38 | 30 (79 %); 31 (82 %) since it looks at alpha |
-| `--seed 23 --count 60`, its first 37 | 31 | 19 (61 %), and as many since |
-| `--seed 101 --count 60`, its first 34 | 33 | 21 (64 %) |
-| `--seed 211 --count 44`, its first 31 | 28 | 21 (75 %) |
-| `--seed 1009 --count 96` | 86 | 54 (63 %; with 95 % confidence 52 to 72 %), before error boxes were looked at |
-| `--seed 20261 --count 110` | 102 | 67 (66 %; 56 to 74 %), after |
+## Samples that nobody has worked on
 
-The last two were drawn to see what one day's work changes: the share moved by less than chance moves it. Error boxes without an `abs` (two of the 32 that survived of seed 1009, and one of CI's) show in no picture: `verify` looks at where rays begin now, and finds them. With reasons taken off that are recorded in `reasons.json` it finds 54 of 72 (75 %; 64 to 84 %) and 67 of 90 (74 %; 65 to 82 %). **The target of 90 % is missed on samples that nobody has worked on.** What is left of seed 20261: bounds within
-a kernel that are narrower than derived and still hold for all that is drawn (one of quadrics, one of the second look at slivers); the walk of packets and when they are given up; glint's own quotients and roots at places that no scene comes to; where a ray may overflow its stack; thresholds
-moved from 0 to 0.001. A wrong count of rays or tests is no picture (*counts alone* below): that is decided by the kernels, which must be the same once `MODE_TALLY` and `MODE_COST` are constants. Tried and taken out again, as they found no survivor: edges that bodies share at the
-middles of pixels, eight cases with glint's own arithmetic, outlines of other kinds than triangles seen from close by. A comparison of how many boxes were tested was not built: the reference takes the nearer child first, shadow rays on the device the farther.
+Cases and tests were added for what survived of seed 1, so its score says what has been looked into, and not what `verify` finds of defects that nobody has looked at. Of fresh samples it finds
 
-No reasons are taken off in this table. The 19 that survived of seeds 101 and 211 were read one by one, without proof: 13 are no defects (4 bounds that
-still hold, 7 where nothing that is drawn differs, 2 where only the time does), so that 42 of 48 are found (88 %). The six others: half a unit in the last
-place of a square root, which lies within any predicted error (`ArithmeticTest` finds it); the sign of a rounding in the second look at slivers; a ray that
-touches a box in one point; what a packet's light kernel begins with beside alpha masks; where the stack of compressed nodes begins; the kind of a hit in
-`intersect.comp`. Tried and taken out again: 15 scenes of `tools/soak`, one of slivers and one of boxes touched along their edges, as further cases. They were
-the first to find none of the 21, and of the 12 survivors of seed 101 seven of these cases found none: what the fixed set is blind to is rarer than features
-that no picture shows. Of the 31 that survived of the seeds before about half are no defects by the measure of `reasons.json`: the order of children, packets
-without rays that are walked, bounds that are wider, a number that nobody reads. Of the others most are bounds that become narrower and still hold for
-what is drawn (`abs` and components of error boxes). Some are never drawn: counts of rays by class, offsets by a textbook's constant, rays that are not finite, a
-texture that is clamped and seen beyond its edge. One was a kind of defect that `verify` could not see at all: that of the picture's alpha, which it did not look at.
+| sample | of what is not equivalent | raw | without what is no defect |
+|---|---|---|---|
+| `--seed 1009 --count 96` | 86 | 54 (63 %; with 95 % confidence 52 to 72 %) | 54 of 72 (75 %; 64 to 84 %) |
+| `--seed 20261 --count 110`, after error boxes were looked at | 102 | 67 (66 %; 56 to 74 %) | 67 of 90 (74 %; 65 to 82 %) |
+| `--seed 40961 --count 60`, after seed 1's survivors were worked on | 56 | 38 (68 %; 55 to 79 %) | 38 of 51 (75 %; 61 to 85 %); all read: 38 of 44 (86 %; 73 to 94 %) |
+
+(Five smaller ones, of 28 to 38 mutants, lie between 61 and 82 %.) The last column takes off what had a reason in `reasons.json` before. What survived of the third was then read one by one as seed 1's was: seven more are no defects, for reasons that are recorded now. **The target of 90 % is missed on samples that nobody has worked on.** Of the six that are left two have cases now (a mesh that is thousands of times as large in its places, and a glass without a texture beside one with), two are found by `ArithmeticTest` and `RayCountsTest`, and two by nothing: the linear term of what a touching line's slope may err by, and from which t on a shadow ray goes on behind a sliver. The raw share has not moved by more than chance moves it in three samples: most of what survives is no defect.
+
+## What `verify` cannot see
+
+- A bound within a kernel that is narrower than derived, and still holds for all that is drawn. Where rays begin is looked at, so error boxes are found; slacks of discriminants, of touching lines and of doubtful signs are not, and most of what is left below is of this kind. Some are found by tests that judge single rays in exact arithmetic (`SliverTest`).
+- The last bits of glint's own quotients and roots, at places that no scene comes to, or within any predicted error: `ArithmeticTest`.
+- Counts of rays and tests (`--stats`, `--aov cost`), which are no picture. A mutant that changes nothing else is told by its kernels, which must be the same once `MODE_TALLY` and `MODE_COST` are constants. `RayCountsTest` counts rays where geometry says how many there are. How many boxes are tested is not compared: the reference takes the nearer child first, shadow rays on the device the farther.
+- A light that is hidden from points which it grazes, on a ball 32 units of the last place large: `verify` explains them by rounding (`RayCountsTest.RaysLeaveABallThatIsAlone` finds that).
+- What only takes longer: packets that are walked in vain, rays that give up and are started again, another order of children.
+- Any-hit queries of the library, which draw nothing: `PacketTest`, `RayQueriesTest`.
+
+Tried as further cases and taken out again, as they found nothing that survived: 15 scenes of `tools/soak`, slivers, boxes touched along their edges, edges that bodies share at the middles of pixels, eight cases with glint's own arithmetic, outlines of other kinds than triangles seen from close by, the necks of hyperboloids that a line touches exactly.
+
+## Seed 1
 """
 COLUMNS = "mutants | equivalent | no defect | found by verify | by the tests | left |\n|---|---|---|---|---|---|---|"
 
