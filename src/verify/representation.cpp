@@ -202,6 +202,31 @@ RepresentedPixel RepresentationCheck::pixelOf(const Doubt& doubt) const {
     return pixel;
 }
 
+// Leaves in `open` what nothing explains, or what is not worth a longer search.
+void RepresentationCheck::search(std::vector<Doubt*>& open,
+                                 const std::function<bool(size_t)>& areTooMany) const {
+    uint64_t drawn = 0;
+    const auto drawUpTo = [&](uint64_t last) {
+        while (drawn < last && !open.empty()) draw(++drawn, 1, open);
+    };
+    // All pixels see the same few moves, so that many in doubt may be one number's.
+    size_t before = 0;
+    drawUpTo(kFirstScenes);
+    do {
+        before = open.size();
+        drawUpTo(std::max(kMovedScenes, 3 * drawn));
+    } while (areTooMany(open.size()) && 2 * open.size() <= before && drawn < kLastScenes);
+    if (!areTooMany(open.size())) {
+        parallelFor(open.size(), [&](size_t i) { searchOn(*open[i], false); });
+        std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
+        drawUpTo(kLastScenes);
+        for (Doubt* doubt : open) {
+            if (doubt->state == Doubt::State::Open) searchOn(*doubt, true);
+            if (doubt->state == Doubt::State::Open) break;
+        }
+    }
+}
+
 Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t worstCount) {
     Representation result;
     std::vector<float> differences;
@@ -228,26 +253,7 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
         result.allowed = std::max(result.allowed, greatestCount(changed));
         return count > result.allowed;
     };
-    uint64_t drawn = 0;
-    const auto drawUpTo = [&](uint64_t last) {
-        while (drawn < last && !open.empty()) draw(++drawn, 1, open);
-    };
-    // All pixels see the same few moves, so that many in doubt may be one number's.
-    size_t before = 0;
-    drawUpTo(kFirstScenes);
-    do {
-        before = open.size();
-        drawUpTo(std::max(kMovedScenes, 3 * drawn));
-    } while (areTooMany(open.size()) && 2 * open.size() <= before && drawn < kLastScenes);
-    if (!areTooMany(open.size())) {
-        parallelFor(open.size(), [&](size_t i) { searchOn(*open[i], false); });
-        std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
-        drawUpTo(kLastScenes);
-        for (Doubt* doubt : open) {
-            if (doubt->state == Doubt::State::Open) searchOn(*doubt, true);
-            if (doubt->state == Doubt::State::Open) break;
-        }
-    }
+    search(open, areTooMany);
     std::vector<const Doubt*> shown;
     for (Doubt* doubt : all) {
         if (doubt->state == Doubt::State::Open) doubt->state = Doubt::State::Unexplained;

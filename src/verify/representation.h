@@ -3,6 +3,7 @@
 // truth itself shows with its numbers moved as far (docs/design/verification.md).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -92,6 +93,8 @@ class RepresentationCheck {
     double changedShare() const;
     void draw(uint64_t seed, double units, std::vector<Doubt*>& open) const;
     void searchOn(Doubt& doubt, bool persistently) const;
+    // areTooMany: of a count of pixels in doubt, whether rounding has not changed so many.
+    void search(std::vector<Doubt*>& open, const std::function<bool(size_t)>& areTooMany) const;
     RepresentedPixel pixelOf(const Doubt& doubt) const;
 
     const PackedScene& packed_;
