@@ -45,10 +45,11 @@ bool keepsArrays(const PackedScene& packed, const Scene& scene, const Camera& ca
     before.lo = packed.geometryLo;
     before.hi = packed.geometryHi;
     if (before.empty()) return false;  // nothing but planes: packed in no time
+    const Geometry geometry{before, packed.geometryMiddle, packed.geometryReach};
+    if (originOf(geometry, camera.eye) != packed.origin) return false;
     Extent after = before;
     before.include(old.eye);
     after.include(camera.eye);
-    if (originOf(after) != packed.origin) return false;
     const Frame frameBefore{packed.origin, old.eye, nullptr}, frameAfter{packed.origin, camera.eye, nullptr};
     return std::all_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
         return looksTheSame(object, frameBefore, frameAfter, before, after);

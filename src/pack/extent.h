@@ -2,13 +2,14 @@
 
 #include <glm/glm.hpp>
 #include <limits>
+#include <vector>
 
 #include "pack/primitives.h"
 #include "scene/scene.h"
 
 namespace glint {
 
-// Where the geometry and the eye are, in world coordinates, as chooseOrigin describes it.
+// A box in world coordinates.
 struct Extent {
     glm::dvec3 lo{std::numeric_limits<double>::infinity()};
     glm::dvec3 hi{-std::numeric_limits<double>::infinity()};
@@ -21,12 +22,22 @@ struct Extent {
     double halfSize() const;  // along the longest edge
 };
 
-// Of the finite geometry alone; `instances` may be null where there are none.
-Extent geometryExtent(const Scene& scene, const PrimitiveNumbers& numbers, const Instances* instances,
-                      unsigned threads);
+// Where the finite geometry is, and where most of it is.
+struct Geometry {
+    Extent extent;
+    glm::dvec3 middle{0};  // the median, axis by axis, of the centres of the nearer half of the objects
+    double reach = 0;      // half of all objects lie no farther from there in any axis, with all their parts
+};
+
+// Of each object, empty for planes; `instances` may be null where there are none.
+std::vector<Extent> objectExtents(const Scene& scene, const PrimitiveNumbers& numbers,
+                                  const Instances* instances, unsigned threads);
+Geometry geometryOf(const Scene& scene, std::vector<Extent> objects);
 // With the camera.
 Extent withCamera(const Extent& geometry, const Scene& scene);
-glm::dvec3 originOf(const Extent& extent);
+glm::dvec3 originOf(const Geometry& geometry, const glm::dvec3& eye);
+// looksFrom: how far the eye is from the middle.
+glm::dvec3 originOf(const glm::dvec3& middle, double reach, double looksFrom);
 
 // The point by which fp32 can best hold a plane that is used near `extent`: the given one, or, where that
 // lies 16 times farther from the extent's centre than it need, the plane's point nearest the centre. normal:

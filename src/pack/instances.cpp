@@ -79,11 +79,11 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDe
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
     checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxDepth);
-    const Extent extent = geometryExtent(alone, numbers, nullptr, options.threads);
+    const Extent extent = objectExtents(alone, numbers, nullptr, options.threads).front();
     Prototype prototype;
     PackedScene& packed = prototype.geometry;
     if (extent.empty()) return prototype;
-    packed.origin = originOf(extent);
+    packed.origin = originOf(extent.center(), extent.halfSize(), 0);
     // Seen from its middle: no form of rounding may depend on where the camera is.
     const Frame frame{packed.origin, extent.center(), nullptr};
     Materials unused(scene.materials.size());

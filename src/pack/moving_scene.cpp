@@ -148,13 +148,13 @@ void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
 
 // False if coordinates are to start from elsewhere.
 bool MovingScene::sameOrigin(const Scene& scene, const PrimitiveNumbers& numbers) {
-    Extent geometry;
-    for (const Extent& extent : extents_) geometry.include(extent);
-    const Extent extent = withCamera(geometry, scene);
-    if (originOf(extent) != packed_.origin) return false;
-    packed_.geometryLo = geometry.lo;
-    packed_.geometryHi = geometry.hi;
-    packPlanes(scene, numbers, extent, packed_);
+    const Geometry geometry = geometryOf(scene, extents_);
+    if (originOf(geometry, scene.camera.eye) != packed_.origin) return false;
+    packed_.geometryLo = geometry.extent.lo;
+    packed_.geometryHi = geometry.extent.hi;
+    packed_.geometryMiddle = geometry.middle;
+    packed_.geometryReach = geometry.reach;
+    packPlanes(scene, numbers, withCamera(geometry.extent, scene), packed_);
     return true;
 }
 

@@ -110,12 +110,14 @@ bool anyTransmits(const Scene& scene) {
 PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Instances& instances,
                        const PackOptions& options) {
     const ProgressPart part(instances.any() ? Instances::kPrototypesPart : 0, 1);
-    const Extent geometry = geometryExtent(scene, numbers, &instances, options.threads);
-    const Extent extent = withCamera(geometry, scene);
+    const Geometry geometry = geometryOf(scene, objectExtents(scene, numbers, &instances, options.threads));
+    const Extent extent = withCamera(geometry.extent, scene);
     PackedScene packed;
-    packed.geometryLo = geometry.lo;
-    packed.geometryHi = geometry.hi;
-    packed.origin = originOf(extent);
+    packed.geometryLo = geometry.extent.lo;
+    packed.geometryHi = geometry.extent.hi;
+    packed.geometryMiddle = geometry.middle;
+    packed.geometryReach = geometry.reach;
+    packed.origin = originOf(geometry, scene.camera.eye);
     packPlanes(scene, numbers, extent, packed);
     instances.place(scene, numbers, packed.origin, options.threads);
 

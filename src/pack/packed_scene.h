@@ -94,15 +94,21 @@ struct PackedScene {
     std::vector<std::string> warnings;
     // Of the finite geometry, world; lo above hi if there is none. Without what fp32 cannot hold.
     glm::dvec3 geometryLo{0}, geometryHi{0};
+    glm::dvec3 geometryMiddle{0};  // and where most of it is, as chooseOrigin describes it
+    double geometryReach = 0;
     glm::vec3 boundsLo{0}, boundsHi{0};  // of everything in the BVH, local; equal if there is nothing
 };
 
-// The world point that local coordinates start from. Let c be the centre and e half the greatest edge of the
-// box around the camera's eye and all finite geometry except planes (without such geometry: around the eye,
-// its target and each plane's point nearest the eye). The origin is exactly 0 unless the largest |component|
-// of c exceeds 64 e, which would cost the geometry 6 and more of the 24 bits that fp32 has. Then it is c
-// rounded to a multiple of the power of two in (e, 2e]: no more than e away from c in any axis, and a number
-// of few bits, exact in fp32 too as long as |c| < 2^24 e.
+// The world point that local coordinates start from. Let m be the median, in each axis, of the
+// centres of the nearer half of all objects but planes (nearer to the median of all centres, with all
+// their parts), and e how far half of all objects reach from m in any axis. (Without such objects:
+// centre and half the greatest edge of the box around the eye, its target and each plane's point
+// nearest the eye.) The origin is 0 unless the largest |component| of m exceeds four times both e and
+// the eye's distance from m in any axis: that would cost 2 and more of fp32's 24 bits. (An eye
+// farther than 64 e from all geometry sees none of it and does not count.) Then it is m rounded to a
+// multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
+// exact in fp32 too where |m| < 2^24 e. So a planet among small things does not decide, nor a grain
+// far from all.
 glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
 
 // Flattens a valid scene: places its objects (scene/placement.h), rounds to fp32 relative to the origin,

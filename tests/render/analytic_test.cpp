@@ -76,10 +76,12 @@ TEST_F(AnalyticTest, InteriorOfTheUnitTriangle) {
 TEST_F(AnalyticTest, DirectionLengthScalesT) {
     Scene scene = emptyScene();
     addTriangle(scene, {0, .5, 5}, {-.5, -.5, 5}, {.5, -.5, 5});
+    scene.camera.eye = {0, 0, 1};  // from where the rays come: coordinates are counted from 0 then
     Random random(11);
     std::vector<RayInput> rays = {rayOf({0, 0, 1}, {0, 0, 1})};
     for (int i = 0; i < 100; ++i) rays.push_back(rayOf({0, 0, 1}, vec3(0, 0, random.uniform(0.5, 10))));
     const PackedScene packed = packScene(scene);
+    ASSERT_EQ(packed.origin, dvec3(0));
     Renderer renderer(device(), packed);
     const std::vector<RayHit> hits = renderer.trace(rays, false);
     for (size_t i = 0; i < rays.size(); ++i) {

@@ -30,14 +30,15 @@ std::shared_ptr<const Mesh> flatGrid(uint32_t count, double cell, const dvec3& f
 enum class Made { OneMesh, Tiles };
 
 // A mirror floor of 60 x 60 at the given height, so far out that a coordinate's last place is a thousandth of
-// a cell, seen from above; else there is nothing.
+// a cell, seen from above, and from so far that coordinates are not counted from its middle; else there is
+// nothing.
 Case floorCase(Made made, double height) {
     constexpr double kCell = 0.1, kSize = 60;
     const dvec3 middle(1000, height, 700);
     Case c = textCase(R"({"objects": [], "background": 0, "ambient": 0.1, "maxDepth": 2,
         "lights": [{"type": "directional", "direction": [-0.5, -1, -0.4]}],
         "materials": {"m": {"diffuse": 0.5, "mirror": 0.5}},
-        "camera": {"eye": [1000, 20, 724], "target": [1000, 0, 700], "fovY": 60}})",
+        "camera": {"eye": [1000, 220, 964], "target": [1000, 0, 700], "fovY": 6}})",
                       400, 300);
     Scene scene = std::move(c.scene);
     const dvec3 corner = middle - dvec3(kSize / 2, 0, kSize / 2);
@@ -77,6 +78,7 @@ TEST_F(FlatMeshTest, FacesDoNotMeetTheirNeighbours) {
         for (const double height : {0.0, 1e-3}) {
             const Case c = floorCase(made, height);
             ASSERT_EQ(c.packed.instances.empty(), made == Made::OneMesh);
+            ASSERT_EQ(c.packed.origin, dvec3(0));
             const Picture picture = draw(device(), c);
             const float alone = picture.color.at(200, 200, 0);
             size_t floor = 0, others = 0;
