@@ -125,18 +125,18 @@ TEST(Frames, TheOriginGoesWithTheEye) {
     Scene scene = sceneWith(false);
     for (Object& object : scene.objects) {
         Affine far;
-        far.offset = {1000, 0, 0};
+        far.offset = {400, 0, 0};
         object.transform = far;
     }
     placeObjects(scene);
-    scene.camera.eye = {1010, 12, 40};
+    scene.camera.eye = {410, 12, 40};
     const PackedScene packed = packScene(scene);
     EXPECT_NE(packed.origin.x, 0);
     Scene other = scene;
-    other.camera.eye = {1030, 12, 40};
+    other.camera.eye = {420, 12, 40};
     EXPECT_TRUE(keepsArrays(packed, scene, other.camera));
     EXPECT_EQ(packScene(other).origin, packed.origin);
-    other.camera.eye = {100, 12, 40};
+    other.camera.eye = {290, 12, 40};
     EXPECT_FALSE(keepsArrays(packed, scene, other.camera));
     EXPECT_EQ(packScene(other).origin, glm::dvec3(0));
 }

@@ -192,6 +192,7 @@ TEST(PackScene, AreaIsJudgedAfterRounding) {
     scene.camera.eye = {0, 0, 0};
     addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 0.5, 0}}});
     addObject(scene, TriangleShape{{{far, far, 0}, {far + 8, far, 0}, {far + 4, far + 4, 0}}});
+    addObject(scene, SphereShape{{0, 0, -3}, 1});  // what the eye sees keeps the origin at 0
     const PackedScene packed = packScene(scene);
     EXPECT_EQ(packed.origin, glm::dvec3(0));
     EXPECT_EQ(packed.statistics.droppedZeroArea, 1u);

@@ -48,7 +48,7 @@ TEST(PackPolygon, OutlinesAreClosedAndFilledUp) {
     EXPECT_EQ(packed.polygonVertices.size(), 5u + 9u);
 }
 
-// T74: rounded to fp32 at 2^24 the thin one is a line; the eye keeps the origin at 0.
+// T74: rounded to fp32 at 2^24 the thin one is a line; what the eye sees keeps the origin at 0.
 TEST(PackPolygon, AreaIsJudgedAfterRounding) {
     const double far = 16777216;
     Scene scene;
@@ -57,6 +57,7 @@ TEST(PackPolygon, AreaIsJudgedAfterRounding) {
               PolygonShape{{{far, far, 0}, {far + 8, far, 0}, {far + 8, far + 0.5, 0}, {far, far + 0.5, 0}}});
     addObject(scene,
               PolygonShape{{{far, far, 0}, {far + 8, far, 0}, {far + 8, far + 4, 0}, {far, far + 4, 0}}});
+    addObject(scene, SphereShape{{0, 0, -3}, 1});
     const PackedScene packed = packScene(scene);
     ASSERT_EQ(packed.polygons.size(), 1u);
     EXPECT_EQ(packed.polygons[0].id, 1u);
