@@ -10,11 +10,11 @@ using glm::dvec3;
 
 class FarSceneTest : public RenderTest {
   protected:
-    static verify::Report seen(Scene scene, const dvec3& middle) {
-        scene.lights.push_back(PointLight{middle + dvec3(1, 4, 5), Color(0.9)});
-        scene.camera.eye = middle + dvec3(0.5, 1.5, 6);
+    static verify::Report seen(Scene scene, const dvec3& middle, double fovY) {
+        scene.lights.push_back(PointLight{middle + dvec3(5, 4, 1), Color(0.9)});
+        scene.camera.eye = middle + dvec3(6, 1.5, 0.5);
         scene.camera.target = middle;
-        scene.camera.fovY = 50;
+        scene.camera.fovY = fovY;
         scene.ambient = Color(0.2);
         const Case c = makeCase(std::move(scene), 160, 120);
         Renderer renderer(device(), c.packed);
@@ -34,13 +34,13 @@ TEST_F(FarSceneTest, PanesAFewRoundingsThick) {
     scene.materials[glass].transmission = Color(0.9);
     scene.materials[glass].ior = 1.5;
     for (int i = 0; i < 4; ++i) {
-        const dvec3 corner = middle + dvec3(-2.1 + i, -1, 0.31 * i);
-        scene.objects.push_back({"/pane", BoxShape{corner, corner + dvec3(1.5, 2, 6e-4)}, glass});
+        const dvec3 corner = middle + dvec3(0.31 * i, -1, -2.1 + i);
+        scene.objects.push_back({"/pane", BoxShape{corner, corner + dvec3(6e-4, 2, 1.5)}, glass});
     }
-    scene.objects.push_back({"/ball", SphereShape{middle - dvec3(0, 0.3, 2), 1}, plain});
+    scene.objects.push_back({"/ball", SphereShape{middle - dvec3(2, 0.3, 0), 1}, plain});
     scene.objects.push_back(
         {"/block", BoxShape{middle + dvec3(-170, -400, -371), middle + dvec3(200, -4, -1)}, plain});
-    const verify::Report report = seen(std::move(scene), middle);
+    const verify::Report report = seen(std::move(scene), middle, 40);
     EXPECT_TRUE(report.passed());
     EXPECT_LE(report.edges + report.roundings, 4u);
     EXPECT_EQ(report.unexplained, 0u);
@@ -53,12 +53,12 @@ TEST_F(FarSceneTest, CrumbsKeepTheirShape) {
     const uint32_t plain = addMaterial(scene, Color(0.6));
     Random random(5);
     for (int i = 0; i < 200; ++i) {
-        const dvec3 at = middle + random.box(2);
+        const dvec3 at = middle + random.box(0.15);
         scene.objects.push_back(
-            {"/crumb", TriangleShape{{at, at + random.box(0.02), at + random.box(0.02)}}, plain});
+            {"/crumb", TriangleShape{{at, at + random.box(0.01), at + random.box(0.01)}}, plain});
     }
     scene.objects.push_back({"/planet", SphereShape{middle - dvec3(300, 640, 0), 700}, plain});
-    const verify::Report report = seen(std::move(scene), middle);
+    const verify::Report report = seen(std::move(scene), middle, 3);
     EXPECT_TRUE(report.passed());
     EXPECT_EQ(report.unexplained, 0u);
     ASSERT_TRUE(report.representation.has_value());
