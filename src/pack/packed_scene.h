@@ -105,8 +105,8 @@ struct PackedScene {
 // centre and half the greatest edge of the box around the eye, its target and each plane's point
 // nearest the eye.) The origin is 0 unless the largest |component| of m exceeds four times both e and
 // the eye's distance from m in any axis: that would cost 2 and more of fp32's 24 bits. (An eye
-// farther than 64 e from all geometry sees none of it and does not count.) Then it is m rounded to a
-// multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
+// farther than 4096 e from all geometry sees none of it and does not count.) Then it is m rounded to
+// a multiple of the power of two in (e, 2e]: no more than e away from m in any axis, and of few bits,
 // exact in fp32 too where |m| < 2^24 e. So a planet among small things does not decide, nor a grain
 // far from all.
 glm::dvec3 chooseOrigin(const Scene& scene, unsigned threads = 0);
