@@ -103,7 +103,7 @@ TEST(PackOrigin, StaysWhereTheEyeIs) {
     EXPECT_EQ(chooseOrigin(scene), glm::dvec3(100, 0, 0));
 }
 
-// Scenes of libglint have the eye that cameras have, if nobody says otherwise.
+// Rays that others cast may come from anywhere.
 TEST(PackOrigin, AnEyeThatSeesNothingDoesNotCount) {
     Scene scene;
     addObject(scene, SphereShape{{1e6, 0, 0}, 1});
