@@ -27,8 +27,8 @@ bool meetsBehind(Ray ray, Hit hit) {
            liesBehind(origin, direction, triangle, exchanged ? hit.v : hit.u, exchanged ? hit.u : hit.v);
 }
 
-// What a further walk of a ray makes of trips that no lane counts, as the first one's stand in the budget: the
-// planes' loop and one trip of each loop that it enters.
+// What a further walk of a ray makes of trips that no lane counts, as the first one's stand in the budget:
+// the planes' loop and one trip of each loop that it enters.
 uint tripsOfAnotherWalk(Environment environment) { return environment.planeCount + tripsOfPass(); }
 
 // trace() for a nearest hit. A triangle that proves to lie behind is passed by: the ray is traced from its t
