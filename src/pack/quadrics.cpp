@@ -224,13 +224,14 @@ std::optional<dvec3> nearestOnSide(const Form& form, const dvec3& eye) {
     return inBox && step < 0x1p-40 ? std::optional(y) : std::nullopt;
 }
 
-// The point of the surface nearest the eye, if that is near: there the constant, and with it the radius of
-// curvature, drops out of the equation, as it does from an anchored sphere's; the plane of a cap is at
-// exactly 0. Measured from anywhere else, hits would err by 2^-24 of the way there. Where the gradient
+// The point of the surface nearest the eye, if that is near, beside the radius or the way to where the form
+// is measured from: there the constant, and with it the radius of curvature, drops out of the equation, as it
+// does from an anchored sphere's; the plane of a cap is at exactly 0. Measured from anywhere else, hits would
+// err by 2^-24 of the way there, which from a long cone's apex is many times the radius. Where the gradient
 // vanishes rounded constants would open or fill the surface: such a form is moved only if the eye is so near
 // that the rest would lose six digits. A cone with a tip goes on to be measured from there, too.
 std::optional<dvec3> anchorOf(const Form& form, const dvec3& eye) {
-    double nearest = form.isSingular && !form.hasTip ? 1.0 / 64 : 0.5;
+    double nearest = form.isSingular && !form.hasTip ? 1.0 / 64 : std::max(0.5, 0.25 * glm::length(eye));
     std::optional<dvec3> anchor;
     const auto offer = [&](const dvec3& y) {
         if (!(glm::distance(y, eye) < nearest)) return;

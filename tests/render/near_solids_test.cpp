@@ -57,6 +57,12 @@ TEST_F(NearSolidsTest, ConesWithATip) {
         expectExact(seen(cone, turned, turned.linear * dvec3(1.5, 0, 0), turned.linear * target));
 }
 
+// From its apex this one is a hundred radii away, and the eye a radius.
+TEST_F(NearSolidsTest, LongConesWithATip) {
+    const ConeShape cone{{0, 0, 0}, {-390, -47, -140}, 4.5, 0, true};
+    expectExact(seen(cone, std::nullopt, {3.3, 5.8, -0.6}, {-1, 1, 0}));
+}
+
 // Corners sixty times as far away as the hits, which are seen aslant.
 TEST_F(NearSolidsTest, TrianglesSeenAslant) {
     const TriangleShape triangle{{{59, 98.9, 1456}, {-17.3, -114, 2794}, {-33.6, 36.4, -1914}}};
