@@ -300,11 +300,12 @@ TEST_F(LibraryChanges, FarAwayTheOriginMoves) {
 
 // Each call has its answers from one version, and never from one before that of the thread's last call.
 TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
-    constexpr uint32_t kVersions = 16;  // farther up coordinates start from elsewhere
+    constexpr uint32_t kVersions = 60;
+    constexpr double kStep = 0.25;  // beyond 16 coordinates start from elsewhere
     const std::vector<U3> corners = squares();
     const auto flat = [](uint32_t version) {
         std::vector<D3> vertices = sheet(0, 0);
-        for (D3& vertex : vertices) vertex[2] = version;
+        for (D3& vertex : vertices) vertex[2] = kStep * version;
         return vertices;
     };
     add(scene(), flat(0), corners);
@@ -326,15 +327,16 @@ TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
                 rays.directions = viewOf(down);
                 GLINT_INIT(glint_hits, hits);
                 hits.t = outOf(t);
-                double last = 100;
+                double last = 100 / kStep;
                 while (!done && wrong[thread].empty()) {
                     if (glint_query_closest(asked, &rays, &hits, nullptr) != GLINT_OK)
                         wrong[thread] = glint_last_error();
+                    const double steps = std::round(t[0] / kStep);
                     for (const double one : t)
-                        if (!(std::abs(one - std::round(t[0])) < 1e-3))
+                        if (!(std::abs(one - kStep * steps) < 1e-3))
                             wrong[thread] = "answers of two versions in one call";
-                    if (!(std::round(t[0]) <= last)) wrong[thread] = "an older version than before";
-                    last = std::round(t[0]);
+                    if (!(steps <= last)) wrong[thread] = "an older version than before";
+                    last = steps;
                     ++calls;
                 }
             });
