@@ -28,16 +28,6 @@ constexpr uint64_t kLastScenes = 1024;
 // ten the longest hardly ever.
 constexpr double kMoveGain = 4;
 
-// Some kMaxKappaPixels of those asked. splitmix64 (Steele, Lea, Flood 2014).
-bool isProbed(int x, int y, uint32_t sample, size_t asked) {
-    uint64_t z =
-        (static_cast<uint64_t>(sample) << 40 | static_cast<uint64_t>(y) << 20 | static_cast<uint64_t>(x)) *
-        0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z % std::max<size_t>(asked, 1) < kMaxKappaPixels;
-}
-
 double greatestDifference(const glm::dvec3& a, const glm::dvec3& b) {
     const glm::dvec3 d = glm::abs(a - b);
     return std::max({d.x, d.y, d.z});
@@ -64,9 +54,9 @@ RepresentationCheck::RepresentationCheck(const Scene& read, const PackedScene& p
       rounded_(rounded),
       roundedCamera_(camera),
       rows_(static_cast<size_t>(options.height)) {
-    asked_ = static_cast<size_t>(options.width) * static_cast<size_t>(options.height);
-    if (asked_ > kSmallPicture) asked_ /= 4;
-    asked_ *= options.samples.round;
+    double asked = static_cast<double>(options.width) * options.height;
+    if (asked > kSmallPicture) asked /= 4;
+    probeStep_ = static_cast<int>(std::ceil(std::sqrt(asked * options.samples.round / kMaxKappaPixels)));
 }
 
 bool RepresentationCheck::asks(int x, int y, uint32_t sample) const {
@@ -97,7 +87,11 @@ void RepresentationCheck::compare(int x, int y, uint32_t sample, const reference
     doubt.difference = greatestDifference(rounded.color, truth.color);
     row.differences.push_back(static_cast<float>(doubt.difference));
     row.squares += glm::dot(d, d);
-    if (isProbed(x, y, sample, asked_)) row.probed.push_back({x, y, s});
+    // Some kMaxKappaPixels of those asked, at random.
+    const size_t cell = (static_cast<size_t>(sample) * rows_.size() + static_cast<size_t>(y)) *
+                            static_cast<size_t>(options_.width) +
+                        static_cast<size_t>(x);
+    if (placeInCell(cell, probeStep_) == glm::ivec2(0)) row.probed.push_back({x, y, s});
     doubt.decisions = truth.decisions;
     doubt.samePath = truth.pathHash == rounded.pathHash;
     if (doubt.samePath) {
@@ -261,7 +255,7 @@ Representation RepresentationCheck::judge(const Sensitivity& sensitivity, size_t
         result.unexplained += doubt->state == Doubt::State::Unexplained;
         if (doubt->state != Doubt::State::Predicted) shown.push_back(doubt);
     }
-    areTooMany(result.explained);
+    areTooMany(result.explained);  // asks for a limit of its own if need be
     std::sort(shown.begin(), shown.end(), [](const Doubt* a, const Doubt* b) {
         if (a->state != b->state) return a->state == Doubt::State::Unexplained;
         return std::tuple(-a->difference, a->y, a->x) < std::tuple(-b->difference, b->y, b->x);

@@ -106,7 +106,7 @@ class RepresentationCheck {
     const reference::Tracer& rounded_;
     const shared::Camera& roundedCamera_;
     std::vector<Row> rows_;
-    size_t asked_;  // about as many pixels
+    int probeStep_;  // one of so many squared is probed
 };
 
 }  // namespace glint::verify

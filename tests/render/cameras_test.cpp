@@ -177,11 +177,7 @@ TEST_F(CameraTest, CancellationIsExplained) {
         addKnifeEdges(scene, 1024, 768, isParallel ? 0.01 : 1);
         const Case c = makeCase(scene, 1024, 768);
         ASSERT_EQ(c.packed.origin, dvec3(0));
-        Renderer renderer(device(), c.packed);
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
-        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+        const verify::Report report = verified(c);
         EXPECT_EQ(report.unexplained, 0u);
         EXPECT_GT(report.explained(), 4u) << "else nothing hung on rounding";
     }

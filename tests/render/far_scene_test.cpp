@@ -17,11 +17,7 @@ class FarSceneTest : public RenderTest {
         scene.camera.fovY = fovY;
         scene.ambient = Color(0.2);
         const Case c = makeCase(std::move(scene), 160, 120);
-        Renderer renderer(device(), c.packed);
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
-        return verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+        return verified(c, true);
     }
 };
 

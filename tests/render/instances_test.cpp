@@ -176,11 +176,7 @@ TEST_F(InstanceTest, ExtremeScalesKeepTheirNormals) {
         scene.camera.target = {0, 0, 0};
         const Case c = makeCase(scene, 64, 48);
         ASSERT_EQ(c.packed.instances.size(), 2u);
-        Renderer renderer(device(), c.packed);
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
-        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+        const verify::Report report = verified(c);
         EXPECT_EQ(report.unexplained, 0u) << scale.y;
         EXPECT_TRUE(report.passed()) << scale.y;
     }

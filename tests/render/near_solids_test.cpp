@@ -22,11 +22,7 @@ class NearSolidsTest : public RenderTest {
         scene.camera.target = target;
         scene.camera.fovY = fovY;
         const Case c = makeCase(scene, 48, 36);
-        Renderer renderer(device(), c.packed);
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
-        return verify::verify(renderer, c.packed, c.camera, options);
+        return verified(c);
     }
 };
 

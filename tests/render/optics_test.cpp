@@ -328,11 +328,7 @@ TEST_F(OpticsTest, LightFadesByAWayThatErrsWithItsFacesCorners) {
     scene.camera.projection = Projection::Perspective;
     scene.camera.fovY = 60;
     const Case c = makeCase(scene, 48, 36);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(c);
     EXPECT_TRUE(report.passed());
     EXPECT_EQ(report.explained() + report.unexplained, 0u);
 }

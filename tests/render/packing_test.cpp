@@ -214,11 +214,7 @@ class RepresentationTest : public RenderTest, public testing::WithParamInterface
 
 TEST_P(RepresentationTest, RoundingExplainsWhatItShows) {
     const Case c = fileCase(GetParam(), 60, 45);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    const verify::Report report = verified(c, true);
     ASSERT_TRUE(report.representation.has_value());
     const verify::Representation& r = *report.representation;
     EXPECT_EQ(r.unexplained, 0u);
@@ -241,11 +237,7 @@ TEST_F(RenderTest, RoundingExplainsAKnotFarAway) {
   "objects": [{"type": "mesh", "mesh": "knot", "material": "clay", "transform": [{"translate": [4000, -4000, 4000]}]}]
 })",
                             160, 120);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    const verify::Report report = verified(c, true);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.representation->explained, 0u);
 }
@@ -286,11 +278,7 @@ TEST_F(RenderTest, RoundingExplainsFacetsOfGlass) {
     scene.camera.target = {0, 0, 0};
     scene.camera.fovY = 30;
     const Case c = makeCase(scene, 64, 48);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    const verify::Report report = verified(c, true);
     EXPECT_TRUE(report.passed());
     EXPECT_GT(report.representation->explained, report.allowedOthers()) << "more than moved rays predict";
 }

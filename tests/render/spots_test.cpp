@@ -157,11 +157,7 @@ TEST_F(SpotTest, SharpRimsAreExplained) {
         scene.lights.push_back(lamp);
     }
     const Case c = makeCase(scene, 256, 192);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(c);
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_TRUE(report.passed()) << report.explained() << " explained pixels";
 }

@@ -70,6 +70,14 @@ PackedScene withOpenBoxes(PackedScene scene) {
     return scene;
 }
 
+verify::Report RenderTest::verified(const Case& c, bool besideRead) {
+    Renderer renderer(device(), c.packed);
+    verify::Options options;
+    options.width = c.width;
+    options.height = c.height;
+    return verify::verify(renderer, c.packed, c.camera, options, besideRead ? &c.scene : nullptr);
+}
+
 Case makeCase(Scene scene, int width, int height, BuildQuality quality) {
     Case c;
     c.scene = std::move(scene);

@@ -18,6 +18,7 @@
 #include "support/packed_scene_maker.h"
 #include "support/scene_maker.h"
 #include "trace/picture.h"
+#include "verify/verify.h"
 
 namespace glint::render::test {
 
@@ -33,12 +34,22 @@ using glint::test::emptyScene;
 using glint::test::Random;
 using glint::test::SceneMaker;
 
+// A scene, and a picture of it.
+struct Case {
+    Scene scene;
+    PackedScene packed;
+    shared::Camera camera;
+    int width = 0, height = 0;
+};
+
 // One device for the tests of a suite.
 class RenderTest : public testing::Test {
   protected:
     static void SetUpTestSuite();
     static void TearDownTestSuite();
     static const gpu::Device& device() { return *device_; }
+    // What verify says of the picture; besideRead: of the scene as it was read, too.
+    static verify::Report verified(const Case& c, bool besideRead = false);
 
   private:
     static std::unique_ptr<gpu::Device> device_;
@@ -46,12 +57,6 @@ class RenderTest : public testing::Test {
 
 // ---- scenes ----
 
-struct Case {
-    Scene scene;
-    PackedScene packed;
-    shared::Camera camera;
-    int width = 0, height = 0;
-};
 Case makeCase(Scene scene, int width, int height, BuildQuality quality = BuildQuality::Default);
 // scenes/NAME.json
 Case fileCase(const std::string& name, int width, int height);

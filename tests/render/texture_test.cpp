@@ -112,11 +112,7 @@ TEST_F(TextureTest, SolidCheckersAreExactFarOut) {
         "ambient": 1, "objects": [{"type": "plane", "point": [17466.5, -2.8, -202.5], "normal": [-0.5, 0.5, 0.7], "material": "m"}],
         "materials": {"m": {"ambient": {"checker": [0.2, 0.8], "scale": 2.08, "solid": true, "corner": [17464.97, -0.66, -203.5]}}}})",
         160, 120);
-    Renderer renderer(device(), c.packed, {});
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(c);
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_LE(report.edges, 2u);
 }
@@ -140,11 +136,7 @@ TEST_F(TextureTest, SolidCheckersKeepTheirCubesWhereverTheirCornerIs) {
             "corner": )" +
                 corner + "}}}}",
             160, 120);
-        Renderer renderer(device(), c.packed, {});
-        verify::Options options;
-        options.width = c.width;
-        options.height = c.height;
-        const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+        const verify::Report report = verified(c, true);
         EXPECT_TRUE(report.passed());
         EXPECT_EQ(report.explained() + report.representation->explained, 0u);
     }
@@ -162,11 +154,7 @@ TEST_F(TextureTest, SolidCheckersOfTwoSizesKeepTheirCubesFarOut) {
                   "diffuse": {"checker": [0.1, 0.9], "scale": 2.08, "solid": true, "corner": [-6298.4, 7.24, 25021.31]}},
             "n": {"ambient": {"checker": [0.3, 0.7], "scale": 3.08, "solid": true, "corner": [9298.1, -7.3, -25022.7]}}}})",
         160, 120);
-    Renderer renderer(device(), c.packed, {});
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options, &c.scene);
+    const verify::Report report = verified(c, true);
     EXPECT_TRUE(report.passed());
     EXPECT_EQ(report.explained() + report.representation->explained, 0u);
 }
@@ -451,11 +439,7 @@ TEST_F(TextureTest, CheckerEdgesAreExplained) {
     scene.camera.eye = {0.7, 1, 3};
     scene.camera.target = {0.2, 0, 0};
     const Case c = makeCase(scene, 200, 150);
-    Renderer renderer(device(), c.packed);
-    verify::Options options;
-    options.width = c.width;
-    options.height = c.height;
-    const verify::Report report = verify::verify(renderer, c.packed, c.camera, options);
+    const verify::Report report = verified(c);
     EXPECT_EQ(report.unexplained, 0u);
     EXPECT_GT(report.edges, 0u) << "the scene should have some";
     EXPECT_LT(report.edges, 0.005 * 200 * 150);
