@@ -2,7 +2,7 @@
 """Whole pictures beside a plain Whitted tracer over Embree's single rays, and secondary rays beside Embree's.
 
     bench/embree_peer.py [--page docs/lab/embree-peer.md] [--programs build/bin] [--only pictures|secondary] [--shrink 1] [--seconds 3]
-                         [--assets ../shared/assets/meshes] [--quick] [SCENE...]
+                         [--assets ../shared/assets/meshes] [--quick] [--same] [SCENE...]
 
 The programs embree_peer and secondary_rays (-DGLINT_BENCH=ON, Debian package libembree-dev) let both contestants take turns within one process; this
 makes tables of what they say, with quartiles, and puts them into the page. Ratios are of processor time, which a busy machine spoils least, and of the
@@ -81,6 +81,8 @@ def pictures(options, scenes):
         text += f"\n{summary('By processors', by_processor)}. {summary('By the clock', by_clock)}."
     if different:
         text += f" Not counted, as the peer's picture is another one: {', '.join(different)}."
+        if options.same:
+            sys.exit(f"the peer draws another picture of {', '.join(different)}\n{text}")
     if left_out:
         text += f" Left out: {'; '.join(left_out)}."
     return text + "\n"
@@ -122,6 +124,7 @@ def main():
     parser.add_argument("--shrink", type=float, default=1, help="divides width and height of pictures")
     parser.add_argument("--seconds", type=float, default=3, help="of a scene, after which no further round begins; two are drawn in any case")
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--same", action="store_true", help="fail if the peer draws another picture than glint")
     parser.add_argument("scenes", nargs="*")
     options = parser.parse_args()
     if options.quick:
