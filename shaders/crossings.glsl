@@ -110,6 +110,16 @@ Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
 // certain of are put aside, a few for each ray, and looked at closely when the ray is through or has as many
 // as there is room for (settleAside).
 const bool kPutsAside = !kPlacesMatter && !FEATURE_INSTANCES && NODE_FORMAT == kNodesTwo;
+// Where a tree has nothing but these, leaves wait too (crossings_walk.glsl).
+#define GLINT_NO_OTHERS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                        loops, uv)                                                                      \
+    GLINT_NO_OTHERS_##ROLE(FEATURE)
+#define GLINT_NO_OTHERS_TRIANGLES(FEATURE)
+#define GLINT_NO_OTHERS_PACKETS(FEATURE) &&!FEATURE_##FEATURE
+#define GLINT_NO_OTHERS_LEAVES(FEATURE) &&!FEATURE_##FEATURE
+#define GLINT_NO_OTHERS_INSTANCES(FEATURE) &&!FEATURE_##FEATURE
+#define GLINT_NO_OTHERS_UNBOUNDED(FEATURE)
+const bool kLeavesWait = kPutsAside GLINT_PRIMITIVES(GLINT_NO_OTHERS, 0);
 const uint kMostAside = 8u;
 const uint kRoomAside = 4u;  // more aside, and a leaf's triangles may find no room
 

@@ -387,6 +387,9 @@ uint walk(inout Traversal traversal, uint slot) {
 }
 
 #include "compressed.glsl"
+#ifdef GLINT_CROSSINGS
+#include "crossings_walk.glsl"
+#endif
 
 // Makes the ray ready. False for one with nothing to find: an empty interval, or not finite, or without
 // direction.
@@ -470,6 +473,10 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
     uint left;
     if (NODE_FORMAT == kNodesCompressed) {
         left = traverseCompressed(traversal, root);
+#ifdef GLINT_CROSSINGS
+    } else if (kLeavesWait) {
+        left = traverseAll(traversal, root);
+#endif
     } else {
         left = traverse(traversal, root);
     }

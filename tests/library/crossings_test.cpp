@@ -244,6 +244,51 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
     EXPECT_EQ(total, t.size());
 }
 
+// Square sheets of random sizes over each other: a ray along z crosses those that reach as far as it passes
+// beside their common corner, each once, along their diagonals too, where every triangle is looked at
+// closely. More leaves than a ray has room for wait, and with thousands of them it runs out of trips.
+TEST_F(LibraryCrossings, ManySheets) {
+    for (const uint32_t sheets : {3u, 40u, 300u, kOnDevice ? 9000u : 1000u}) {
+        glint_scene* own = nullptr;
+        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+        useScene(own);
+        Random random(sheets);
+        std::vector<double> sizes(sheets);
+        std::vector<D3> vertices;
+        std::vector<U3> corners;
+        for (uint32_t k = 0; k < sheets; ++k) {
+            const double size = sizes[k] = 0.1 + random.uniform(), z = k;
+            for (const D3& v : {D3{0, 0, z}, D3{size, 0, z}, D3{size, size, z}, D3{0, size, z}})
+                vertices.push_back(v);
+            corners.push_back({4 * k, 4 * k + 1, 4 * k + 2});
+            corners.push_back({4 * k, 4 * k + 2, 4 * k + 3});
+        }
+        addMesh<double>(vertices, corners);
+        commit();
+        std::vector<D3> origins, directions;
+        std::vector<double> ends;
+        std::vector<uint32_t> expected;
+        for (size_t i = 0; i < 400; ++i) {
+            const double x = 1e-3 + random.uniform(), y = i % 3 == 0 ? x : 1e-3 + random.uniform();
+            const double end = (i % 2 == 0 ? 1.0 : random.uniform()) * sheets + 0.75;
+            origins.push_back({x, y, -1});
+            directions.push_back({0, 0, 1});
+            ends.push_back(end);
+            expected.push_back(0);
+            for (uint32_t k = 0; k < sheets; ++k)
+                expected.back() += sizes[k] > std::max(x, y) && k + 1 <= end;
+        }
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        rays.t_max = viewOf(ends);
+        std::vector<uint32_t> counts(origins.size());
+        const glint_out out = outOf(counts);
+        ASSERT_EQ(glint_query_count(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(counts, expected) << sheets;
+    }
+}
+
 // Triangles that stand in the tree more than once are counted once.
 TEST_F(LibraryCrossings, SplitTrianglesCountOnce) {
     load("arcade.json");

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <random>
 
 #include "bvh/builder.h"
 #include "pack/packed_scene.h"
@@ -135,6 +136,29 @@ TEST(PackScene, LeavesNameTheirPrimitives) {
     EXPECT_TRUE(std::all_of(spheres.begin(), spheres.end(), [](int n) { return n == 1; }));
     EXPECT_EQ(packed.statistics.leaves, leaves);
     EXPECT_LE(packed.statistics.depth, shared::kMaxBvhDepth);
+}
+
+// As shaders/crossings_walk.glsl takes for granted.
+TEST(PackScene, LeavesOfANodeFollowEachOther) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    const auto point = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    Scene scene;
+    for (int i = 0; i < 5000; ++i) {
+        const glm::dvec3 at = 40.0 * point();
+        addObject(scene, TriangleShape{{at + point(), at + point(), at + point()}});
+    }
+    for (const BuildQuality quality : {BuildQuality::Fast, BuildQuality::Default}) {
+        const PackedScene packed = packScene(scene, 0, quality, false);
+        size_t pairs = 0;
+        for (const shared::Node& node : packed.nodes) {
+            if ((node.child0 & node.child1 & shared::kLeafFlag) == 0) continue;
+            ++pairs;
+            const uint32_t size = (node.child0 >> shared::kLeafCountShift & shared::kLeafCountMask) + 1;
+            EXPECT_EQ((node.child0 & shared::kLeafFirstMask) + size, node.child1 & shared::kLeafFirstMask);
+        }
+        EXPECT_GT(pairs, 500u);
+    }
 }
 
 // A sphere and a triangle with the same box: the heuristic would put them into one leaf.
