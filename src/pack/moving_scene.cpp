@@ -146,10 +146,16 @@ void MovingScene::measure(const Scene& scene, const std::vector<bool>& moved) {
     }
 }
 
-// False if coordinates are to start from elsewhere.
-bool MovingScene::sameOrigin(const Scene& scene, const PrimitiveNumbers& numbers) {
+// Where coordinates start from elsewhere now, everything moves with them; false if something does not follow.
+bool MovingScene::followOrigin(const Scene& scene, const PrimitiveNumbers& numbers,
+                               std::vector<bool>& moved) {
     const Geometry geometry = geometryOf(scene, extents_);
-    if (originOf(geometry, scene.camera.eye) != packed_.origin) return false;
+    if (const glm::dvec3 origin = originOf(geometry, scene.camera.eye); origin != packed_.origin) {
+        if (!std::all_of(kinds_.begin(), kinds_.end(), follows)) return false;
+        packed_.origin = origin;
+        moved.assign(moved.size(), true);
+        measure(scene, moved);
+    }
     packed_.geometryLo = geometry.extent.lo;
     packed_.geometryHi = geometry.extent.hi;
     packed_.geometryMiddle = geometry.middle;
@@ -219,11 +225,11 @@ bool MovingScene::moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers
     return allKept && !(result.cost > kMostGrowth * builtCost_);
 }
 
-bool MovingScene::update(const Scene& scene, const std::vector<bool>& moved) {
+bool MovingScene::update(const Scene& scene, std::vector<bool> moved) {
     if (!knows(scene, moved)) return false;
     measure(scene, moved);
     const PrimitiveNumbers numbers(scene);
-    if (!sameOrigin(scene, numbers)) return false;
+    if (!followOrigin(scene, numbers, moved)) return false;
     eye_ = scene.camera.eye;
     instances_->place(scene, numbers, packed_.origin, 0);
     if (!instances_->move(packed_) || !droppedStaySo(scene, moved)) return false;

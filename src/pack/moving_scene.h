@@ -32,12 +32,12 @@ class MovingScene {
     // answer in the same bits. False where only packing it anew does: then the arrays are of no use any more.
     // That is where
     // - the tree has become kMostGrowth times as dear,
-    // - other triangles than before have no area, or the scene's origin is another,
+    // - other triangles than before have no area,
     // - something moved that is neither triangles nor an instance nor a plane, or the camera did where other
-    //   kinds round by it,
+    //   kinds round by it, or the scene's origin where there are other kinds,
     // - a mesh changed that instances share, or an object became an instance or ceased to be one,
     // - materials have textures or let light through.
-    bool update(const Scene& scene, const std::vector<bool>& moved);
+    bool update(const Scene& scene, std::vector<bool> moved);
 
   private:
     struct Face {
@@ -51,7 +51,7 @@ class MovingScene {
     bool knows(const Scene& scene, const std::vector<bool>& moved) const;
     void measure(const Scene& scene, const std::vector<bool>& moved);
     void followVertices(const Object& object, size_t number);
-    bool sameOrigin(const Scene& scene, const PrimitiveNumbers& numbers);
+    bool followOrigin(const Scene& scene, const PrimitiveNumbers& numbers, std::vector<bool>& moved);
     bool droppedStaySo(const Scene& scene, const std::vector<bool>& moved) const;
     bool moveTriangle(const Scene& scene, const PrimitiveNumbers& numbers, uint32_t index);
     bool moveLeaves(const Scene& scene, const PrimitiveNumbers& numbers, const std::vector<bool>& moved);

@@ -53,7 +53,8 @@ class LibraryChanges : public LibraryTest {
         return {std::cos(turn), -std::sin(turn), 0, x, std::sin(turn), std::cos(turn), 0, y, 0, 0, 1, z};
     }
 
-    static Answers ask(const glint_scene* scene) {
+    // Rays from above a sheet, moved by `by`.
+    static Answers ask(const glint_scene* scene, const D3& by = {0, 0, 0}) {
         constexpr size_t kRays = 3000;
         static const auto rays = [] {
             std::mt19937 random(3);
@@ -67,8 +68,11 @@ class LibraryChanges : public LibraryTest {
             }
             return made;
         }();
+        std::vector<D3> origins = rays.first;
+        for (D3& origin : origins)
+            for (size_t k = 0; k < 3; ++k) origin[k] += by[k];
         GLINT_INIT(glint_rays, asked);
-        asked.origins = viewOf(rays.first);
+        asked.origins = viewOf(origins);
         asked.directions = viewOf(rays.second);
         Answers a{std::vector<double>(kRays),   std::vector<uint32_t>(kRays), std::vector<uint32_t>(kRays),
                   std::vector<uint32_t>(kRays), std::vector<D3>(kRays),       std::vector<uint8_t>(kRays)};
@@ -95,13 +99,13 @@ class LibraryChanges : public LibraryTest {
 
     // fill(scene) makes the scene from nothing, as it is now.
     template <class Fill>
-    void expectAsAnew(const Fill& fill, uint32_t expectedRefits) {
+    void expectAsAnew(const Fill& fill, uint32_t expectedRefits, const D3& by = {0, 0, 0}) {
         EXPECT_EQ(refits(), expectedRefits);
         glint_scene_release(anew_);
         ASSERT_EQ(glint_scene_create(device(), &anew_), GLINT_OK);
         fill(anew_);
         ASSERT_EQ(glint_scene_commit(anew_), GLINT_OK) << glint_last_error();
-        const Answers expected = ask(anew_), found = ask(scene());
+        const Answers expected = ask(anew_, by), found = ask(scene(), by);
         size_t hits = 0;
         for (const uint8_t one : expected.any) hits += one;
         EXPECT_GT(hits, 500u);
@@ -274,34 +278,74 @@ TEST_F(LibraryChanges, BadVerticesAreRefusedAndTheSceneStays) {
     EXPECT_TRUE(ask(scene()) == before);
 }
 
-// Far away, and then elsewhere: coordinates start from another origin.
-TEST_F(LibraryChanges, FarAwayTheOriginMoves) {
+// Coordinates start from elsewhere now and then: the trees stay, and no digits are lost.
+TEST_F(LibraryChanges, AMeshThatMovesFarIsNeverBuiltAnew) {
     const std::vector<U3> corners = squares();
-    std::vector<D3> vertices = sheet(0);
-    add(scene(), vertices, corners);
+    const std::vector<D3> first = sheet(0);
+    add(scene(), first, corners);
     commit();
-    for (D3& vertex : vertices) vertex[0] += 1e6;
-    setVertices(0, vertices);
-    commit();
-    GLINT_INIT(glint_scene_info, info);
-    ASSERT_EQ(glint_scene_info_of(scene(), &info), GLINT_OK);
-    EXPECT_EQ(info.refits, 0u);
-    EXPECT_NEAR(info.lower[0], 1e6, 1e-5);
-    const std::vector<D3> origin = {{1e6 + 1, 1, 6}}, down = {{0, 0, -1}};
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origin);
-    rays.directions = viewOf(down);
-    std::vector<double> t(1);
-    GLINT_INIT(glint_hits, hits);
-    hits.t = outOf(t);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-    EXPECT_NEAR(t[0], 6 - 0.3 * std::sin(7.0 / 4) * std::cos(5.0 / 4), 2e-3);
+    D3 by = {0, 0, 0};
+    for (uint32_t step = 1; step <= 60; ++step) {
+        // At a run; then a thousand times as far at once; and back.
+        by = step < 40 ? D3{1.5 * step, -0.7 * step, 0.3 * step}
+                       : (step < 50 ? D3{1e6, 1e3 * step, 0} : D3{double(60 - step), 0, 0});
+        std::vector<D3> vertices = first;
+        for (D3& vertex : vertices)
+            for (size_t k = 0; k < 3; ++k) vertex[k] += by[k];
+        setVertices(0, vertices);
+        commit();
+        if (step % 6 == 0 || step == 40 || step == 50)
+            expectAsAnew([&](glint_scene* to) { add(to, vertices, corners); }, step, by);
+    }
+}
+
+// So it is with instances, planes, lights and triangles without area; not with a sphere. (From so far away
+// that the text's camera, which stays, sees nothing of them.)
+TEST_F(LibraryChanges, WhateverFollowsTheOriginStays) {
+    const std::vector<U3> corners = squares();
+    constexpr double kFar = 1e5;
+    const std::string beside = R"({"lights": [{"type": "point", "position": [1, 2, 9]}],
+        "objects": [{"type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1]}]})";
+    const auto place = [&](glint_scene* to, double at) {
+        ASSERT_EQ(glint_scene_set_transform(to, 0, placed(at, 0, 0).data()), GLINT_OK);
+        ASSERT_EQ(glint_scene_set_transform(to, 1, placed(at + 0.5, 0, 1).data()), GLINT_OK);
+    };
+    const auto fill = [&](glint_scene* to, double at, bool ball) {
+        std::vector<D3> vertices = sheet(0);
+        vertices[20] = vertices[21];
+        add(to, vertices, corners);
+        uint32_t instance = 0;
+        ASSERT_EQ(glint_scene_add_instance(to, 0, placed(0, 0, 0).data(), &instance), GLINT_OK);
+        place(to, at);
+        ASSERT_EQ(glint_scene_add_json(to, beside.c_str(), nullptr, nullptr, nullptr), GLINT_OK)
+            << glint_last_error();
+        if (!ball) return;
+        const std::vector<D3> center = {{kFar + 2, 2, 2}};
+        const std::vector<double> radius = {0.5};
+        GLINT_INIT(glint_spheres, sphere);
+        sphere.centers = viewOf(center);
+        sphere.radii = viewOf(radius);
+        ASSERT_EQ(glint_scene_add_spheres(to, &sphere, nullptr), GLINT_OK);
+    };
+    for (const bool ball : {false, true}) {
+        glint_scene* own = nullptr;
+        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+        useScene(own);
+        fill(scene(), kFar, ball);
+        commit();
+        for (uint32_t step = 1; step <= 3; ++step) {
+            const double at = kFar * (1 + step);
+            place(scene(), at);
+            commit();
+            expectAsAnew([&](glint_scene* to) { fill(to, at, ball); }, ball ? 0 : step, {at, 0, 0});
+        }
+    }
 }
 
 // Each call has its answers from one version, and never from one before that of the thread's last call.
 TEST_F(LibraryChanges, EightThreadsAskWhileOneChanges) {
     constexpr uint32_t kVersions = 60;
-    constexpr double kStep = 0.25;  // beyond 16 coordinates start from elsewhere
+    constexpr double kStep = 1;
     const std::vector<U3> corners = squares();
     const auto flat = [](uint32_t version) {
         std::vector<D3> vertices = sheet(0, 0);
