@@ -5,13 +5,14 @@
  * - Status: every call that can fail returns a glint_status; glint_last_error() then says in one line what
  * was wrong and what to do, by thread. Outputs are untouched where a call fails before it computes.
  * - Handles: opaque and counted: ..._retain adds an owner, ..._release takes one away (NULL is allowed). A
- *   scene keeps its device alive.
+ *   scene keeps its device alive. One without an owner is gone, like freed memory: no call finds that out.
  * - Structs: those that may grow begin with `size`: set it to sizeof of the struct, as GLINT_INIT does
  * together with zeros everywhere else, which stand for "the default" or "not wanted".
  * - Arrays: views: a pointer, how many elements, the bytes from one to the next (0: they are packed) and the
  *   type of their numbers. One ray's origin is an element of three numbers. An input view with a count of 1
- *   stands for all rays. Nothing is copied on the way in but into the device's own buffers. Arrays need to
- * live until the call returns, and no longer.
+ *   stands for all rays. Strides shorter than a number, or of outputs than an element, are refused. Nothing
+ * is copied on the way in but into the device's own buffers. Arrays need to live until the call returns, and
+ *   no longer.
  * - Outputs: allocated by the caller. What has no pointer is not wanted, and neither computed nor read back.
  * - Units: right-handed, y up; colours are linear RGB; t is in units of the ray's direction, of any length.
  * - Accuracy: vertices and rays may be fp64 and lie far from 0: a scene has an origin of its own, which is
@@ -212,15 +213,16 @@ typedef struct glint_triangles {
 } glint_triangles;
 
 /* A mesh; outward is where its corners go round counter-clockwise. Triangles with a vertex that is not
- * finite, or without area, are left out of the scene with a warning, and keep their numbers. */
+ * finite, or without area, are left out of the scene with a warning, and keep their numbers; one whose finite
+ * vertices reach 1e18 is refused by the commit. */
 GLINT_API glint_status glint_scene_add_triangles(glint_scene* scene, const glint_triangles* triangles,
                                                  uint32_t* geometry);
 
 /* Spheres of one material. */
 typedef struct glint_spheres {
     uint64_t size;
-    glint_view centers; /* three numbers each */
-    glint_view radii;   /* one number each, > 0; a count of 1: all have that one */
+    glint_view centers; /* three numbers each, finite, below 1e18 */
+    glint_view radii;   /* one number each, from 1e-14 to 1e18; a count of 1: all have that one */
     uint32_t material;  /* as in glint_triangles */
     uint32_t reserved;
 } glint_spheres;
@@ -289,9 +291,10 @@ enum {
               4096 rays and more glint looks at some of them, and finds out by itself. */
 };
 
-/* The points origin + t direction with t_min < t <= t_max; t = 0 is excluded. A ray that is not finite, or
- * without direction, hits nothing. There are as many rays as the larger of the counts of origins and
- * directions. */
+/* The points origin + t direction with t_min < t <= t_max and t > 0: what is behind the origin is never met,
+ * also where t_min is below 0. A ray that is not finite, or without direction, hits nothing, nor does one
+ * whose interval is empty or has an end that is NaN. There are as many rays as the larger of the counts of
+ * origins and directions, and none if one of them is 0. */
 typedef struct glint_rays {
     uint64_t size;
     glint_view origins;    /* three numbers each; a count of 1: all start there */
@@ -390,7 +393,7 @@ typedef struct glint_picture {
     uint32_t width;             /* pixels; 0: those of the scene */
     uint32_t height;            /* pixels; 0: those of the scene */
     uint32_t samples;           /* 0: those of the scene; else so many for each pixel */
-    int32_t max_depth;          /* reflections in a row at most; 0: those of the scene, -1: none */
+    int32_t max_depth;          /* reflections in a row, at most 1000; 0: those of the scene, -1: none */
     const glint_camera* camera; /* NULL: the scene's */
     glint_out color;            /* four of F32 or F64: linear RGB, alpha */
     glint_out depth;            /* F32 or F64: the ray's t, whose direction is unit */
@@ -404,7 +407,7 @@ typedef struct glint_picture {
      * over all pixels and channels of linear radiance, whose full scale is 1, with probability `confidence`
      * (0: 0.95). `samples` must then be 0. A grid of samples becomes a low-discrepancy sequence. */
     double error;
-    double confidence;    /* in (0, 1); 0: 0.95 */
+    double confidence;    /* between 0.5 and 1; 0: 0.95 */
     uint32_t max_samples; /* for a pixel, where they end all the same; 0: 65536 */
     uint32_t reserved;
     double*

@@ -30,7 +30,7 @@ const shared::TriangleSurface kNothing = {.normal = glm::vec3(0),
 
 std::optional<NumberView> bounds(const glint_view& view, uint64_t count, const char* what) {
     if (view.data == nullptr) return std::nullopt;
-    return NumberView(view, 1, std::max<uint64_t>(count, 1), what);
+    return NumberView(view, 1, count, what);
 }
 
 uint64_t countOf(const glint_rays& rays) {

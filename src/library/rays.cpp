@@ -74,10 +74,11 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         const glint_hits wanted = readStruct(hits, "hits");
         const HitWriter writer(wanted, reader.count(), snapshot->part());
         const CertaintyWriter certainty(wanted, reader.count());
-        if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, Callbacks(options));
+        const Callbacks callbacks(options);
+        if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, callbacks);
         if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
-            *snapshot, reader, false, Callbacks(options),
+            *snapshot, reader, false, callbacks,
             [&](const RayNumbers& numbers, const FoundHits& found, bool rescaled) {
                 writer.write(numbers, found, reader, rescaled);
             },

@@ -71,11 +71,16 @@ glint_status glint_scene_load(glint_device* device, const char* path, glint_scen
 glint_status glint_scene_load_with(glint_device* device, const char* path, const glint_options* options,
                                    glint_scene** scene) {
     if (scene != nullptr) *scene = nullptr;
+    const glint_status asked = guarded([&] {
+        require(device != nullptr, "glint_scene_load: device is NULL");
+        require(path != nullptr, "glint_scene_load: path is NULL");
+        require(scene != nullptr, "glint_scene_load: scene is NULL");
+    });
+    if (asked != GLINT_OK) return asked;
     glint_scene* made = nullptr;
-    const glint_status created = glint_scene_create(device, scene == nullptr ? nullptr : &made);
+    const glint_status created = glint_scene_create(device, &made);
     if (created != GLINT_OK) return created;
     const glint_status loaded = guarded([&] {
-        require(path != nullptr, "glint_scene_load: path is NULL");
         const glint::CallTerms terms = termsFor(*device, options);
         const glint::CallScope scope(&terms);
         load(path, *made);

@@ -8,6 +8,7 @@
 #include "library/handles.h"
 #include "library/status.h"
 #include "library/views.h"
+#include "scene/limits.h"
 #include "scene/transform.h"
 
 namespace glint::library {
@@ -92,7 +93,7 @@ std::shared_ptr<const Mesh> meshOf(const glint_triangles& given) {
     return mesh;
 }
 
-Affine affineOf(const double (&rows)[12]) {
+Affine affineOf(const double (&rows)[12], const char* call) {
     Affine affine;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) affine.linear[column][row] = rows[4 * row + column];
@@ -100,7 +101,7 @@ Affine affineOf(const double (&rows)[12]) {
     }
     const double determinant = glm::determinant(affine.linear);
     if (!(std::abs(determinant) > 0 && std::isfinite(determinant)))
-        refuse("transform: the matrix is singular, or not finite");
+        refuse(std::string(call) + ": transform: the matrix is singular, or not finite");
     return affine;
 }
 
@@ -108,11 +109,21 @@ Affine readTransform(const double* transform, const char* call) {
     if (transform == nullptr) refuse(std::string(call) + ": transform is NULL");
     double rows[12];
     std::memcpy(rows, transform, sizeof(rows));
-    return affineOf(rows);
+    return affineOf(rows, call);
 }
 
 bool isFinite(const dvec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// At once, as nothing takes a sphere out of the scene again.
+void checkSphere(uint64_t i, const dvec3& center, double radius) {
+    const std::string call = "glint_scene_add_spheres: ", number = std::to_string(i);
+    if (!(radius > 0)) refuse(call + "radius " + number + " is not greater than 0");
+    if (!(radius >= kMinRadius && radius <= kMaxRadius))
+        refuse(call + "radius " + number + " is not from 1e-14 to 1e18");
+    if (!glm::all(glm::lessThan(glm::abs(center), dvec3(kMaxCoordinate))))
+        refuse(call + "center " + number + " is not finite, or not within 1e18 of 0");
 }
 
 // Objects and what they need join the scene; everything else of `text` replaces it.
@@ -191,9 +202,7 @@ glint_status glint_scene_add_spheres(glint_scene* scene, const glint_spheres* sp
         const NumberView centers(given.centers, 3, 0, "glint_scene_add_spheres: centers");
         checkCount(scene->draft.objects.size() + centers.count(), "geometries", "glint_scene_add_spheres");
         const NumberView radii(given.radii, 1, centers.count(), "glint_scene_add_spheres: radii");
-        for (uint64_t i = 0; i < centers.count(); ++i)
-            if (!(radii.one(i) > 0))
-                refuse("glint_scene_add_spheres: radius " + std::to_string(i) + " is not greater than 0");
+        for (uint64_t i = 0; i < centers.count(); ++i) checkSphere(i, centers.three(i), radii.one(i));
         const auto before = static_cast<uint32_t>(scene->draft.objects.size());
         for (uint64_t i = 0; i < centers.count(); ++i) {
             glint::Object object;

@@ -7,7 +7,15 @@ namespace glint::library {
 namespace {
 
 std::string countText(uint64_t has, uint64_t expected) {
-    return "has " + std::to_string(has) + " elements, and " + std::to_string(expected) + " are needed";
+    return "has " + std::to_string(has) + (has == 1 ? " element, and " : " elements, and ") +
+           std::to_string(expected) + (expected == 1 ? " is needed" : " are needed");
+}
+
+// Strides that someone counted in elements, mostly: numbers would lie in each other, or what is written.
+void checkStride(const std::string& name, uint64_t count, int64_t stride, int64_t least, const char* what) {
+    if (count > 1 && stride > -least && stride < least)
+        refuse(name + " has a stride of " + std::to_string(stride) + " bytes, and " + what + " takes " +
+               std::to_string(least));
 }
 
 // Farther than any address space goes: a count or a stride that was computed wrongly, before it is followed.
@@ -32,8 +40,10 @@ NumberView::NumberView(const glint_view& view, int numbers, uint64_t expected, c
         refuse(name + " is neither GLINT_F32 nor GLINT_F64");
     if (view.data == nullptr && view.count > 0) refuse(name + " has no data");
     if (expected > 0 && count_ != expected && count_ != 1)
-        refuse(name + " " + countText(count_, expected) + ", or 1");
-    if (stride_ == 0) stride_ = numbers * static_cast<int64_t>(wide_ ? sizeof(double) : sizeof(float));
+        refuse(name + " " + countText(count_, expected) + (expected == 1 ? "" : ", or 1"));
+    const int64_t size = wide_ ? sizeof(double) : sizeof(float);
+    if (stride_ == 0) stride_ = numbers * size;
+    checkStride(name, count_, stride_, size, "a number");
     if (count_ == 1) stride_ = 0;
     checkReach(name, count_, stride_);
 }
@@ -44,6 +54,7 @@ CornerView::CornerView(const glint_view& view, const char* what)
     if (view.type != GLINT_U32) refuse(name + " is not GLINT_U32");
     if (view.data == nullptr && view.count > 0) refuse(name + " has no data");
     if (stride_ == 0) stride_ = 3 * sizeof(uint32_t);
+    checkStride(name, count_, stride_, sizeof(uint32_t), "a number");
     checkReach(name, count_, stride_);
 }
 
@@ -59,6 +70,7 @@ Output::Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, 
     if (out.count < expected) refuse(name + " " + countText(out.count, expected));
     size_ = out.type == GLINT_F64 || out.type == GLINT_U64 ? 8 : (out.type == GLINT_U8 ? 1 : 4);
     if (stride_ == 0) stride_ = int64_t{numbers} * size_;
+    checkStride(name, expected, stride_, int64_t{numbers} * size_, "an element");
     checkReach(name, expected, stride_);  // there may be room for more, which nobody touches
 }
 

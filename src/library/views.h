@@ -16,8 +16,8 @@ namespace glint::library {
 // Elements of some numbers each, fp32 or fp64, of any alignment.
 class NumberView {
   public:
-    // Refuses a view without data, of another type, or whose count is neither `expected` nor 1 (which stands
-    // for all); 0: any count is right.
+    // Refuses a view without data, of another type, whose stride is shorter than a number, or whose count is
+    // neither `expected` nor 1 (which stands for all); 0: any count is right.
     NumberView(const glint_view& view, int numbers, uint64_t expected, const char* what);
 
     uint64_t count() const { return count_; }
@@ -76,7 +76,7 @@ class CornerView {
 class Output {
   public:
     enum class Kind { Real, Index, Flag, Long };  // F32 or F64; U32; U8; U64
-    // Refuses another type, or fewer elements than `expected`.
+    // Refuses another type, fewer elements than `expected`, and such as overlap.
     Output(const glint_out& out, Kind kind, int numbers, uint64_t expected, const char* what);
 
     bool wanted() const { return data_ != nullptr; }

@@ -100,6 +100,15 @@ TEST_F(LibraryArrays, IntervalsAndBroadcasts) {
     const glint_out out = outOf(hit);
     ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
     EXPECT_EQ(hit, (std::vector<uint8_t>{0, 0, 1, 1}));  // tMin < t <= tMax
+    // Behind the origin, or nowhere: the square is at t = -2 of the ray that turns its back on it.
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<F3> away = {{0, 0, 1}, {0, 0, -1}, {0, 0, -1}, {0, 0, -1}};
+    const std::vector<double> from = {-9, nan, -9, 3}, to = {9, 9, -1, 1};
+    rays.directions = viewOf(away);
+    rays.t_min = viewOf(from);
+    rays.t_max = viewOf(to);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(hit, std::vector<uint8_t>(4, 0));
 }
 
 TEST_F(LibraryArrays, RaysThatAreNoneHitNothing) {
@@ -169,6 +178,67 @@ TEST_F(LibraryArrays, WhatIsRefusedIsNamed) {
     refused(glint_query_any(scene(), &rays, &out, nullptr), "rays.size is not set");
     refused(glint_query_any(scene(), nullptr, &out, nullptr), "rays is NULL");
     refused(glint_query_any(nullptr, &rays, &out, nullptr), "scene is NULL");
+}
+
+// A stride in elements instead of bytes, mostly: numbers would lie in each other, or what is written.
+TEST_F(LibraryArrays, StridesThatOverlapAreRefused) {
+    const auto refused = [](glint_status status, const std::string& part) {
+        EXPECT_EQ(status, GLINT_ERROR_ARGUMENT);
+        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    };
+    const std::vector<F3> three = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<std::array<uint32_t, 3>> two = {{0, 1, 2}, {0, 2, 1}};
+    GLINT_INIT(glint_triangles, mesh);
+    mesh.vertices = {three.data(), 3, 3, GLINT_F32, 0};
+    refused(glint_scene_add_triangles(scene(), &mesh, nullptr),
+            "vertices has a stride of 3 bytes, and a number takes 4");
+    mesh.vertices.stride = 0;
+    mesh.indices = {two.data(), 2, -3, GLINT_U32, 0};
+    refused(glint_scene_add_triangles(scene(), &mesh, nullptr), "indices has a stride of -3 bytes");
+    addSquare();
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = {three.data(), 3, 3, GLINT_F32, 0};
+    rays.directions = {three.data(), 1, 3, GLINT_F32, 0};  // of one element a stride says nothing
+    std::vector<F3> normals(3);
+    GLINT_INIT(glint_hits, hits);
+    hits.normal = {normals.data(), 3, 3, GLINT_F32, 0};
+    refused(glint_query_closest(scene(), &rays, &hits, nullptr), "rays.origins has a stride of 3 bytes");
+    rays.origins.stride = 4;  // windows that slide
+    rays.origins.count = 2;
+    refused(glint_query_closest(scene(), &rays, &hits, nullptr),
+            "hits.normal has a stride of 3 bytes, and an element takes 12");
+    hits.normal.stride = -8;
+    refused(glint_query_closest(scene(), &rays, &hits, nullptr), "hits.normal has a stride of -8 bytes");
+    hits.normal.stride = 0;
+    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+}
+
+// An empty batch may come with anything: a loop over lists, one of which is empty.
+TEST_F(LibraryArrays, NoRaysAreAskedNothing) {
+    addSquare();
+    const std::vector<F3> some(4);
+    const std::vector<double> ends(4, 1.0);
+    std::vector<uint8_t> hit(1, 9);
+    const glint_out out = outOf(hit);
+    for (const uint64_t bounds : {0, 1, 4}) {
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = {some.data(), 0, 0, GLINT_F32, 0};
+        rays.directions = viewOf(some);
+        rays.t_min = {ends.data(), bounds, 0, GLINT_F64, 0};
+        rays.t_max = rays.t_min;
+        EXPECT_EQ(glint_query_any(scene(), &rays, &out, nullptr), GLINT_OK) << glint_last_error();
+    }
+    EXPECT_EQ(hit[0], 9);
+}
+
+// Also where there is nothing to do, so that it is found where it is written.
+TEST_F(LibraryArrays, OptionsWithoutASizeAreRefused) {
+    addSquare();
+    GLINT_INIT(glint_rays, rays);
+    GLINT_INIT(glint_hits, hits);
+    const glint_options options = {};
+    EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, &options), GLINT_ERROR_ARGUMENT);
+    EXPECT_STREQ(glint_last_error(), "options.size is not set: GLINT_INIT does it");
 }
 
 // Counts and strides that no memory has, as a caller's own arithmetic may make them: nothing is read or

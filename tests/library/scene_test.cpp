@@ -142,6 +142,40 @@ TEST_F(LibraryScene, TrianglesThatAreRefused) {
     EXPECT_EQ(below(0, 0).second, GLINT_NONE);
 }
 
+// By the call, as nothing takes them out again: the scene would never be committed.
+TEST_F(LibraryScene, SpheresThatAreRefused) {
+    GLINT_INIT(glint_spheres, spheres);
+    D3 center = {0, 0, 0};
+    double radius = 1;
+    spheres.centers = {center.data(), 1, 0, GLINT_F64, 0};
+    spheres.radii = {&radius, 1, 0, GLINT_F64, 0};
+    const auto refused = [&](const std::string& part) {
+        EXPECT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_ERROR_ARGUMENT) << part;
+        EXPECT_NE(std::string(glint_last_error()).find(part), std::string::npos) << glint_last_error();
+    };
+    radius = 0;
+    refused("radius 0 is not greater than 0");
+    for (const double far : {HUGE_VAL, 1e19, 1e-15}) {
+        radius = far;
+        refused("radius 0 is not from 1e-14 to 1e18");
+    }
+    radius = 1;
+    for (const double far : {std::nan(""), -HUGE_VAL, 1e19}) {
+        center[1] = far;
+        refused("center 0 is not finite, or not within 1e18 of 0");
+    }
+    spheres.radii.count = 0;
+    refused("radii has 0 elements, and 1 is needed");
+    commit();
+    const double nothing[12] = {};
+    EXPECT_EQ(glint_scene_load(nullptr, "x", nullptr), GLINT_ERROR_ARGUMENT);
+    EXPECT_STREQ(glint_last_error(), "glint_scene_load: device is NULL");
+    addMesh<float>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    EXPECT_EQ(glint_scene_set_transform(scene(), 0, nothing), GLINT_ERROR_ARGUMENT);
+    EXPECT_STREQ(glint_last_error(),
+                 "glint_scene_set_transform: transform: the matrix is singular, or not finite");
+}
+
 TEST_F(LibraryScene, DegenerateTrianglesKeepTheirNumbers) {
     const float nan = std::nanf("");
     addMesh<float>({{nan, 0, 0},
