@@ -77,7 +77,8 @@ Met metAt(Ray ray, uint kind, Hit hit) {
     Met met;
     met.surface = surfaceOfKind(kind, ray, Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u), instance,
                                 FEATURE_OPEN_PLANES);
-    met.leaving = dot(met.surface.geometricNormal, ray.direction) > 0.0;
+    bool told = kTellsSides && (kind == kKindSphere || kind == kKindQuadric) && hit.u != 0.0;
+    met.leaving = told ? hit.u == kLeaves : dot(met.surface.geometricNormal, ray.direction) > 0.0;
     if (inInstance) {
         if (instance.material != kNone) met.surface.material = instance.material;
         met.surface.object = instance.object;

@@ -118,19 +118,23 @@ struct Candidate {
     float t;
     uint part;
     bool found;
+    float side;
+    float before;  // t of the surface before, found or not
 };
 
-void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part) {
+void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part, float side) {
     precise float scaled = t * unit;
-    if (valid && !best.found && scaled > 0.0 && scaled > ray.tMin && scaled <= ray.tMax)
-        best = Candidate(scaled, part, true);
+    float counted = afterT(best.before, scaled);
+    if (valid && !best.found && counted > 0.0 && counted > ray.tMin && counted <= ray.tMax)
+        best = Candidate(counted, part, true, side, counted);
+    if (kCountsSurfaces && valid) best.before = counted;
 }
 
 // The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every
 // surface is one end of what remains: so at a rim, where side and cap meet, the one begins where the other
 // ends, whatever rounding does.
 Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
-    Candidate best = Candidate(0.0, kPartSide, false);
+    Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0);
     // Of the first stretch inside, and of the second.
     float a = c.between ? larger(c.lower, p.enter) : p.enter;
     float end = c.between ? c.upper : c.lower;
@@ -138,13 +142,13 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
     bool sideFirst = c.between && c.lower >= p.enter;
     bool sideLast = end <= p.leave;
     bool any = a <= b;
-    offer(best, ray, unit, a, any && (sideFirst || p.byCap), sideFirst ? kPartSide : p.firstCap);
-    offer(best, ray, unit, b, any && (sideLast || p.toCap), sideLast ? kPartSide : p.secondCap);
+    offer(best, ray, unit, a, any && (sideFirst || p.byCap), sideFirst ? kPartSide : p.firstCap, kComesIn);
+    offer(best, ray, unit, b, any && (sideLast || p.toCap), sideLast ? kPartSide : p.secondCap, kLeaves);
     bool sideAgain = c.upper >= p.enter;
     float e = sideAgain ? c.upper : p.enter;
     bool second = !c.between && e <= p.leave;
-    offer(best, ray, unit, e, second && (sideAgain || p.byCap), sideAgain ? kPartSide : p.firstCap);
-    offer(best, ray, unit, p.leave, second && p.toCap, p.secondCap);
+    offer(best, ray, unit, e, second && (sideAgain || p.byCap), sideAgain ? kPartSide : p.firstCap, kComesIn);
+    offer(best, ray, unit, p.leave, second && p.toCap, p.secondCap, kLeaves);
     return best;
 }
 
@@ -153,7 +157,7 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
 // (-B / A): B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does not
 // for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has them all, and
 // the middle, which may be a million times farther than the nearer root, would only cost that root's.
-bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint part) {
+bool intersectQuadric(Ray ray, Quadric q, uint primitive, out Candidate best) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
     vec3 along = toLocal(q, ray.direction);
@@ -208,9 +212,7 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out float t, out uint 
         if (abs(B) <= errorSide) B = 0.0;
     }
     Crossings c = crossingsOf(A, B, C, slack, start);
-    Candidate best = firstSurface(ray, unit, p, c);
-    t = best.t;
-    part = best.part;
+    best = firstSurface(ray, unit, p, c);
     return best.found && p.enter <= p.leave;
 }
 
@@ -303,10 +305,10 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
 }
 
 bool hitQuadric(Ray ray, RayFrame frame, Quadric quadric, uint primitive, inout uint trips, out Hit hit) {
-    float t;
-    uint part;
-    bool isHit = intersectQuadric(ray, quadric, primitive, t, part);
-    hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, quadric.id);
+    Candidate best;
+    bool isHit = intersectQuadric(ray, quadric, primitive, best);
+    hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone,
+              quadric.id);
     return isHit;
 }
 

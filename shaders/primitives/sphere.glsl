@@ -7,16 +7,17 @@
 
 // Nearest root of a t^2 + 2 b t + c = 0 in the interval, by the form that cancels nothing (Press et al.,
 // Numerical Recipes, sec. 5.6). disc is b^2 - a c, computed by the caller in the way that suits the sphere.
-bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t) {
+bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, out float side) {
     precise float root = squareRoot(max(disc, 0.0));
     precise float q = -(b + (b < 0.0 ? -root : root));
     precise float r0 = quotient(c, q);
     precise float r1 = quotient(q, a);
     float lower = r0 < r1 ? r0 : r1;
-    float upper = r0 < r1 ? r1 : r0;
+    float upper = afterT(lower, r0 < r1 ? r1 : r0);
     bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
     bool upperIn = upper > ray.tMin && upper <= ray.tMax;
     t = lowerIn ? lower : upper;
+    side = lowerIn ? kComesIn : kLeaves;
     return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
 }
 
@@ -24,7 +25,7 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t) {
 // Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019, ch. 7), not from b^2 - a c, which loses
 // everything once the sphere is far away. An anchored sphere measures from a point of its surface, so that a
 // radius far greater than all distances cancels nothing.
-bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
     precise vec3 o = ray.origin - sphere.point;
     precise float a = dot(ray.direction, ray.direction);
     precise float b = dot(o, ray.direction);
@@ -50,24 +51,25 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
         c = 0.0;
         disc = square;
     }
-    return nearestRoot(ray, a, b, c, disc, t);
+    return nearestRoot(ray, a, b, c, disc, t, side);
 }
 
-bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t) {
+bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
     bool own = primitive == ray.source;
+    side = 0.0;
     if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
     if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
 #ifdef GLINT_FP64
     return sphereInDouble(ray, sphere, own, t);
 #else
-    return intersectSphere(ray, sphere, primitive, t);
+    return intersectSphere(ray, sphere, primitive, t, side);
 #endif
 }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {
-    float t;
-    bool isHit = meetSphere(ray, sphere, primitive, t);
-    hit = Hit(t, 0.0, 0.0, primitive, kNone, sphere.id);
+    float t, side;
+    bool isHit = meetSphere(ray, sphere, primitive, t, side);
+    hit = Hit(t, kTellsSides ? side : 0.0, 0.0, primitive, kNone, sphere.id);
     return isHit;
 }
 

@@ -20,6 +20,28 @@ struct Surface {
     vec3 color;  // of the vertices, interpolated; white without
 };
 
+// Who counts surfaces, or says of each whether light comes into a medium there or leaves it, must not lose
+// one of two that a line meets at one t. Which of the two it is the normal does not tell where rounding
+// decides its sign: Hit.u of what is round says so in such kernels.
+#if defined(GLINT_CROSSINGS)
+const bool kCountsSurfaces = true;
+const bool kTellsSides = false;
+#elif defined(GLINT_SHADOW_RAYS)
+const bool kCountsSurfaces = FEATURE_COLORED_SHADOWS;
+const bool kTellsSides = FEATURE_COLORED_SHADOWS;
+#else
+const bool kCountsSurfaces = false;
+const bool kTellsSides = false;
+#endif
+const float kComesIn = 1.0, kLeaves = 2.0;
+
+// The t of a surface that a line meets after one at `before`, counted from 0: what it touches in one point it
+// enters and leaves.
+float afterT(float before, float t) {
+    bool same = kCountsSurfaces && before > 0.0 && t <= before;
+    return same ? uintBitsToFloat(floatBitsToUint(before) + 1u) : t;
+}
+
 // Of a flat primitive with this point and unit normal. The point is moved back to the plane as an offset from
 // `anchor`: the product with the normal errs by gamma_4 of the offset, the subtraction and the anchor's
 // addition by a unit each.

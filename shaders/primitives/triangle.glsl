@@ -27,6 +27,14 @@ SeenTriangle seenAlong(RayFrame frame, vec3 a, vec3 b, vec3 c) {
     return SeenTriangle(a2, b2, c2, ea, eb, ec);
 }
 
+// Whether the corners lie around the ray, along either axis. Beside a needle, in the line of it, products
+// round to the same number, and each edge whose function is 0 for that seems to be met.
+bool isAround(SeenTriangle seen) {
+    vec2 lo = min(min(seen.a, seen.b), seen.c);
+    vec2 hi = max(max(seen.a, seen.b), seen.c);
+    return lo.x <= 0.0 && lo.y <= 0.0 && hi.x >= 0.0 && hi.y >= 0.0;
+}
+
 bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
     SeenTriangle seen = seenAlong(frame, a, b, c);
     float ea = seen.ea;
@@ -46,6 +54,7 @@ bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float 
     v = vHit;
 
     bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
+    if (FEATURE_SLIVERS) inside = inside && isAround(seen);
     return inside && det != 0.0 && tHit > 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }
 

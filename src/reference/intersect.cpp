@@ -203,6 +203,7 @@ bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool 
 bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fromSurface, double tMax,
                      Root& root) {
     root.u = root.v = 0;
+    root.twice = false;
     const Vec<Extended> d = toVec<Extended>(ray.direction);
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
     if (fromSurface) {
@@ -235,6 +236,7 @@ bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fr
     const Extended q = e.b + std::copysign(std::sqrt(e.discriminant), e.b);
     Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
+    root.twice = static_cast<double>(t0) == static_cast<double>(t1);
     return accept(t0, ray, tMax, root) || accept(t1, ray, tMax, root);
 }
 

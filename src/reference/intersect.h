@@ -36,6 +36,7 @@ struct PreparedRay {
 
 struct Root {
     double t, u, v;
+    bool twice = false;  // what is round is touched there: the line comes in and leaves at one t
 };
 
 // The rest of intersectTriangle, for the few triangles that the filter does not reject. lineHits: the filter

@@ -170,6 +170,7 @@ class Search {
         }
         root.u = root.v = 0;
         root.t = best_;
+        root.twice = twice_;
         part = part_;
         return found_;
     }
@@ -200,10 +201,11 @@ class Search {
         if (e.disc < 0) return;
         Extended roots[2];
         const int count = solveQuadratic(e.a, e.b, e.c, e.disc, roots);
-        for (int i = 0; i < count; ++i) side(roots[i]);
+        const bool twice = count == 2 && static_cast<double>(roots[0]) == static_cast<double>(roots[1]);
+        for (int i = 0; i < count; ++i) side(roots[i], twice);
     }
 
-    void side(Extended t) {
+    void side(Extended t, bool twice = false) {
         if (!counts(static_cast<double>(t))) return;
         const Vec4<Extended> y = local_.at(t);
         for (int i = 0; i < 3; ++i) {
@@ -211,6 +213,7 @@ class Search {
             if (!(y[i] >= quadric_.lo[i] - slack && y[i] <= quadric_.hi[i] + slack)) return;
         }
         take(t, shared::kPartSide);
+        twice_ = twice;
     }
 
     void capAt(bool upper, uint32_t cap) {
@@ -239,6 +242,7 @@ class Search {
         best_ = static_cast<double>(t);
         part_ = part;
         found_ = true;
+        twice_ = false;
     }
 
     const rows::Quadric& quadric_;
@@ -249,7 +253,7 @@ class Search {
     double tMax_;
     double best_ = 0;
     uint32_t part_ = 0;
-    bool found_ = false;
+    bool found_ = false, twice_ = false;
 };
 
 dmat3 toLocal(const rows::Quadric& q) {

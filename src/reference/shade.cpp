@@ -188,12 +188,16 @@ std::optional<PathTracer::Passed> PathTracer::lightThrough(const Ray& ray, const
     for (const Hit& hit : hits)
         if (scene_.materials[tracer_.surfaceAt(ray, hit).material].medium == 0) return std::nullopt;
     std::erase_if(hits, [&](const Hit& hit) { return !tracer_.crosses(ray, hit); });
-    for (const Hit& hit : hits) {
+    bool leaves = false;
+    for (size_t i = 0; i < hits.size(); ++i) {
+        const Hit& hit = hits[i];
         decide(hit);
         const Surface surface = tracer_.surfaceAt(ray, hit);
         const uint32_t medium = scene_.materials[surface.material].medium;
         left *= transmissionAt(scene_, medium, surface);
-        const bool leaves = glm::dot(surface.geometricNormal, ray.direction) > 0;
+        // Twice the same: a line that touches, where the cosine's sign is rounding's.
+        const bool again = i > 0 && hit == hits[i - 1];
+        leaves = again ? !leaves : glm::dot(surface.geometricNormal, ray.direction) > 0;
         change.push_back((leaves ? -1.0 : 1.0) * attenuationOf(scene_, medium));
         ends += surface.scale * greatestCoordinate(change.back());
     }

@@ -88,7 +88,7 @@ bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& 
                search.instance};
         const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
-        if (!hole) search.all->push_back(hit);
+        if (!hole) search.all->insert(search.all->end(), root.twice ? 2 : 1, hit);
         // What is hit more than once: again from there on.
         further.tMin = root.t;
     } while (meets(one, {scene, methods, further, primitive, source, search.best.t}, root, part));

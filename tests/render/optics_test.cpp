@@ -238,6 +238,51 @@ TEST_F(OpticsTest, ShadowsCrossAnEdgeOnce) {
     EXPECT_EQ(onDiagonals, 13);
 }
 
+// Light that touches a solid, or passes it by a few units of the last place: it crosses the surface twice, or
+// not at all. Where both crossings are at one t it crossed once; and came into the glass for good where
+// rounding turned both normals towards it.
+TEST_F(OpticsTest, LightThatTouchesIsNotLostInside) {
+    DirectionalLight sun;
+    sun.direction = {-1, 0, 0};
+    const auto shapesOf = [](double r, double x) {
+        return std::array{Shape(SphereShape{{x, 0, 0}, r}),
+                          Shape(CylinderShape{{x, 0, -4}, {x, 0, 4}, r, true}),
+                          Shape(EllipsoidShape{{x, 0, 0}, {2 * r, r, 3 * r}}),
+                          Shape(HyperboloidShape{{x, 0, -4}, {x, 0, 4}, 3 * r, r, true})};
+    };
+    size_t crossed = 0, passed = 0;
+    const auto judge = [&](double seen, const std::string& what) {
+        const bool dimmed = std::abs(seen - 0.25) < 1e-4, bright = std::abs(seen - 1) < 1e-6;
+        EXPECT_TRUE(dimmed || bright) << what << ": " << seen;
+        crossed += dimmed;
+        passed += bright;
+    };
+    for (size_t kind = 0; kind < 4; ++kind) {
+        for (int units = -16; units <= 16; units += 2) {
+            Scene scene = emptyScene();
+            scene.materials[0].diffuse = Color(1);
+            scene.lights.push_back(Light(sun));
+            addPlane(scene, {-5, 0, 0}, {1, 0, 0});
+            const uint32_t glass = addGlass(scene, 1.5, Color(0.5));
+            scene.materials[glass].attenuation = Color(0.005);
+            glint::test::addObject(scene, shapesOf(0.5 * (1 + units * 0x1p-24), 37)[kind], glass);
+            look(scene, {-3, 0, 0}, {-1, 0, 0});
+            scene.camera.up = {0, 1, 0};
+            scene.camera.height = 2;  // rows at y = 0.5 and -0.5
+            const Case c = makeCase(scene, 1, 2);
+            const Picture picture = draw(device(), c);
+            const reference::Tracer tracer(c.packed);
+            for (int y = 0; y < c.height; ++y) {
+                const std::string what = std::to_string(kind) + " by " + std::to_string(units);
+                judge(picture.color.at(0, y, 0), "device, " + what);
+                judge(tracer.trace(tracer.cameraRay(c.camera, 0.5, y + 0.5)).color.x, "reference, " + what);
+            }
+        }
+    }
+    EXPECT_GT(crossed, 0u);
+    EXPECT_GT(passed, 0u);
+}
+
 // A lamp inside the glass, 0.25 above the underside: one surface and 0.25 of glass.
 TEST_F(OpticsTest, LampInsideGlass) {
     PointLight lamp;

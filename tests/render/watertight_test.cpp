@@ -91,6 +91,25 @@ TEST_F(BumpySphereTest, RaysAtEdgesHit) {
               0u);
 }
 
+// Rays through the line of a needle that is thinner than a unit of the last place, far beyond its ends, where
+// its edges' products round to the same number.
+TEST_F(WatertightTest, NeedlesAreNotMetBeyondTheirEnds) {
+    Random random(17);
+    Scene scene = emptyScene();
+    std::vector<RayInput> rays;
+    for (int i = 0; i < 64; ++i) {
+        const dvec3 middle = random.box(2), along = random.direction();
+        addTriangle(scene, middle - 4e-4 * along, middle + 4e-4 * along, middle + 1e-8 * random.direction());
+        for (int k = 0; k < 500; ++k) {
+            const double away = random.uniform(0.1, 3);
+            rays.push_back(rayTowards({0, 0, 6}, middle + (k % 2 ? away : -away) * along, true));
+        }
+    }
+    const PackedScene packed = withOpenBoxes(packScene(scene));
+    EXPECT_GT(packed.triangles.size(), 20u);
+    EXPECT_EQ(missesOf(packed, rays), rays.size());
+}
+
 // Unit squares far from the origin of the coordinates: a second grid opposite keeps the packing from moving
 // it there.
 TEST_F(WatertightTest, DistantGrids) {

@@ -84,15 +84,22 @@ bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) 
     const uint32_t own = m.source >> shared::kPartShift & shared::kPartMask;
     if (m.source == (m.primitive | own << shared::kPartShift))
         return meetsFromItself(c, seen, own, m, root, part);
-    bool found = false;
+    bool found = false, leaves = false;
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;
         if (seen.d[axis].value == 0) continue;
         const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
-        if (!accept(t, m.ray, m.tMax) || (found && static_cast<double>(t) >= root.t)) continue;
+        if (!accept(t, m.ray, m.tMax) || (found && static_cast<double>(t) > root.t)) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
+        const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1 : 0);
+        if (found && static_cast<double>(t) == root.t) {
+            root.twice = root.twice || leavesHere != leaves;
+            continue;
+        }
         root.t = static_cast<double>(t);
+        root.twice = false;
         part = static_cast<uint32_t>(face);
+        leaves = leavesHere;
         found = true;
     }
     return found;
