@@ -27,7 +27,8 @@ class RayMover {
           step_(jitter.ulps * 0x1p-24),
           nearby_(jitter.nearby),
           formulas_(jitter.formulas),
-          laterSeed_(jitter.laterSeed) {}
+          laterSeed_(jitter.laterSeed),
+          units_(jitter.clears ? jitter.ulps : 0) {}
 
     // The camera ray has met what it meets.
     void goOn() {
@@ -46,6 +47,9 @@ class RayMover {
         const double length = scale * glm::length(direction);
         for (int i = 0; i < 3; ++i) direction[i] += step_ * length * next();
     }
+
+    // How far from its surface a ray begins, where the device's begin as far as `clearance`.
+    double cleared(double clearance) const { return units_ * clearance; }
 
     // Relative uncertainty of a t: gamma_16 on each side for a jitter of one unit (see isTie in
     // verify/explain.cpp).
@@ -68,6 +72,7 @@ class RayMover {
     double step_, nearby_;
     bool formulas_;
     uint64_t laterSeed_;
+    double units_;  // of clearances
 };
 
 }  // namespace glint::reference

@@ -24,6 +24,7 @@ struct Interaction {
     double originScale;       // greatest coordinate of the ray's origin
     double scale;             // greatest number that a coordinate of the position is a sum of
     double offset;            // bound on the error of `position` along n
+    double clearance;         // how far along n the device's rays begin (error_box.h)
     double normalError;       // see rounding.h
     bool entering;            // the ray comes from the outer side
     rows::Material material;  // times its textures

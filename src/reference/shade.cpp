@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "reference/error_box.h"
 #include "reference/instance.h"
 #include "reference/intersect.h"
 #include "reference/light.h"
@@ -141,6 +142,8 @@ Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surf
     const double gain = hit.instance == shared::kNone ? 1 : 1 + scene_.instanceGain;
     at.normalError = normalError(surface.bend, at.originScale + at.scale, gain - 1);
     at.offset = 32 * kUnitRoundoff * at.scale * gain;
+    const double clearance = clearanceOf(surface.error, surface.geometricNormal);
+    at.clearance = std::isnan(clearance) ? 0 : clearance;
     at.material = materialAt(scene_, textured);
     const uint32_t medium = at.material.medium;
     if (medium != 0) at.transmission = transmissionAt(scene_, medium, textured);
@@ -158,6 +161,7 @@ Ray PathTracer::rayFrom(const Interaction& at, const dvec3& direction, double tM
     const dvec3 out = glm::dot(direction, at.n) < 0 ? -at.n : at.n;
     const double height = glm::dot(ray.origin - at.position, out);
     if (height < 0) ray.origin -= 2 * height * out;
+    ray.origin += mover_.cleared(at.clearance) * out;
     return ray;
 }
 

@@ -88,6 +88,8 @@ struct Surface {
 // `nearby`: each movement is changed by up to this part of the greatest, at random by `nearbySeed`.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
 // than fp32 does (FormulaNoise). `laterSeed`, if not 0: of all that comes after the camera ray's first hit.
+// `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
+// (error_box.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
@@ -95,6 +97,7 @@ struct Jitter {
     double nearby = 0;
     bool formulas = false;
     uint64_t laterSeed = 0;
+    bool clears = false;
 };
 
 // From the eye, to a light, or reflected and refracted by a surface.
