@@ -28,13 +28,15 @@ void main() {
     if (kind == kKindTriangle || kind == kProbeAhead)
         hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
     if (kind == kProbeAhead) hit = hit && !liesBehind(ray.origin, ray.direction, loadTriangle(path), u, v);
-    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t);
+    float side = 0.0;
+    if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t, side);
     if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
     if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);
     if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
     if (kind == kKindQuadric) {
-        uint part = 0u;
-        hit = intersectQuadric(ray, loadQuadric(path), (kKindQuadric << kPrimitiveKindShift) | path, t, part);
+        Candidate best;
+        hit = intersectQuadric(ray, loadQuadric(path), (kKindQuadric << kPrimitiveKindShift) | path, best);
+        t = best.t;
     }
     if (kind == kProbeBox) {
         Node node = loadNode(path);
