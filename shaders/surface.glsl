@@ -61,12 +61,20 @@ void fillObjectUv(uint kind, inout Surface surface) {
         surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
 }
 
-// hit.primitive must not be kNone.
-Surface surfaceAt(Ray ray, Hit hit) {
+#ifdef GLINT_FP64
+const bool kSettlesSlivers = false;
+#else
+const bool kSettlesSlivers = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
+#endif
+
+// hit.primitive must not be kNone. That of a sliver is settled.
+Surface surfaceAt(Ray ray, inout Hit hit) {
     Instance instance;
     bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
     if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
     if (inInstance) enterInstance(instance, ray.origin, ray.direction);
+    if (kSettlesSlivers && hit.primitive >> kPrimitiveKindShift == kKindTriangle)
+        settleSliver(ray, inInstance && instance.mirrored != 0u, hit);
     Surface surface = surfaceOfKind(hit.primitive >> kPrimitiveKindShift, ray, hit, instance, true);
     if (inInstance) surfaceInWorld(instance, surface);
     fillObjectUv(hit.primitive >> kPrimitiveKindShift, surface);

@@ -65,5 +65,20 @@ TEST_F(NearSolidsTest, TrianglesSeenAslant) {
     expectExact(seen(triangle, std::nullopt, {10.76, 25.45, 34.13}, {-2.27, -0.2, 2.08}, 40));
 }
 
+// A needle of 347 by 0.01, of which the edge functions say where a ray passes it to no more than a
+// ten-thousandth of its length.
+TEST_F(NearSolidsTest, Needles) {
+    const TriangleShape needle{{{-155.9, -28.2, -16.9}, {122.3, -211.8, 79.4}, {-16.8, -120, 31.24}}};
+    Scene scene = emptyScene();
+    scene.ambient = Color(1);
+    scene.objects.push_back({"/objects/0", needle, addMaterial(scene, Color(0.7))});
+    scene.camera.eye = {1.5, 1.2, -0.4};
+    scene.camera.fovY = 0.5;
+    for (const double along : {0.3, 0.45, 0.6}) {
+        scene.camera.target = dvec3(-155.9, -28.2, -16.896) + along * dvec3(278.2, -183.6, 96.3);
+        expectExact(verified(makeCase(scene, 96, 72)));
+    }
+}
+
 }  // namespace
 }  // namespace glint::render::test::near_solids_test
