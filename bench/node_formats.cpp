@@ -3,7 +3,7 @@
 // Which format of node would a GPU like best? Nodes visited, triangles tested and bytes loaded by a ray that
 // walks by itself through the same leaves:
 //   BVH2  64 bytes: two boxes of floats, the nearer child first (--traversal lane);
-//   BVH4  128 bytes: four boxes of floats, nearest child first (bvh4);
+//   BVH4  64 bytes: four boxes of bytes on a grid of the node, nearest child first (bvh4);
 //   BVH8  256 bytes: eight boxes of floats, as packets have them, nearest child first;
 //   CWBVH 80 bytes: eight boxes of bytes in a frame of the node (Ylitie, Karras, Laine, "Efficient Incoherent
 //         Ray Traversal on GPUs Through Compressed Wide BVHs", 2017), in octant order, leaves at once
@@ -71,14 +71,20 @@ std::vector<Node> fourNodes(const std::vector<shared::Node>& binary) {
     const std::vector<shared::WideRow> rows = wideTree(binary, NodeFormat::Four).rows;
     std::vector<Node> nodes;
     for (size_t first = 0; first < rows.size(); first += shared::kFourRows) {
+        const shared::WideRow &head = rows[first], &xy = rows[first + 1], &z = rows[first + 2];
+        const uint32_t lower[] = {xy.x, xy.z, z.x}, upper[] = {xy.y, xy.w, z.y};
         Node node;
         for (uint32_t i = 0; i < 4; ++i) {
             Child c;
-            c.child = wordOf(rows[first + 6], i);
+            c.child = wordOf(rows[first + 3], i);
             for (int axis = 0; axis < 3; ++axis) {
-                const size_t row = first + 2 * static_cast<size_t>(axis);
-                c.lo[axis] = std::bit_cast<float>(wordOf(rows[row], i));
-                c.hi[axis] = std::bit_cast<float>(wordOf(rows[row + 1], i));
+                const float origin = std::bit_cast<float>(wordOf(head, static_cast<uint32_t>(axis)));
+                const uint32_t exponent = (head.w >> 8 * axis & 0xff) << 23;
+                const auto steps = [&](uint32_t bytes) {
+                    return std::bit_cast<float>(exponent | (bytes >> 8 * i & 0xff) << 15);
+                };
+                c.lo[axis] = origin + steps(lower[axis]);
+                c.hi[axis] = origin + steps(upper[axis]);
             }
             if (c.child != shared::kNone) node.push_back(c);
         }
@@ -281,8 +287,8 @@ void report(const std::string& file) {
                             eight = packetNodes(packed.nodes), compressed = compressedNodes(packed.nodes);
     const Format formats[] = {{"BVH2", 64, two},
                               {"BVH2 + t", 64, two, false, true},
-                              {"BVH4", 128, four},
-                              {"BVH4 + t", 128, four, false, true},
+                              {"BVH4", 64, four},
+                              {"BVH4 + t", 64, four, false, true},
                               {"BVH8 + t", 256, eight, false, true},
                               {"CWBVH", 80, compressed, true, false, 16},
                               {"CWBVH, nearest first", 80, compressed, false, false, 16},

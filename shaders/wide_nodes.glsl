@@ -38,18 +38,15 @@ struct FourSlabs {
     vec4 far;
 };
 
-void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearOrigin, float farOrigin,
-               float inverse) {
-    precise vec4 t0 = (nearPlane - nearOrigin) * inverse;
-    precise vec4 t1 = (farPlane - farOrigin) * inverse;
+void meetAt(inout FourSlabs slabs, vec4 t0, vec4 t1) {
     for (int i = 0; i < 4; ++i) {
         slabs.near[i] = t0[i] > slabs.near[i] ? t0[i] : slabs.near[i];
         slabs.far[i] = t1[i] < slabs.far[i] ? t1[i] : slabs.far[i];
     }
 }
 
-bvec4 entersSlabs(FourSlabs slabs, float tEnd) {
-    precise vec4 padded = slabs.far * farPad();
+bvec4 entersSlabs(FourSlabs slabs, float tEnd, float pad) {
+    precise vec4 padded = slabs.far * pad;
     vec4 far = mix(vec4(tEnd), padded, lessThan(padded, vec4(tEnd)));
     return lessThanEqual(slabs.near, far);
 }
@@ -57,17 +54,32 @@ bvec4 entersSlabs(FourSlabs slabs, float tEnd) {
 // Beyond all that is hit.
 FourSlabs allSlabs(float tMin) { return FourSlabs(vec4(tMin), vec4(uintBitsToFloat(0x7f800000u))); }
 
-void meetAxisOfFour(inout FourSlabs slabs, uint row, bool negative, float nearOrigin, float farOrigin,
-                    float inverse) {
-    vec4 nearPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 1u : 0u)));
-    vec4 farPlane = uintBitsToFloat(LOAD4(wideRowsArray, row + (negative ? 0u : 1u)));
-    meetSlabs(slabs, nearPlane, farPlane, nearOrigin, farOrigin, inverse);
+// Where planes of a node of four are known to a unit more of their distance than those of intersectBox
+// (meetAxisOfFour), so 1 + 40 u.
+float farPadOfFour() { return SLAB_PAD == kSlabGamma7 ? 1.00000238418579 : farPad(); }
+
+// 256 + byte steps, exactly: a float of the exponent of 256 steps and the byte behind it.
+vec4 stepsOf(uint bytes, uint exponent) {
+    return uintBitsToFloat((uvec4(bytes << 15, bytes << 7, bytes >> 1, bytes >> 9) & 0x7f8000u) | exponent);
+}
+
+// planes: lower ones of the four children, upper ones. Along the axis they are off by a rounding each of what
+// lies between the grid and the ray's origins, and of the sum. Of the first no more than 2^-15 of a step is
+// not a unit of the plane's distance; by so much the host has moved the planes outwards (wide_tree.cpp).
+void meetAxisOfFour(inout FourSlabs slabs, uvec2 planes, uint exponent, float origin, bool negative,
+                    float nearOrigin, float farOrigin, float inverse) {
+    exponent = (exponent & 0xffu) << 23;
+    precise float nearAway = origin - nearOrigin;
+    precise float farAway = origin - farOrigin;
+    precise vec4 t0 = (stepsOf(negative ? planes.y : planes.x, exponent) + nearAway) * inverse;
+    precise vec4 t1 = (stepsOf(negative ? planes.x : planes.y, exponent) + farAway) * inverse;
+    meetAt(slabs, t0, t1);
 }
 
 // Children of a node of four that are still to be visited, as one word: node << 8 | number << 6, and two bits
 // for each, which say where it stands in the node, the next one in the lowest.
 uint childOfFour(uint word) {
-    uvec4 four = LOAD4(wideRowsArray, kFourRows * (word >> 8) + 6u);
+    uvec4 four = LOAD4(wideRowsArray, kFourRows * (word >> 8) + 3u);
     uint low = (word & 1u) != 0u ? four.y : four.x;
     uint high = (word & 1u) != 0u ? four.w : four.z;
     return (word & 2u) != 0u ? high : low;
@@ -100,12 +112,22 @@ struct FourEntered {
 FourEntered enterFour(Ray ray, RayFrame frame, uint node, float tEnd, bool farthestFirst) {
     uint row = kFourRows * node;
     FourSlabs slabs = allSlabs(ray.tMin);
-    meetAxisOfFour(slabs, row, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x, frame.inverse.x);
-    meetAxisOfFour(slabs, row + 2u, frame.negative.y, frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
-    meetAxisOfFour(slabs, row + 4u, frame.negative.z, frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
+    uvec4 head = LOAD4(wideRowsArray, row);
+    uvec4 xy = LOAD4(wideRowsArray, row + 1u);
+    uvec4 z = LOAD4(wideRowsArray, row + 2u);
+    vec3 origin = uintBitsToFloat(head.xyz);
+    meetAxisOfFour(slabs, xy.xy, head.w, origin.x, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x,
+                   frame.inverse.x);
+    meetAxisOfFour(slabs, xy.zw, head.w >> 8, origin.y, frame.negative.y, frame.nearOrigin.y,
+                   frame.farOrigin.y, frame.inverse.y);
+    meetAxisOfFour(slabs, z.xy, head.w >> 16, origin.z, frame.negative.z, frame.nearOrigin.z,
+                   frame.farOrigin.z, frame.inverse.z);
     uvec4 keys = ((floatBitsToUint(slabs.near) ^ (farthestFirst ? 0x7fffffffu : 0u)) & 0x7ffffffcu) |
                  uvec4(0u, 1u, 2u, 3u);
-    keys = mix(uvec4(kNone), keys, entersSlabs(slabs, tEnd));
+    keys = mix(uvec4(kNone), keys, entersSlabs(slabs, tEnd, farPadOfFour()));
+    // Children that there are none of.
+    keys.y |= uint(int(head.w) >> 31);
+    keys.zw |= z.zw;
     sortTwo(keys.x, keys.y);
     sortTwo(keys.z, keys.w);
     sortTwo(keys.x, keys.z);
@@ -155,6 +177,13 @@ vec4 planesOf(uint bytes, float scale, float origin) {
     return planes;
 }
 
+void meetSlabs(inout FourSlabs slabs, vec4 nearPlane, vec4 farPlane, float nearOrigin, float farOrigin,
+               float inverse) {
+    precise vec4 t0 = (nearPlane - nearOrigin) * inverse;
+    precise vec4 t1 = (farPlane - farOrigin) * inverse;
+    meetAt(slabs, t0, t1);
+}
+
 // planes: lower ones of the children in slots 0..3 and 4..7, upper ones.
 void meetAxisOfEight(inout FourSlabs slabs0, inout FourSlabs slabs1, uvec4 planes, uint exponent,
                      float origin, bool negative, float nearOrigin, float farOrigin, float inverse) {
@@ -184,7 +213,8 @@ void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out
                     frame.nearOrigin.y, frame.farOrigin.y, frame.inverse.y);
     meetAxisOfEight(slabs0, slabs1, LOAD4(wideRowsArray, row + 4u), head.w >> 16, origin.z, frame.negative.z,
                     frame.nearOrigin.z, frame.farOrigin.z, frame.inverse.z);
-    uint entered = bitsOf(entersSlabs(slabs0, tEnd)) | bitsOf(entersSlabs(slabs1, tEnd)) << 4;
+    uint entered = bitsOf(entersSlabs(slabs0, tEnd, farPad())) | bitsOf(entersSlabs(slabs1, tEnd, farPad()))
+                                                                     << 4;
     uint nodeSlots = head.w >> 24;
     uint leafSlots = links.z;
     uint both = turnBits((entered & nodeSlots) | (entered & leafSlots) << 16, octant);

@@ -317,7 +317,7 @@ GLINT_CONST_UINT(kTileSize, 8u);
 GLINT_CONST_UINT(kPacketWidth, 8u);
 
 // Rows of a node of four children, and of a compressed one of eight.
-GLINT_CONST_UINT(kFourRows, 8u);
+GLINT_CONST_UINT(kFourRows, 4u);
 GLINT_CONST_UINT(kCompressedRows, 5u);
 
 #ifdef __cplusplus

@@ -1,7 +1,9 @@
 #include "bvh/wide_tree.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -68,31 +70,10 @@ shared::WideRow& rowOf(WideTree& tree, size_t rowsOfNode, uint32_t place, size_t
     return tree.rows[index];
 }
 
-WideTree fourTree(const std::vector<shared::Node>& nodes, std::span<const shared::Instance> instances) {
-    WideTree tree;
-    Layout<4> layout(nodes, instances, tree);
-    layout.forEach(
-        [](Layout<4>::Wide wide) { return wide; },
-        [&](uint32_t place, const Layout<4>::Wide& wide) {
-            const auto& c = wide.children;
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto planes = [&](auto corner) {
-                    return shared::WideRow{bitsOf((c[0].box.*corner)[axis]), bitsOf((c[1].box.*corner)[axis]),
-                                           bitsOf((c[2].box.*corner)[axis]),
-                                           bitsOf((c[3].box.*corner)[axis])};
-                };
-                const size_t row = 2 * static_cast<size_t>(axis);
-                rowOf(tree, shared::kFourRows, place, row) = planes(&Box::lo);
-                rowOf(tree, shared::kFourRows, place, row + 1) = planes(&Box::hi);
-            }
-            rowOf(tree, shared::kFourRows, place, 6) = {c[0].child, c[1].child, c[2].child, c[3].child};
-        });
-    return tree;
-}
-
 using Eight = Layout<kEight>::Wide;
 
-Box around(const Eight& wide) {
+template <typename Wide>
+Box around(const Wide& wide) {
     Box box;
     for (const auto& c : wide.children) {
         if (c.child != shared::kNone) box.include(c.box);
@@ -187,6 +168,89 @@ Grid gridOf(const Eight& wide, int axis) {
 
 uint32_t fourBytes(const uint8_t* bytes) {
     return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
+}
+
+using Four = Layout<4>::Wide;
+
+// The grid of a node of four along one axis. The device takes planes for off by up to 511 / 512 of `slack`,
+// and else by as much as those that are floats (meetAxisOfFour in shaders/wide_nodes.glsl).
+struct GridOfFour {
+    float origin = 0;
+    int exponent = 0;  // of 256 steps, biased
+    std::array<uint8_t, 4> lo{}, hi{};
+
+    double step() const { return std::ldexp(1.0, exponent - kExponentBias - 8); }
+    double slack() const { return std::ldexp(step(), -15); }
+    // Exact, since steps are not much finer than the origin (gridOfFour).
+    double plane(double steps) const { return origin + (256 + steps) * step(); }
+    double below(float x) const {
+        double steps = std::min(std::ceil((x - plane(0)) / step()), kLastStep);
+        while (steps >= 0 && plane(steps) + slack() > x) --steps;
+        return steps;
+    }
+    double above(float x) const {
+        double steps = std::max(std::floor((x - plane(0)) / step()), 0.0);
+        while (steps <= kLastStep && plane(steps) - slack() < x) ++steps;
+        return steps;
+    }
+};
+
+bool fill(GridOfFour& grid, const Four& wide, int axis) {
+    for (size_t i = 0; i < wide.children.size(); ++i) {
+        if (wide.children[i].child == shared::kNone) continue;
+        const double lo = grid.below(wide.children[i].box.lo[axis]);
+        const double hi = grid.above(wide.children[i].box.hi[axis]);
+        if (lo < 0 || hi > kLastStep) return false;
+        grid.lo[i] = static_cast<uint8_t>(lo);
+        grid.hi[i] = static_cast<uint8_t>(hi);
+    }
+    return true;
+}
+
+// The finest that encloses the children, of steps of at least 2^-100, so that what a device may take for 0 is
+// far less than the slack, and of 2^-30 of the coordinates.
+GridOfFour gridOfFour(const Four& wide, int axis) {
+    const Box box = around(wide);
+    const double size = std::max(std::abs(double(box.lo[axis])), std::abs(double(box.hi[axis])));
+    const double step = std::max(
+        {(double(box.hi[axis]) - box.lo[axis]) / kLastStep, std::ldexp(size, -30), std::ldexp(1.0, -100)});
+    GridOfFour grid;
+    grid.exponent = static_cast<int>(std::ceil(std::log2(step))) + 8 + kExponentBias;
+    for (;; ++grid.exponent) {
+        grid.origin = static_cast<float>(box.lo[axis] - grid.slack() - 256 * grid.step());
+        if (std::abs(grid.origin) < std::numeric_limits<float>::min())
+            grid.origin = -std::numeric_limits<float>::min();
+        while (grid.plane(0) + grid.slack() > box.lo[axis])
+            grid.origin = std::nextafter(grid.origin, -std::numeric_limits<float>::infinity());
+        if (fill(grid, wide, axis) || grid.exponent >= kGreatestExponent) return grid;
+    }
+}
+
+// Children come first, so at most places 1 to 3 are empty.
+void writeFour(WideTree& tree, uint32_t place, const Four& wide) {
+    const std::array<GridOfFour, 3> grids = {gridOfFour(wide, 0), gridOfFour(wide, 1), gridOfFour(wide, 2)};
+    const auto& c = wide.children;
+    const auto absent = [&](size_t i) { return c[i].child == shared::kNone ? ~0u : 0u; };
+    uint32_t head = absent(1) << 31;
+    std::array<uint32_t, 3> lo{}, hi{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+        head |= static_cast<uint32_t>(grids[axis].exponent) << 8 * axis;
+        lo[axis] = fourBytes(grids[axis].lo.data());
+        hi[axis] = fourBytes(grids[axis].hi.data());
+    }
+    const auto row = [&](size_t i) -> shared::WideRow& { return rowOf(tree, shared::kFourRows, place, i); };
+    row(0) = {bitsOf(grids[0].origin), bitsOf(grids[1].origin), bitsOf(grids[2].origin), head};
+    row(1) = {lo[0], hi[0], lo[1], hi[1]};
+    row(2) = {lo[2], hi[2], absent(2), absent(3)};
+    row(3) = {c[0].child, c[1].child, c[2].child, c[3].child};
+}
+
+WideTree fourTree(const std::vector<shared::Node>& nodes, std::span<const shared::Instance> instances) {
+    WideTree tree;
+    Layout<4> layout(nodes, instances, tree);
+    layout.forEach([](const Four& wide) { return wide; },
+                   [&](uint32_t place, const Four& wide) { writeFour(tree, place, wide); });
+    return tree;
 }
 
 void writeCompressed(WideTree& tree, uint32_t place, const Eight& wide, std::vector<uint32_t>& leaves) {

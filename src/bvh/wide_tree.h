@@ -10,7 +10,7 @@
 namespace glint {
 
 // What rays that walk by themselves walk; the values are kNodes... of shared/dispatch.h. Two: the binary
-// tree, 64 bytes a node. Four: 128 bytes. Compressed: up to eight children in 80 bytes (H. Ylitie, T. Karras,
+// tree, 64 bytes a node. Four: as many. Compressed: up to eight children in 80 bytes (H. Ylitie, T. Karras,
 // S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, sec. 3).
 enum class NodeFormat : uint32_t { Two, Four, Compressed };
 static_assert(static_cast<uint32_t>(NodeFormat::Four) == shared::kNodesFour &&
@@ -18,9 +18,15 @@ static_assert(static_cast<uint32_t>(NodeFormat::Four) == shared::kNodesFour &&
 
 // Nodes are kFourRows or kCompressedRows rows each, from row 0 on.
 //
-// Four: for each axis the lower planes of the four children, then their upper ones; the children, as in
-// shared::Node, but inner ones counted in wide nodes; a row of zeros, which makes nodes fall on multiples of
-// 128 bytes. An absent child is kNone in an empty box.
+// Four: what is known of a node lies in one line of the cache. A plane is 256 steps and a byte's number of
+// steps from the origin of the node's grid, and 2^-15 of a step or more outside of the child's box. For
+// coordinates up to 2^125: scenes' go up to 1e18 (scene/limits.h).
+//   origin of the grid; 256 steps along x, y, z, as the exponents of floats in bytes 0 to 2; bit 31: there is
+//     only one child
+//   bytes by children: lower planes along x, upper ones; along y
+//   along z; ~0 if there is no third child, and no fourth
+//   the children, as in shared::Node, but inner ones counted in wide nodes; kNone for absent ones, which come
+//     last
 //
 // Compressed: children are in eight slots, each near the corner of the node that its number's bits say (1: x
 // above, 2: y, 4: z), so that slot ^ octant puts them in about the order that a ray meets them.

@@ -65,8 +65,9 @@ mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNon
 # For walks_test.cpp: no defects, two of them, and some in each format of nodes.
 mutant(small_stack wide_nodes.glsl "const uint kOwnWords = kMaxBvhDepth + 1u;" "const uint kOwnWords = 6u;" intersect)
 mutant(small_group wide_nodes.glsl "const uint kGroupWords = 24u;" "const uint kGroupWords = 6u;" intersect)
-mutant(wide_three wide_nodes.glsl "keys, entersSlabs(slabs, tEnd));" "keys, bvec4(entersSlabs(slabs, tEnd).xyz, false));" intersect)
+mutant(wide_three wide_nodes.glsl "keys, entersSlabs(slabs, tEnd, farPadOfFour()));" "keys, bvec4(entersSlabs(slabs, tEnd, farPadOfFour()).xyz, false));" intersect)
 mutant(four_forgets wide_nodes.glsl "((word - (1u << 6)) & 0xc0u)" "((word - (2u << 6)) & 0xc0u)" intersect)
+mutant(four_narrow wide_nodes.glsl "& 0x7f8000u) | exponent" "& 0x7c0000u) | exponent" intersect)
 mutant(wide_turned wide_nodes.glsl "uint(findLSB(group.bits & 0xffu)) ^ octant;" "uint(findLSB(group.bits & 0xffu));" intersect)
 mutant(wide_narrow wide_nodes.glsl "steps * scale + origin" "steps * (0.9 * scale) + origin" intersect)
 mutant(wide_leaf_word wide_nodes.glsl "return (place & 2u) == 0u ?" "return (place & 2u) != 0u ?" intersect)

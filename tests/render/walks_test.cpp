@@ -379,6 +379,7 @@ TEST_F(WalkMutantTest, DefectsShow) {
         Traversal traversal;
     } defects[] = {{"wide_three", Traversal::Bvh4},
                    {"four_forgets", Traversal::Bvh4},
+                   {"four_narrow", Traversal::Bvh4},
                    {"wide_turned", Traversal::Cwbvh},
                    {"wide_narrow", Traversal::Cwbvh},
                    {"wide_leaf_word", Traversal::Cwbvh}};
