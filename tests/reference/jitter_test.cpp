@@ -106,6 +106,24 @@ TEST_F(ReferenceJitter, DisplacementsKeepTheirBounds) {
     }
 }
 
+// Of a plane at z = -3 the point errs by gamma_7 of that, along the normal.
+TEST_F(ReferenceJitter, RaysLeaveAsFarAwayAsTheyDoInSinglePrecision) {
+    SceneMaker maker;
+    maker.triangle({-1, -1, -3}, {1, -1, -3}, {0, 1, -3}, maker.material(vec3(.5f), vec3(0), 1, vec3(.5f)));
+    const PackedScene scene = maker.finish();
+    const Tracer tracer(scene);
+    for (const bool clears : {false, true}) {
+        double sum = 0;
+        for (uint64_t seed = 1; seed <= 400; ++seed) {
+            const Jitter jitter{.seed = seed, .ulps = 8, .clears = clears};
+            const auto path = tracer.trace(makeRay({.3, -.4, 2}, {0, 0, -1}), jitter, true).path;
+            sum += path[1].ray.origin.z - path[0].surface->position.z;
+        }
+        const double units = sum / 400 / 8 * 0x1p24;
+        EXPECT_NEAR(units, clears ? 7 * 3 : 0, clears ? 1 : 2) << "moves alone: up to 3 units";
+    }
+}
+
 // A camera ray whose coordinates were sums of greater numbers moves with those.
 TEST_F(ReferenceJitter, CameraRaysMoveWithWhatTheyWereComputedFrom) {
     const Tracer tracer(scene_);
