@@ -11,10 +11,11 @@
 void main() {
     uint path = pathIndex();
     uvec4 walkRow = loadWalkRow(path);
-    uvec4 hitRow = loadRow(kRowHit, path);
-    if (MODE_RESUME && hitRow.w != 0u) walkRow.x = 0u;
     Traversal traversal;
     traversal.ray = loadRay(path);
+    uvec4 hitRow = uvec4(floatBitsToUint(traversal.ray.tMax), 0u, 0u, 0u);
+    if (!kFirstGiven) hitRow = loadRow(kRowHit, path);
+    if (MODE_RESUME && hitRow.w != 0u) walkRow.x = 0u;
     traversal.hit = Hit(uintBitsToFloat(hitRow.x), 0.0, 0.0, kNone, kNone, 0u);
     traversal.trips = 0u;
     traversal.cost = 0u;

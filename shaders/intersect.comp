@@ -10,7 +10,7 @@ void main() {
     uvec4 walkRow = loadWalkRow(path);
     Traversal traversal;
     traversal.ray = loadRay(path);
-    traversal.hit = loadHit(path, walkRow.y);
+    traversal.hit = hitBefore(traversal.ray, path, walkRow.y);
     // Later rays have no far end, and their hit rows are not made ready for them.
     bool later = dispatch.bounce != 0u;
     if (!MODE_RESUME && kBounces && later) traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, 0u);

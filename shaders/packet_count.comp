@@ -17,7 +17,7 @@ void main() {
         bool present;
         paths[r] = packetPath(0u, r, present);
         packet[r].ray = loadRay(paths[r]);
-        packet[r].hit = Hit(uintBitsToFloat(loadRow(kRowHit, paths[r]).x), 0.0, 0.0, kNone, kNone, 0u);
+        packet[r].hit = hitBefore(packet[r].ray, paths[r], 0u);
         packet[r].trips = 0u;
         packet[r].cost = 0u;
         packet[r].crossed = 0u;

@@ -16,7 +16,7 @@ void onePacket(uint turn) {
         bool present;
         paths[r] = packetPath(turn, r, present);
         packet[r].ray = loadRay(paths[r]);
-        before[r] = loadHit(paths[r], kNone);
+        before[r] = hitBefore(packet[r].ray, paths[r], kNone);
         packet[r].hit = before[r];
         packet[r].trips = 0u;
         packet[r].cost = 0u;

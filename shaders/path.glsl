@@ -35,6 +35,9 @@ uvec4 loadWalkRow(uint path) {
     return row;
 }
 
+// Rays of a caller's at the beginning of their walk: nothing is known of them but themselves.
+const bool kFirstGiven = MODE_GIVEN && !MODE_RESUME;
+
 // A path that has ended keeps a ray whose interval is empty.
 bool isAlive(Ray ray) { return ray.tMin < kInfinity; }
 
@@ -68,7 +71,7 @@ void listPath(uint path) {
 
 uvec4 loadInstanceRow(uint path) {
     uvec4 row = uvec4(kNone);
-    if (FEATURE_INSTANCES) row = loadRow(rowInstance(), path);
+    if (FEATURE_INSTANCES && !kFirstGiven) row = loadRow(rowInstance(), path);
     return row;
 }
 
@@ -76,12 +79,13 @@ void storeInstanceRow(uint path, uvec4 row) {
     if (FEATURE_INSTANCES) storeRow(rowInstance(), path, row);
 }
 
-// tMax is in the hit row.
+// tMax is in the hit row, but of given rays.
 Ray loadRay(uint path) {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
     return Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
-               kInfinity, origin.w, loadInstanceRow(path).y);
+               MODE_GIVEN ? uintBitsToFloat(origin.w) : kInfinity, MODE_GIVEN ? kNone : origin.w,
+               MODE_GIVEN ? kNone : loadInstanceRow(path).y);
 }
 
 void storeRay(uint path, Ray ray) {
@@ -100,6 +104,13 @@ Hit loadHit(uint path, uint id) {
     uvec4 row = loadRow(kRowHit, path);
     return Hit(uintBitsToFloat(row.x), uintBitsToFloat(row.y), uintBitsToFloat(row.z), row.w,
                loadInstanceRow(path).x, id);
+}
+
+// The same of a ray that is about to be traced.
+Hit hitBefore(Ray ray, uint path, uint id) {
+    Hit hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
+    if (!kFirstGiven) hit = loadHit(path, id);
+    return hit;
 }
 
 #endif

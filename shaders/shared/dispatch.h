@@ -38,7 +38,8 @@
 // those below Environment::minContribution. scattered: samples come from the array of that name, else all
 // pixels take the same one, in the push constants. adaptive: pixels stop when their samples agree
 // (adapt.comp); implies scattered. tally: count rays by class, for `glint bench`, and in
-// scenes with transmission trace those of class Dispatch::rayClass alone.
+// scenes with transmission trace those of class Dispatch::rayClass alone. given: rays of a caller's, which
+// start on no primitive and have met none: in the source's place stands tMax.
 #define GLINT_MODES(X)            \
     X(64, AOVS, aovs)             \
     X(65, COST, cost)             \
@@ -47,7 +48,8 @@
     X(72, LEDGER, ledger)         \
     X(73, SCATTERED, scattered)   \
     X(74, ADAPTIVE, adaptive)     \
-    X(79, TALLY, tally)
+    X(79, TALLY, tally)           \
+    X(82, GIVEN, given)
 
 // X(constant id, GLSL name, C++ field of Methods): whole numbers, by the constants kTriangle..., kSphere...,
 // kSlab... and kOffset... below.

@@ -62,7 +62,7 @@ const char* nameOf(KernelId id) {
 }
 
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
-constexpr uint32_t kConstantIds = 82;
+constexpr uint32_t kConstantIds = 83;
 
 std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack,
                                   const OwnArithmetic& own) {

@@ -40,7 +40,7 @@ uint32_t raysOfLane(KernelId id);
 // tree that rays walk by themselves.
 struct TraceModes {
     bool aovs = false, cost = false, resume = false, shadowless = false, ledger = false;
-    bool scattered = false, adaptive = false, tally = false;
+    bool scattered = false, adaptive = false, tally = false, given = false;
     Methods methods = {};
     NodeFormat nodes = NodeFormat::Two;
     auto operator<=>(const TraceModes&) const = default;

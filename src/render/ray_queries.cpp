@@ -59,6 +59,11 @@ KernelId kernelOf(RayTask::Ask ask) {
     return KernelId::Intersect;
 }
 
+// TraceModes::given; a certifying kernel takes further numbers from the hit's row.
+bool knowsGiven(RayTask::Ask ask) {
+    return ask != RayTask::Ask::Certain;
+}
+
 // A block of elements that nobody sets to anything first, which would cost as much as to fill it.
 template <class Element>
 class Unset {
@@ -235,12 +240,13 @@ void RayQueries::State::fill(const Slot& slot, const Placement& placement, const
             RowEntry* const hit = slot.row(kHitRow) + place * kBlock;
             const float nobody = std::bit_cast<float>(shared::kNone);
             Four found = {0, task.slack, task.boxSlack, task.ask == RayTask::Ask::Count ? 0 : nobody};
+            const bool given = knowsGiven(task.ask);
             for (size_t i = 0; i < kBlock; ++i) {
                 Four from, along;
                 std::memcpy(&from, &rays[i].origin, sizeof(from));
                 static_assert(offsetof(RayInput, tMin) == offsetof(RayInput, direction) + 12);
                 std::memcpy(&along, &rays[i].direction, sizeof(along));
-                from[3] = nobody;
+                from[3] = given ? rays[i].tMax : nobody;
                 found[0] = rays[i].tMax;
                 std::memcpy(&origin[i], &from, sizeof(from));
                 std::memcpy(&direction[i], &along, sizeof(along));
@@ -267,7 +273,7 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     const size_t staged = slot.staging ? kRows.size() - (features.instances ? 0 : 1) : 0;
 
     const bool certify = id == KernelId::Certify;  // a walk that does not end is not gone on with
-    TraceModes modes = {.nodes = nodes};
+    TraceModes modes = {.given = !certify, .nodes = nodes};
     for (size_t i = 0; i < staged; ++i)
         slot.submission.copy(slot.staging, i * row, slot.rows, kRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
