@@ -14,7 +14,7 @@
     layout(set = 0, binding = BINDING, rgba32ui) restrict uniform uimageBuffer name;
 // No texel buffer that the host takes has more than 2^27 texels; told so, LLVM need not widen the eight
 // offsets with their signs, eight of 44 instructions.
-#define LOAD4(name, index) imageLoad(name, int((index) & 0x07ffffffu))
+#define LOAD4(name, index) imageLoad(name, int((index)&0x07ffffffu))
 #define LOAD_PATHS(index) LOAD4(pathRows, index)
 #define STORE4(name, index, value) imageStore(name, int(index), value)
 #elif defined(GLINT_ARRAYS_TOGETHER)
