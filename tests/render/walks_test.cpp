@@ -377,12 +377,9 @@ TEST_F(WalkMutantTest, DefectsShow) {
     const struct {
         const char* mutant;
         Traversal traversal;
-    } defects[] = {{"wide_three", Traversal::Bvh4},
-                   {"four_forgets", Traversal::Bvh4},
-                   {"four_narrow", Traversal::Bvh4},
-                   {"wide_turned", Traversal::Cwbvh},
-                   {"wide_narrow", Traversal::Cwbvh},
-                   {"wide_leaf_word", Traversal::Cwbvh}};
+    } defects[] = {{"wide_three", Traversal::Bvh4},   {"four_forgets", Traversal::Bvh4},
+                   {"four_narrow", Traversal::Bvh4},  {"wide_turned", Traversal::Cwbvh},
+                   {"wide_narrow", Traversal::Cwbvh}, {"wide_leaf_word", Traversal::Cwbvh}};
     for (const auto& defect : defects) {
         SCOPED_TRACE(defect.mutant);
         const KernelCode broken = mutantKernels(defect.mutant);
