@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Breaks the shaders by itself, one small defect at a time, and asks verify whether it notices.
 
-    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--files NAMES] [--again [--cases NAMES]]
+    mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--files NAMES] [--of FILE | --again [--cases NAMES]]
     mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N] [--files NAMES]
     mutation.py table [--results FILE] [--output docs/lab/mutation.md]
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent; those whose kernels are the same once rays and
 tests are not counted (--stats, --aov cost) change counts alone, which verify does not ask for. Results are lines of JSON; a run goes on where
-the last one with the same file ended. --files: of these files of shaders/ alone. --again: what survived, unless reasons.json explains
-it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
+the last one with the same file ended. --files: of these files of shaders/ alone. --of: the mutants of another file of results whose lines
+are still in the shaders, after these have changed elsewhere. --again: what survived, unless reasons.json explains it, by all cases, or by some. --require: exit with 1 if a smaller share of what is not equivalent is found.
 suite: asks the tests about each mutant that verify let pass and that reasons.json does not explain: first those of PROGRAM
 (render_test, stability_test), run on the mutant's kernels, then the gallery's hashes, as tools/test-drivers asks for them, by JUDGE.
 table: writes what came out.
@@ -101,14 +101,20 @@ class Run:
     def __init__(self, arguments):
         self.arguments, self.lock, self.failure = arguments, threading.Lock(), None
         self.deadline = time.monotonic() + 60 * arguments.minutes
-        self.sites = sites.draw(arguments.seed, arguments.count, arguments.files.split(",") if arguments.files else None)
         self.results = page.read_results(arguments.results)
+        earlier = page.read_results(arguments.of) if arguments.of else self.results
+        self.sites = self.still_there(earlier) if arguments.of else sites.draw(arguments.seed, arguments.count, arguments.files.split(",") if arguments.files else None)
         # What the cases said of a mutant's pictures that are not asked again.
         self.seen = {sites.key(r): r for r in self.results if r["state"] == "survived" and arguments.cases}
         self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again or page.reason_of(r)}
         # Cases that found mutants of a file; a mutant of another file is likeliest found by those that found many.
-        self.kills = collections.Counter((r["file"], r["case"]) for r in self.results if r["state"] == "killed")
-        self.all_kills = collections.Counter(r["case"] for r in self.results if r["state"] == "killed")
+        self.kills = collections.Counter((r["file"], r["case"]) for r in earlier if r["state"] == "killed")
+        self.all_kills = collections.Counter(r["case"] for r in earlier if r["state"] == "killed")
+
+    @staticmethod
+    def still_there(results):
+        known = sites.all_sites()
+        return [known[sites.key(r)] for r in results if sites.key(r) in known]
 
     def cases_for(self, file):
         wanted = self.arguments.cases.split(",") if self.arguments.cases else case_names()
@@ -364,6 +370,7 @@ def main():
             command.add_argument("--seed", type=int, default=1)
             command.add_argument("--count", type=int, default=600)
             command.add_argument("--jobs", type=int, default=2)
+            command.add_argument("--of", help="results whose mutants are judged anew")
             command.add_argument("--require", type=float, default=0)
             command.add_argument("--cases", help="that are asked, with commas between")
             command.add_argument("--again", action="store_true", help="try what survived again, by cases that were added since")
