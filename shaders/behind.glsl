@@ -42,9 +42,11 @@ uint traceNearest(inout Traversal traversal, Environment environment, uint slot,
     traversal.after = -1.0;
 #endif
     do {
-        if (going) {
-            left = trace(traversal, environment, slot, place);
-            going = looksLast(false) && kBounces && meetsBehind(ray, traversal.hit);
+        if (kConvergent || going) {
+            if (kConvergent && !going) removeRay(traversal);
+            uint end = trace(traversal, environment, slot, place);
+            left = going ? end : left;
+            going = going && looksLast(false) && kBounces && meetsBehind(ray, traversal.hit);
             if (going) {
                 ray.tMin = traversal.hit.t;
                 traversal.ray = ray;
@@ -53,7 +55,7 @@ uint traceNearest(inout Traversal traversal, Environment environment, uint slot,
                 going = left == kNone;
             }
         }
-    } while (going);
+    } while (looksLast(false) && anyGoesOn(going));
     return left;
 }
 

@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // The nearest hit of each ray, and whether it is certain. kRowHit comes with tMax, Certainty::slack and
 // Certainty::boxSlack, and goes as intersect.comp leaves it, with a sign before t where it is not certain: so
 // also if the walk runs out of trips.

@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // How often each ray crosses surfaces in its interval, and with GLINT_LIST where.
 // The rows of a ray: kRowHit holds tMax, the number, 1 where it is in doubt, 1 where a packet gave it up
 // (packet_count.comp) and the number is that of planes; kRowThroughput, of a list,

@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // The closest hit of each live path.
 #include "path.glsl"
 #include "traversal.glsl"

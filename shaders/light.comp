@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #ifdef GLINT_PACKET
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 // What the lights add to each hit. A dispatch goes through as many lights as its loop trips allow
 // (Dispatch::lightEnd).
@@ -111,17 +111,21 @@ void main() {
     traversal.after = -1.0;
     bool going = lit.live && rest.light < end;
     do {
-        if (going) {
-            Sight sight = aim(lit, rest.light, rest.slot == kSlotFresh, traversal);
+        if (kConvergent || going) {
+            Sight sight = kNoSight;
+            if (going) sight = aim(lit, rest.light, rest.slot == kSlotFresh, traversal);
+            if (kConvergent && !going) removeRay(traversal);
             uint left = trace(traversal, environment, rest.slot, place);
-            bool again = passesBy(traversal);
-            bool finished = (left == kNone || settled(traversal) || !sight.facing) && !again;
-            take(lit, rest.light, sight, traversal, finished);
-            rest.slot = finished || again ? kSlotFresh : left;
-            rest.light += finished ? 1u : 0u;
-            going = (finished || again) && rest.light < end && traversal.trips < budget;
+            if (going) {
+                bool again = passesBy(traversal);
+                bool finished = (left == kNone || settled(traversal) || !sight.facing) && !again;
+                take(lit, rest.light, sight, traversal, finished);
+                rest.slot = finished || again ? kSlotFresh : left;
+                rest.light += finished ? 1u : 0u;
+                going = (finished || again) && rest.light < end && traversal.trips < budget;
+            }
         }
-    } while (going);
+    } while (anyGoesOn(going));
     if (rest.light >= end) rest.slot = kNone;
     store(lit, traversal, rest);
 }

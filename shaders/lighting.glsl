@@ -86,6 +86,7 @@ struct Sight {
     bool facing;    // it shines on the side that is seen, and whether it does is asked for
     vec3 radiance;  // that it adds where nothing is in the way, before the path's throughput
 };
+const Sight kNoSight = Sight(false, vec3(0.0));
 
 // A ray whose light would add nothing is not traced: most of those of surfaces that are mirrors or
 // dielectrics and nothing else. Pictures with data say which lights are hidden, and what counts rays counts

@@ -70,12 +70,6 @@ uint sumOfLanes(uint x) {
     return x + subgroupShuffleXor(x, 4u);
 }
 
-uint anyOfLanes(uint bits) {
-    bits |= subgroupShuffleXor(bits, 1u);
-    bits |= subgroupShuffleXor(bits, 2u);
-    return bits | subgroupShuffleXor(bits, 4u);
-}
-
 vec3 fromLane(vec3 v, uint lane) {
     return vec3(subgroupShuffle(v.x, lane), subgroupShuffle(v.y, lane), subgroupShuffle(v.z, lane));
 }

@@ -17,6 +17,7 @@
 #endif
 #include "instance.glsl"
 #include "intersect.glsl"
+#include "lanes.glsl"
 #include "material.glsl"
 #include "primitives/all.glsl"
 #include "wide_nodes.glsl"
@@ -108,6 +109,11 @@ bool asideIsFull(Traversal traversal) {
 #endif
 }
 
+// In the place of the ray of a lane that has none while others go on (kConvergent): nothing is found.
+void removeRay(inout Traversal traversal) {
+    traversal.ray = Ray(vec3(0.0), vec3(0.0), 0.0, -1.0, kNone, kNone);
+}
+
 bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 
 // A hit settles an any-hit ray.
@@ -180,57 +186,7 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
 
 #include "leaf.glsl"
 
-// Any-hit rays, most of which leave a surface that they graze at first: nearest first they would look through
-// its neighbourhood, which seldom shades them. Not where what light passes is summed in the order of the
-// walk.
-bool isFarthestFirst(Traversal traversal) {
-#if defined(GLINT_BOTH_HITS)
-    return traversal.any && !FEATURE_COLORED_SHADOWS;
-#elif defined(GLINT_ANY_HIT)
-    return !FEATURE_COLORED_SHADOWS;
-#else
-    return false;
-#endif
-}
-
-// Pushes what the ray enters of a node's children but the first, and returns that one, kNone if there is
-// none: which `none` says too, as comparing with kNone took 6 % of the time of scenes/instances.json on
-// lavapipe.
-uint stepTwo(Traversal traversal, uint index, float tEnd, inout uint top, out bool none) {
-    Ray ray = traversal.ray;
-    RayFrame frame = traversal.frame;
-    Node node = loadNode(index);
-    float near0, near1;
-    bool hit0 = intersectBox(ray, frame, node.lo0, node.hi0, tEnd, near0);
-    bool hit1 = intersectBox(ray, frame, node.lo1, node.hi1, tEnd, near1);
-    bool swapped = isFarthestFirst(traversal) ? near0 < near1 : near1 < near0;
-    uint first = swapped ? node.child1 : node.child0;
-    uint second = swapped ? node.child0 : node.child1;
-    bool both = hit0 && hit1;
-    if (both) stackPut(top, second);
-    top += both ? 1u : 0u;
-    none = !hit0 && !hit1;
-    return both ? first : (hit0 ? node.child0 : (hit1 ? node.child1 : kNone));
-}
-
-// The first child that the ray enters, or else what comes next from the stack, kNone at its end. The other
-// children that it enters are one word there. One store for both, which is made whatever comes of it: a place
-// that is not taken is written over. On lavapipe a store that hangs on a condition jumps lane by lane.
-uint stepFour(Traversal traversal, uint index, float tEnd, uint base, inout uint top) {
-    FourEntered entered = enterFour(traversal.ray, traversal.frame, index, tEnd, isFarthestFirst(traversal));
-    bool empty = top == base;
-    uint place = empty ? 0u : top - 1u;
-    uint word = stackAt(place);
-    bool popped = entered.none;
-    uint next = childOfFour(popped ? word : entered.first);
-    stackPut(popped && !empty ? place : top, popped ? withoutFirst(word) : entered.others);
-    if (popped) {
-        top = empty || !isLastOfFour(word) ? top : place;
-    } else {
-        top += entered.more ? 1u : 0u;
-    }
-    return popped && empty ? kNone : next;
-}
+#include "descend.glsl"
 
 // A ray that comes to an instance, or to the end of one, waits there until all rays of the subgroup do: on
 // lavapipe the way in would else be paid for in every trip, by rays that are elsewhere.
@@ -250,33 +206,6 @@ uint takeNext(bool done, inout uint top, uint base) {
     }
     top -= ends || !last ? 0u : 1u;
     return ends ? kNone : next;
-}
-
-// Goes on from node to node, to a leaf, an instance or kNone, the end of the stack from `base` on.
-uint descend(inout Traversal traversal, uint current, uint base, uint budget, inout uint top) {
-    const bool kFour = NODE_FORMAT == kNodesFour;
-    // There is one entry for each level at most: what is left of a node on the current path.
-    const bool kMayOverflow = STACK_PLACE == kStackShared || kOwnWords <= kMaxBvhDepth;
-    do {
-        if (isNode(current) && traversal.trips < budget) {
-            precise float tEnd = traversal.ray.tMax * farPad();
-            if (kFour) {
-                current = stepFour(traversal, current, tEnd, base, top);
-            } else {
-                bool none;
-                uint next = stepTwo(traversal, current, tEnd, top, none);
-                bool empty = top == base;
-                uint popped = stackAt(empty ? 0u : top - 1u);
-                top -= none && !empty ? 1u : 0u;
-                current = none ? (empty ? kNone : popped) : next;
-            }
-            ++traversal.trips;
-            // No room for what the next node may push: the ray is started again, by the walk without a stack.
-            if (kMayOverflow && top + 1u > stackWords()) traversal.trips = budget;
-            if (MODE_COST) traversal.cost += kFour ? 4u : 2u;
-        }
-    } while (isNode(current) && traversal.trips < budget);
-    return current;
 }
 
 // Rays that wait, before instances or for an answer, do so outside of a middle loop.
@@ -311,20 +240,22 @@ uint traverse(inout Traversal traversal, uint root) {
     // One round, or with kPutsAside as often as there is no more room.
     do {
         do {
-            if (current != kNone && traversal.trips < budget && !asideIsFull(traversal)) {
+            bool goes = current != kNone && traversal.trips < budget && !asideIsFull(traversal);
+            if (kConvergent || goes) {
                 do {
-                    if (isAtHand(current) && traversal.trips < budget) {
+                    bool here = goes && isAtHand(current) && traversal.trips < budget;
+                    if (kConvergent || here) {
                         current = descend(traversal, current, base, budget, top);
-                        if (isAtHand(current) && !isNode(current)) {
+                        if (here && isAtHand(current) && !isNode(current)) {
                             testLeaf(traversal, current);
                             if (!kAsks || !asking) {
                                 current = afterLeaf(current, root, settled(traversal), top, base);
                                 if (kAsks) leafTested = 0u;
                             }
                         }
-                        traversal.trips += tripsOfMiddle;
+                        traversal.trips += here ? tripsOfMiddle : 0u;
                     }
-                } while (kMiddleLoop && isAtHand(current) && traversal.trips < budget);
+                } while (kMiddleLoop && anyGoesOn(goes && isAtHand(current) && traversal.trips < budget));
                 if (kAsks && asking) {
                     answer(traversal);
                     if (settled(traversal) || leafTested >= sizeOfLeaf(current)) {
@@ -334,19 +265,19 @@ uint traverse(inout Traversal traversal, uint root) {
                 }
                 if (FEATURE_INSTANCES) {
                     // The way out of an instance may lead straight into the next.
-                    bool leaves =
-                        current == kNone && traversal.instance != kNone && top > 0u && !settled(traversal);
+                    bool leaves = goes && current == kNone && traversal.instance != kNone && top > 0u &&
+                                  !settled(traversal);
                     uint outside = takeNext(!leaves, top, 0u);
                     if (leaves) current = outside;
-                    bool enters = current != kNone && isInstance(current);
+                    bool enters = goes && current != kNone && isInstance(current);
                     uint inner =
                         enterSpace(traversal, enters ? current & kLeafFirstMask : kNone, enters || leaves);
                     if (enters) current = inner;
                     base = enters ? top : (leaves ? 0u : base);
                 }
-                traversal.trips += tripsOfMiddle + 1u;
+                traversal.trips += goes ? tripsOfMiddle + 1u : 0u;
             }
-        } while (current != kNone && traversal.trips < budget && !asideIsFull(traversal));
+        } while (anyGoesOn(current != kNone && traversal.trips < budget && !asideIsFull(traversal)));
         settleAside(traversal);
     } while (kPutsAsideHere && current != kNone && traversal.trips < budget);
     if (FEATURE_INSTANCES) traversal.instance = kNone;

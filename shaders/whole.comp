@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // A sample from its camera ray to the end of its path, in one kernel: what generate.comp, intersect.comp,
 // light.comp and shade.comp do one after the other, without passing the path's state through memory. A path
 // that runs out of trips or rays is counted, and the host draws the slice again by those four.
@@ -24,17 +25,21 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     traversal.any = true;
     traversal.after = -1.0;
     do {
-        if (going) {
-            Sight sight = aim(lit, index, true, traversal);
+        if (kConvergent || going) {
+            Sight sight = kNoSight;
+            if (going) sight = aim(lit, index, true, traversal);
+            if (kConvergent && !going) removeRay(traversal);
             uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
-            bool again = passesBy(traversal);
-            traversal.trips += again ? tripsOfAnotherWalk(environment) : 0u;
-            finished = left == kNone || settled(traversal) || !sight.facing;
-            take(lit, index, sight, traversal, finished && !again);
-            index += again ? 0u : 1u;
-            going = finished && index < end && traversal.trips < budget;
+            if (going) {
+                bool again = passesBy(traversal);
+                traversal.trips += again ? tripsOfAnotherWalk(environment) : 0u;
+                finished = left == kNone || settled(traversal) || !sight.facing;
+                take(lit, index, sight, traversal, finished && !again);
+                index += again ? 0u : 1u;
+                going = finished && index < end && traversal.trips < budget;
+            }
         }
-    } while (going);
+    } while (anyGoesOn(going));
     return finished && (!lit.live || index >= end);
 }
 
@@ -58,39 +63,44 @@ void main() {
     bool alive = takes;
     bool complete = true;
     do {
-        if (alive) {
+        if (kConvergent || alive) {
             traversal.ray = ray;
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
-            complete = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            if (kConvergent && !alive) removeRay(traversal);
+            bool finished = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            if (alive) complete = finished;
             Interaction at = interactionAt(ray, traversal.hit, media);
             if (kHasLights) {
-                Lit lit = litAt(path, complete, at, sum, throughput);
+                Lit lit = litAt(path, alive && complete, at, sum, throughput);
                 complete = castShadows(lit, traversal, environment) && complete;
                 sum = packRow(lit.radiance, lit.hits);
             }
-            uint hits = hitsAfter(sum.w, at.isHit && followed == 0u, throughput.x);
-            if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
-            sum = packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits);
-            bool goesOn = false;
-            if (kBounces) {
-                Branch next;
-                if (FEATURE_TRANSMISSION) {
-                    goesOn = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
-                    media = next.media;
-                } else {
-                    goesOn = nextReflection(ledger, complete, at, followed, throughput, environment, next);
+            if (alive) {
+                uint hits = hitsAfter(sum.w, at.isHit && followed == 0u, throughput.x);
+                if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
+                sum = packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits);
+                bool goesOn = false;
+                if (kBounces) {
+                    Branch next;
+                    if (FEATURE_TRANSMISSION) {
+                        goesOn = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
+                        media = next.media;
+                    } else {
+                        goesOn =
+                            nextReflection(ledger, complete, at, followed, throughput, environment, next);
+                    }
+                    // The host has counted the trips of so many rays (src/render/path_limits.cpp).
+                    complete = complete && !(goesOn && followed == dispatch.bounce);
+                    goesOn = goesOn && complete;
+                    ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
+                    throughput = next.throughput;
+                    followed += goesOn ? 1u : 0u;
                 }
-                // The host has counted the trips of so many rays (src/render/path_limits.cpp).
-                complete = complete && !(goesOn && followed == dispatch.bounce);
-                goesOn = goesOn && complete;
-                ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
-                throughput = next.throughput;
-                followed += goesOn ? 1u : 0u;
+                alive = goesOn;
             }
-            alive = goesOn;
         }
-    } while (alive);
+    } while (anyGoesOn(alive));
     if (takes) {
         storeRow(kRowRadiance, path, sum);
         storeLedger(path, ledger);

@@ -60,10 +60,12 @@
     X(78, ORIGIN_OFFSET, offsets)
 
 // X(constant id, GLSL name, C++ field of LaneWalk): what rays that walk by themselves walk, kNodes..., and
-// where their stacks are, kStack..., below.
+// where their stacks are, kStack..., below; convergent: 1 if all of a
+// subgroup leave the loops of their walk together (lanes.glsl).
 #define GLINT_LANE_WALK(X)    \
     X(75, NODE_FORMAT, nodes) \
-    X(76, STACK_PLACE, stack)
+    X(76, STACK_PLACE, stack) \
+    X(83, CONVERGENT, convergent)
 
 // X(constant id, GLSL name, C++ field of OwnArithmetic): what the device does not round correctly by
 // itself, so that shaders/arithmetic.glsl does.

@@ -178,6 +178,7 @@ class Module {
         for (Function& function : code_.functions) simplify(function, known_);
         code_.keepCalledFunctions();
         keepUsedVariables();
+        keepUsedCapabilities();
         collectIds();
         std::erase_if(code_.globals,
                       [&](const Instruction& i) { return opOf(i) == OpDecorate && !ids_.contains(i[1]); });
@@ -226,6 +227,19 @@ class Module {
                 for (const Instruction& i : block.body) used.insert(i.begin() + 1, i.end());
         std::erase_if(code_.globals, [&](const Instruction& i) {
             return opOf(i) == OpVariable && (i[3] == kWorkgroup || i[3] == kPrivate) && !used.contains(i[2]);
+        });
+    }
+
+    // Of shuffles, so that a device without them gets a kernel that chose not to shuffle. (An entry point may
+    // not name what another instruction needs, so nothing but functions can.)
+    void keepUsedCapabilities() {
+        for (const Function& function : code_.functions)
+            for (const Block& block : function.blocks)
+                for (const Instruction& i : block.body)
+                    if (opOf(i) >= OpGroupNonUniformElect && opOf(i) <= OpGroupNonUniformQuadSwap) return;
+        std::erase_if(code_.globals, [](const Instruction& i) {
+            return opOf(i) == OpCapability &&
+                   (i[1] == kCapabilityGroupNonUniform || i[1] == kCapabilityGroupNonUniformShuffle);
         });
     }
 

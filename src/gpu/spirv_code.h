@@ -21,6 +21,7 @@ enum Op : uint32_t {
     OpLine = 8,
     OpExtInst = 12,
     OpEntryPoint = 15,
+    OpCapability = 17,
     OpTypeVoid = 19,
     OpTypeVector = 23,
     OpTypeArray = 28,
@@ -79,10 +80,13 @@ enum Op : uint32_t {
     OpUnreachable = 255,
     OpNoLine = 317,
     OpModuleProcessed = 330,
+    OpGroupNonUniformElect = 333,
     OpGroupNonUniformShuffle = 345,
-    OpGroupNonUniformShuffleXor = 346
+    OpGroupNonUniformShuffleXor = 346,
+    OpGroupNonUniformQuadSwap = 366
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kBound = 3;
+constexpr uint32_t kCapabilityGroupNonUniform = 61, kCapabilityGroupNonUniformShuffle = 65;
 constexpr uint32_t kDecorationSpecId = 1, kDecorationNoContraction = 42;
 constexpr uint32_t kWorkgroup = 4, kPrivate = 6, kFunction = 7;  // storage classes
 

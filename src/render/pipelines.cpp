@@ -62,14 +62,15 @@ const char* nameOf(KernelId id) {
 }
 
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
-constexpr uint32_t kConstantIds = 83;
+constexpr uint32_t kConstantIds = 84;
 
 std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack,
-                                  const OwnArithmetic& own) {
+                                  bool convergent, const OwnArithmetic& own) {
     const struct {
         NodeFormat nodes;
         StackPlace stack;
-    } walk = {modes.nodes, stack};
+        bool convergent;
+    } walk = {modes.nodes, stack, convergent};
     std::vector<uint32_t> constants(kConstantIds, 0u);
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = features.field ? 1u : 0u;
     GLINT_FEATURES(GLINT_CONSTANT)
@@ -203,7 +204,8 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     options.spirv = codeOf(code_, id);
     options.bindings.assign(bindingsOf(arrays_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
-    options.constants = constantsOf(features_, modes, stack_, own_);
+    const bool convergent = !modes.resume && walksConverge(device_.info(), modes.nodes, stack_);
+    options.constants = constantsOf(features_, modes, stack_, convergent, own_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

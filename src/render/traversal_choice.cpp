@@ -133,6 +133,11 @@ bool runsPackets(const gpu::DeviceInfo& device) {
     return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
 }
 
+bool walksConverge(const gpu::DeviceInfo& device, NodeFormat nodes, StackPlace stack) {
+    return device.llvmpipe && runsPackets(device) && nodes != NodeFormat::Compressed &&
+           stack == StackPlace::Private;
+}
+
 std::string_view nameOf(const TraversalChoice& choice) {
     if (choice.packets) return glint::nameOf(Traversal::Packet);
     switch (choice.nodes) {

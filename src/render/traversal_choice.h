@@ -82,6 +82,12 @@ Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::Device
 // Subgroups of 8 lanes that can shuffle.
 bool runsPackets(const gpu::DeviceInfo& device);
 
+// Whether rays that walk by themselves leave the loops of their walk together (kConvergent in
+// shaders/lanes.glsl). They need lanes as packets do, and in a stack room for what a lane that is through
+// stores above it; on llvmpipe it pays (docs/lab/nodes.md), elsewhere it is unmeasured. The walk of
+// compressed nodes has no such loops.
+bool walksConverge(const gpu::DeviceInfo& device, NodeFormat nodes, StackPlace stack);
+
 // What `wanted` comes to. Packets need subgroups of 8 lanes that can shuffle, and a scene of triangles,
 // spheres and planes; they pay where loads cost a fixed price for all lanes, which is so on llvmpipe alone,
 // and from kFewestForPackets triangles and spheres on. On a GPU (discrete, integrated or virtual) rays walk

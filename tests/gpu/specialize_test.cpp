@@ -71,6 +71,26 @@ TEST(Specialize, LeavesOutMemoryThatIsNotUsed) {
     EXPECT_EQ(workgroupVariablesIn(shared), 1u);
 }
 
+bool mayShuffle(std::span<const uint32_t> words) {
+    constexpr uint32_t kOpCapability = 17, kShuffle = 65;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16)
+        if ((words[at] & 0xffff) == kOpCapability && words[at + 1] == kShuffle) return true;
+    return false;
+}
+
+// A device whose subgroups do not shuffle takes no module that says it may.
+TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
+    constexpr uint32_t kConvergent = 83;
+    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    for (const auto& kernel : {code.intersect, code.intersectAny, code.light, code.whole, code.certify}) {
+        EXPECT_TRUE(mayShuffle(kernel));
+        EXPECT_FALSE(mayShuffle(specialize(kernel, constantsWhere([](uint32_t) { return false; }))));
+        EXPECT_TRUE(
+            mayShuffle(specialize(kernel, constantsWhere([](uint32_t id) { return id == kConvergent; }))));
+    }
+    EXPECT_TRUE(mayShuffle(specialize(code.packetIntersect, constantsWhere([](uint32_t) { return false; }))));
+}
+
 TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {
     const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
     const auto made = specialize(code.light, {});

@@ -14,7 +14,7 @@
 
 namespace glint::gpu {
 
-constexpr uint32_t kIds = 83;
+constexpr uint32_t kIds = 84;
 inline std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
     return {code.generate,        code.intersect,          code.intersectAny, code.light, code.shade,
             code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt, code.whole};

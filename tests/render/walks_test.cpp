@@ -119,6 +119,24 @@ TEST(LaneRule, TakesNodesOfFourForManyRays) {
     EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
 }
 
+TEST(LaneRule, LoopsConvergeOnLlvmpipeWithEightLanesThatShuffleAndAStackOfTheirOwn) {
+    const gpu::DeviceInfo llvmpipe = deviceOf("CPU", true);
+    for (const NodeFormat nodes : {NodeFormat::Two, NodeFormat::Four}) {
+        EXPECT_TRUE(walksConverge(llvmpipe, nodes, StackPlace::Private));
+        EXPECT_FALSE(walksConverge(llvmpipe, nodes, StackPlace::Shared));
+        gpu::DeviceInfo other = llvmpipe;
+        other.llvmpipe = false;
+        EXPECT_FALSE(walksConverge(other, nodes, StackPlace::Private));
+        other = llvmpipe;
+        other.limits.subgroupSize = 16;
+        EXPECT_FALSE(walksConverge(other, nodes, StackPlace::Private));
+        other = llvmpipe;
+        other.limits.subgroupShuffle = false;
+        EXPECT_FALSE(walksConverge(other, nodes, StackPlace::Private));
+    }
+    EXPECT_FALSE(walksConverge(llvmpipe, NodeFormat::Compressed, StackPlace::Private));
+}
+
 TEST(LaneRule, SaysWhyNotWhatWasAskedFor) {
     const gpu::DeviceInfo device = deviceOf("discrete GPU");
     EXPECT_NE(chooseTraversal(Traversal::Cwbvh, device, sceneOf(0)).reason.find("no tree"),
