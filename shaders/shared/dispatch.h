@@ -60,8 +60,8 @@
     X(78, ORIGIN_OFFSET, offsets)
 
 // X(constant id, GLSL name, C++ field of LaneWalk): what rays that walk by themselves walk, kNodes..., and
-// where their stacks are, kStack..., below; convergent: 1 if all of a
-// subgroup leave the loops of their walk together (lanes.glsl).
+// where their stacks are, kStack..., below. convergent: all lanes of a subgroup leave
+// the loops of their walk together (lanes.glsl).
 #define GLINT_LANE_WALK(X)    \
     X(75, NODE_FORMAT, nodes) \
     X(76, STACK_PLACE, stack) \

@@ -40,8 +40,9 @@ bool haveMiddleLoop(const SceneFeatures& features) {
 // Loop trips of a subgroup of S lanes whose lanes give up after B trips each. Every trip of a loop in which
 // some lane is live counts in that lane's own B, so there are at most S (B + slack) of them, where slack =
 // 2 (1 + kQuadricHits) kMaxLeafSize + 4 + polygonTripsPerLeaf is what one pass of the outer loop can add
-// after the last check, and the way back into an instance before the first. Besides, lavapipe enters each
-// inner loop once in every trip of the one around it even with no lane live.
+// after the last check, and the way back into an instance before the first. (Also where lanes leave loops
+// together: those that are through count nothing, but the trip is there for one that does.) Besides, lavapipe
+// enters each inner loop once in every trip of the one around it even with no lane live.
 // - Where the loops of the nodes and of each kind in leaves stand in the outer loop, its trips are those of
 //   its longest lane: L (B + 2) more, where L counts them (of polygons also their edges', of quadrics their
 //   further hits').
