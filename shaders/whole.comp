@@ -43,6 +43,26 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     return finished && (!lit.live || index >= end);
 }
 
+// Whether a ray follows, which takes the place of the one before.
+bool goesOn(uint path, Interaction at, Environment environment, inout Ledger ledger, inout bool complete,
+            inout uvec2 state, inout uvec4 media, inout vec3 throughput, inout Ray ray, inout uint followed) {
+    Branch next;
+    bool follows;
+    if (FEATURE_TRANSMISSION) {
+        follows = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
+        media = next.media;
+    } else {
+        follows = nextReflection(ledger, complete, at, followed, throughput, environment, next);
+    }
+    // The host has counted the trips of so many rays (src/render/path_limits.cpp).
+    complete = complete && !(follows && followed == dispatch.bounce);
+    follows = follows && complete;
+    ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
+    throughput = next.throughput;
+    followed += follows ? 1u : 0u;
+    return follows;
+}
+
 void main() {
     uint path = pathIndex();
     uvec2 pixel;
@@ -80,24 +100,10 @@ void main() {
                 uint hits = hitsAfter(sum.w, at.isHit && followed == 0u, throughput.x);
                 if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
                 sum = packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits);
-                bool goesOn = false;
-                if (kBounces) {
-                    Branch next;
-                    if (FEATURE_TRANSMISSION) {
-                        goesOn = nextBranch(path, ledger, complete, at, state, throughput, environment, next);
-                        media = next.media;
-                    } else {
-                        goesOn =
-                            nextReflection(ledger, complete, at, followed, throughput, environment, next);
-                    }
-                    // The host has counted the trips of so many rays (src/render/path_limits.cpp).
-                    complete = complete && !(goesOn && followed == dispatch.bounce);
-                    goesOn = goesOn && complete;
-                    ray = Ray(next.origin, next.direction, 0.0, kInfinity, next.source, next.sourceInstance);
-                    throughput = next.throughput;
-                    followed += goesOn ? 1u : 0u;
-                }
-                alive = goesOn;
+                alive = false;
+                if (kBounces)
+                    alive = goesOn(path, at, environment, ledger, complete, state, media, throughput, ray,
+                                   followed);
             }
         }
     } while (anyGoesOn(alive));
