@@ -1,16 +1,20 @@
-// library_rays SCENE...
+// library_rays [--count] SCENE...
 //
 // What a batch costs by libglint's C API, from the caller's arrays to the caller's arrays, against the
 // kernels alone: nearest hits with t, geometry and primitive, any hits and counts, of random rays through the
-// scene's box and of a camera's. fp32 origins and directions. Seconds of processor time, the best of so many
-// turns. Of certified hits also how many rays the device leaves to the host, and how many are left undecided.
+// scene's box, of chords of the sphere around it and of a camera's. fp32 origins and directions. Seconds of
+// processor time, the best of so many turns. --count: counts alone, and their sum, which no change may move.
+// Of certified hits also how many rays the device leaves to the host, and how many are left undecided.
 // Where the build knows tinybvh (GLINT_TINYBVH), its rates for the same rays on the same triangles; and how
 // many of the rays at vertices that hit, by certified hits, each of the two misses.
 #include <algorithm>
 #include <atomic>
+#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -50,6 +54,24 @@ Rays randomRays(const glm::dvec3& lo, const glm::dvec3& hi) {
             to + reach * glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
         rays.origins.emplace_back(from);
         rays.directions.emplace_back(to - from);
+    }
+    return rays;
+}
+
+// From one point of the sphere around the box to another.
+Rays chords(const glm::dvec3& lo, const glm::dvec3& hi) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    Rays rays{"chord", {}, {}, false};
+    const auto point = [&] {
+        return 0.5 * (lo + hi) +
+               0.5 * glm::length(hi - lo) *
+                   glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    };
+    for (size_t i = 0; i < kRays; ++i) {
+        const glm::dvec3 from = point();
+        rays.origins.emplace_back(from);
+        rays.directions.emplace_back(point() - from);
     }
     return rays;
 }
@@ -108,8 +130,12 @@ double kernelSeconds(render::RayQueries& queries, const Rays& rays, const glm::d
     return times.processor;
 }
 
-// undecided: receives how many certified hits are not sure.
-double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, size_t& undecided) {
+struct Answers {
+    size_t undecided = 0;    // certified hits that are not sure
+    uint64_t crossings = 0;  // the sum of counts
+};
+
+double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, Answers& answers) {
     static std::vector<float> t(kRays);
     static std::vector<uint32_t> geometry(kRays), primitive(kRays);
     static std::vector<uint8_t> hit(kRays);
@@ -128,7 +154,9 @@ double callSeconds(const glint_scene* scene, const Rays& rays, Ask ask, size_t& 
     if (ask == Ask::Any) check(glint_query_any(scene, &asked, &flags, nullptr));
     if (ask == Ask::Count) check(glint_query_count(scene, &asked, &hits.geometry, nullptr));
     const double seconds = timer.elapsed().cpu;
-    undecided = static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t{0}));
+    answers.undecided = static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t{0}));
+    answers.crossings = 0;
+    if (ask == Ask::Count) answers.crossings = std::accumulate(geometry.begin(), geometry.end(), uint64_t{0});
     return seconds;
 }
 
@@ -188,35 +216,42 @@ void measureTinyBvh(const char* path, const glint_scene* scene, const PackedScen
 }
 #endif
 
-void measure(const char* path, glint_device* device, const gpu::Device& vulkan) {
+void measureAsk(const char* path, const glint_scene* scene, render::RayQueries& queries,
+                const glm::dvec3& origin, const Rays& rays, Ask ask, const char* name) {
+    double kernel = 1e9, call = 1e9;
+    size_t uncertain = 0;
+    Answers answers;
+    for (int turn = 0; turn < kTurns; ++turn) {
+        kernel = std::min(kernel, kernelSeconds(queries, rays, origin, ask, uncertain));
+        call = std::min(call, callSeconds(scene, rays, ask, answers));
+    }
+    std::printf(
+        "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the kernel\n",
+        path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
+    if (ask == Ask::Certain)
+        std::printf("    left to the host %.2e, undecided %.2e\n", static_cast<double>(uncertain) / kRays,
+                    static_cast<double>(answers.undecided) / kRays);
+    if (ask == Ask::Count)
+        std::printf("    %.0f ns of processor time a call's ray, %" PRIu64 " crossings\n", 1e9 * call / kRays,
+                    answers.crossings);
+    std::fflush(stdout);
+}
+
+void measure(const char* path, glint_device* device, const gpu::Device& vulkan, bool countAlone) {
     glint_scene* scene = nullptr;
     check(glint_scene_load(device, path, &scene));
     const PackedScene packed = packScene(loadScene(path), 0, BuildQuality::Default, false);
     render::RayQueries queries(vulkan, packed);
     const glm::dvec3 lo = packed.origin + glm::dvec3(packed.boundsLo),
                      hi = packed.origin + glm::dvec3(packed.boundsHi);
-    for (const Rays& rays : {randomRays(lo, hi), cameraRays(lo, hi)}) {
-        for (const auto& [ask, name] :
-             {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"), std::pair(Ask::Count, "count"),
-              std::pair(Ask::Certain, "certified")}) {
-            double kernel = 1e9, call = 1e9;
-            size_t uncertain = 0, undecided = 0;
-            for (int turn = 0; turn < kTurns; ++turn) {
-                kernel = std::min(kernel, kernelSeconds(queries, rays, packed.origin, ask, uncertain));
-                call = std::min(call, callSeconds(scene, rays, ask, undecided));
-            }
-            std::printf(
-                "%s, %s rays, %s: kernel %.2f, call %.2f million rays per processor second, %.2f of the "
-                "kernel\n",
-                path, rays.name, name, 1e-6 * kRays / kernel, 1e-6 * kRays / call, kernel / call);
-            if (ask == Ask::Certain)
-                std::printf("    left to the host %.2e, undecided %.2e\n",
-                            static_cast<double>(uncertain) / kRays, static_cast<double>(undecided) / kRays);
-            std::fflush(stdout);
-        }
+    for (const Rays& rays : {randomRays(lo, hi), chords(lo, hi), cameraRays(lo, hi)}) {
+        for (const auto& [ask, name] : {std::pair(Ask::Nearest, "closest"), std::pair(Ask::Any, "any"),
+                                        std::pair(Ask::Count, "count"), std::pair(Ask::Certain, "certified")})
+            if (!countAlone || ask == Ask::Count)
+                measureAsk(path, scene, queries, packed.origin, rays, ask, name);
     }
 #ifdef GLINT_TINYBVH
-    measureTinyBvh(path, scene, packed, lo, hi);
+    if (!countAlone) measureTinyBvh(path, scene, packed, lo, hi);
 #endif
     glint_scene_release(scene);
 }
@@ -228,7 +263,9 @@ int main(int count, char** arguments) try {
     glint_device* device = nullptr;
     glint::bench::check(glint_device_open(nullptr, &device));
     const glint::gpu::Device vulkan;
-    for (int i = 1; i < count; ++i) glint::bench::measure(arguments[i], device, vulkan);
+    const bool countAlone = count > 1 && std::strcmp(arguments[1], "--count") == 0;
+    for (int i = countAlone ? 2 : 1; i < count; ++i)
+        glint::bench::measure(arguments[i], device, vulkan, countAlone);
     glint_device_release(device);
 } catch (const glint::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
