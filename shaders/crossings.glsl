@@ -109,7 +109,7 @@ Look lookAt(Ray ray, RayFrame frame, Triangle triangle) {
 // lavapipe runs what an `if` leaves out, and each loop's body once. So triangles that rounded numbers are not
 // certain of are put aside, a few for each ray, and looked at closely when the ray is through or has as many
 // as there is room for (settleAside).
-const bool kPutsAside = !kPlacesMatter && !FEATURE_INSTANCES && NODE_FORMAT == kNodesTwo;
+const bool kPutsAside = !kPlacesMatter && !FEATURE_INSTANCES && NODE_FORMAT != kNodesCompressed;
 // Where a tree has nothing but these, leaves wait too (crossings_walk.glsl).
 #define GLINT_NO_OTHERS(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                         loops, uv)                                                                      \

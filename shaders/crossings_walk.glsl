@@ -5,22 +5,34 @@
 #ifndef GLINT_CROSSINGS_WALK_GLSL
 #define GLINT_CROSSINGS_WALK_GLSL
 
-// Leaves wait behind the stack, each as `first | count << kWaitingShift`: those of one node, which follow
-// each other, as one, so that a node puts down one word at most.
+// Leaves wait behind the stack, those of one node as one word: of a binary node as `first | count <<
+// kWaitingShift`, since they follow each other, so that it puts down one word at most, that or a child; of a
+// node of four as its number and bits of its children, `node << kBitsOfFour | bits`.
 const uint kMostLeaves = 16u;
 const uint kWaitingShift = 25u;
+const uint kBitsOfFour = 4u;
 uint waiting[kOwnWords + kMostLeaves];
 
-// A ray's way through the tree: the node at hand, kNone for none, and the height of the stack; leaves that
-// wait; of the leaf at hand the triangles that are left.
+// A ray's way through the tree. current: the binary node at hand, kNone for none; of nodes of four, as on the
+// stack, those that are to be visited next, `first << kBitsOfFour | bits`, as children of one node follow
+// each other. The height of the stack. Leaves that wait, and what is left of those of a node of four
+// (`group`); of the leaf at hand the triangles that are left.
 struct CrossingsWalk {
     uint current, top;
-    uint leaves;
+    uint leaves, group;
     uint index, end;
 };
 
-bool hasTriangles(CrossingsWalk walk) { return walk.index < walk.end || walk.leaves > 0u; }
-bool isOver(CrossingsWalk walk) { return walk.current == kNone && !hasTriangles(walk); }
+const bool kWalksFour = NODE_FORMAT == kNodesFour;
+bool hasBits(uint word) { return (word & ((1u << kBitsOfFour) - 1u)) != 0u; }
+// The place of the lowest of four bits: two bits for each of their values, as lavapipe looks for it longer.
+uint lowestBit(uint word) { return (0x12131210u >> (2u * (word & 15u))) & 3u; }
+
+bool hasNodes(CrossingsWalk walk) { return kWalksFour ? hasBits(walk.current) : isNode(walk.current); }
+bool hasTriangles(CrossingsWalk walk) {
+    return walk.index < walk.end || walk.leaves > 0u || (kWalksFour && hasBits(walk.group));
+}
+bool isOver(CrossingsWalk walk) { return !hasNodes(walk) && !hasTriangles(walk); }
 bool hasRoom(CrossingsWalk walk) { return walk.leaves < kMostLeaves; }
 
 // Goes on from a node to one of its children, or else to one that waits. The store is made whatever comes of
@@ -47,13 +59,46 @@ void passNode(Traversal traversal, float tEnd, inout CrossingsWalk walk) {
     walk.top -= pops && !empty ? 1u : 0u;
 }
 
+// The same of a node of four.
+void passFour(Traversal traversal, float tEnd, inout CrossingsWalk walk) {
+    uint node = (walk.current >> kBitsOfFour) + lowestBit(walk.current);
+    uint rest = walk.current & (walk.current - 1u);
+    FourMet met = meetFour(traversal.ray, traversal.frame, node, tEnd);
+    uint entered = enteredOfFour(met);
+    uint inner = entered & (met.links >> kFourInnerShift);
+    uint leaves = entered ^ inner;
+    uint within = (met.links & 0xffffffu) << kBitsOfFour | inner;
+    waiting[walk.top] = rest;
+    waiting[kOwnWords + walk.leaves] = node << kBitsOfFour | leaves;
+    walk.leaves += leaves != 0u ? 1u : 0u;
+    bool empty = walk.top == 0u;
+    uint popped = waiting[empty ? 0u : walk.top - 1u];
+    bool enters = inner != 0u;
+    bool stays = hasBits(rest);
+    walk.current = enters ? within : (stays ? rest : (empty ? 0u : popped));
+    walk.top += enters && stays ? 1u : 0u;
+    walk.top -= !enters && !stays && !empty ? 1u : 0u;
+}
+
 void passTriangle(inout Traversal traversal, inout CrossingsWalk walk) {
     bool pops = walk.index >= walk.end;
-    walk.leaves -= pops ? 1u : 0u;
-    uint leaf = waiting[kOwnWords + walk.leaves];
-    uint first = leaf & kLeafFirstMask;
-    walk.index = pops ? first : walk.index;
-    walk.end = pops ? first + (leaf >> kWaitingShift) : walk.end;
+    if (kWalksFour) {
+        bool takes = pops && !hasBits(walk.group);
+        walk.leaves -= takes ? 1u : 0u;
+        uint group = waiting[kOwnWords + walk.leaves];
+        group = takes ? group : walk.group;
+        uint leaf = childOfFour((group >> kBitsOfFour) << 8 | lowestBit(group));
+        uint first = leaf & kLeafFirstMask;
+        walk.group = pops ? group & (group - 1u) : group;
+        walk.index = pops ? first : walk.index;
+        walk.end = pops ? first + sizeOfLeaf(leaf) : walk.end;
+    } else {
+        walk.leaves -= pops ? 1u : 0u;
+        uint leaf = waiting[kOwnWords + walk.leaves];
+        uint first = leaf & kLeafFirstMask;
+        walk.index = pops ? first : walk.index;
+        walk.end = pops ? first + (leaf >> kWaitingShift) : walk.end;
+    }
     lookAtTriangle(traversal, walk.index);
     ++walk.index;
 }
@@ -61,23 +106,28 @@ void passTriangle(inout Traversal traversal, inout CrossingsWalk walk) {
 // From the root. Returns kNone when finished, else 0, the slot to begin again from.
 uint traverseAll(inout Traversal traversal, uint root) {
     uint budget = dispatch.tripBudget;
-    CrossingsWalk walk = CrossingsWalk(root, 0u, 0u, 0u, 0u);
     bool rootIsLeaf = root != kNone && !isNode(root);
-    waiting[kOwnWords] = (root & kLeafFirstMask) | sizeOfLeaf(root) << kWaitingShift;
-    if (rootIsLeaf) {
-        walk.current = kNone;
-        walk.leaves = 1u;
-    }
+    bool rootIsNode = root != kNone && isNode(root);
+    uint first = root & kLeafFirstMask;
+    CrossingsWalk walk;
+    walk.current = kWalksFour ? (rootIsNode ? root << kBitsOfFour | 1u : 0u) : (rootIsNode ? root : kNone);
+    walk.top = walk.leaves = walk.group = 0u;
+    walk.index = rootIsLeaf ? first : 0u;
+    walk.end = rootIsLeaf ? first + sizeOfLeaf(root) : 0u;
     precise float tEnd = traversal.ray.tMax * farPad();
     do {
         do {
             if (!isOver(walk) && traversal.trips < budget && traversal.aside < kMostAside) {
                 do {
-                    if (isNode(walk.current) && hasRoom(walk) && traversal.trips < budget) {
-                        passNode(traversal, tEnd, walk);
+                    if (hasNodes(walk) && hasRoom(walk) && traversal.trips < budget) {
+                        if (kWalksFour) {
+                            passFour(traversal, tEnd, walk);
+                        } else {
+                            passNode(traversal, tEnd, walk);
+                        }
                         ++traversal.trips;
                     }
-                } while (isNode(walk.current) && hasRoom(walk) && traversal.trips < budget);
+                } while (hasNodes(walk) && hasRoom(walk) && traversal.trips < budget);
                 do {
                     if (hasTriangles(walk) && traversal.aside < kMostAside && traversal.trips < budget) {
                         passTriangle(traversal, walk);

@@ -98,7 +98,36 @@ void sortTwo(inout uint a, inout uint b) {
     a = less;
 }
 
-// What a ray enters of a node of four: words of the first child and of the others.
+// What a ray makes of a node of four. absent: bit 31 of each child that there is none of; links as in
+// src/bvh/wide_tree.h.
+struct FourMet {
+    FourSlabs slabs;
+    bvec4 entered;
+    ivec4 absent;
+    uint links;
+};
+
+FourMet meetFour(Ray ray, RayFrame frame, uint node, float tEnd) {
+    uint row = kFourRows * node;
+    FourMet met;
+    met.slabs = allSlabs(ray.tMin);
+    uvec4 head = LOAD4(wideRowsArray, row);
+    uvec4 xy = LOAD4(wideRowsArray, row + 1u);
+    uvec4 z = LOAD4(wideRowsArray, row + 2u);
+    vec3 origin = uintBitsToFloat(head.xyz);
+    meetAxisOfFour(met.slabs, xy.xy, head.w, origin.x, frame.negative.x, frame.nearOrigin.x,
+                   frame.farOrigin.x, frame.inverse.x);
+    meetAxisOfFour(met.slabs, xy.zw, head.w >> 8, origin.y, frame.negative.y, frame.nearOrigin.y,
+                   frame.farOrigin.y, frame.inverse.y);
+    meetAxisOfFour(met.slabs, z.xy, head.w >> 16, origin.z, frame.negative.z, frame.nearOrigin.z,
+                   frame.farOrigin.z, frame.inverse.z);
+    met.entered = entersSlabs(met.slabs, tEnd, farPadOfFour());
+    met.absent = ivec4(0, head.w, z.zw);
+    met.links = z.w;
+    return met;
+}
+
+// What it enters, where children are visited in order: words of the first child and of the others.
 struct FourEntered {
     uint first;
     uint others;
@@ -110,24 +139,11 @@ struct FourEntered {
 // order; the lowest two bits make room for the child's place. Without the sign, which -0 and an interval that
 // begins below zero have, no key is kNone. Five minima and maxima of words sort four.
 FourEntered enterFour(Ray ray, RayFrame frame, uint node, float tEnd, bool farthestFirst) {
-    uint row = kFourRows * node;
-    FourSlabs slabs = allSlabs(ray.tMin);
-    uvec4 head = LOAD4(wideRowsArray, row);
-    uvec4 xy = LOAD4(wideRowsArray, row + 1u);
-    uvec4 z = LOAD4(wideRowsArray, row + 2u);
-    vec3 origin = uintBitsToFloat(head.xyz);
-    meetAxisOfFour(slabs, xy.xy, head.w, origin.x, frame.negative.x, frame.nearOrigin.x, frame.farOrigin.x,
-                   frame.inverse.x);
-    meetAxisOfFour(slabs, xy.zw, head.w >> 8, origin.y, frame.negative.y, frame.nearOrigin.y,
-                   frame.farOrigin.y, frame.inverse.y);
-    meetAxisOfFour(slabs, z.xy, head.w >> 16, origin.z, frame.negative.z, frame.nearOrigin.z,
-                   frame.farOrigin.z, frame.inverse.z);
-    uvec4 keys = ((floatBitsToUint(slabs.near) ^ (farthestFirst ? 0x7fffffffu : 0u)) & 0x7ffffffcu) |
+    FourMet met = meetFour(ray, frame, node, tEnd);
+    uvec4 keys = ((floatBitsToUint(met.slabs.near) ^ (farthestFirst ? 0x7fffffffu : 0u)) & 0x7ffffffcu) |
                  uvec4(0u, 1u, 2u, 3u);
-    keys = mix(uvec4(kNone), keys, entersSlabs(slabs, tEnd, farPadOfFour()));
-    // Children that there are none of.
-    keys.y |= uint(int(head.w) >> 31);
-    keys.zw |= z.zw;
+    keys = mix(uvec4(kNone), keys, met.entered);
+    keys.yzw |= uvec3(met.absent.yzw >> 31);
     sortTwo(keys.x, keys.y);
     sortTwo(keys.z, keys.w);
     sortTwo(keys.x, keys.z);
@@ -137,6 +153,14 @@ FourEntered enterFour(Ray ray, RayFrame frame, uint node, float tEnd, bool farth
     uint places = (keys.y & 3u) | (keys.z & 3u) << 2 | (keys.w & 3u) << 4;
     return FourEntered(node << 8 | (keys.x & 3u), node << 8 | number | places, keys.x == kNone,
                        keys.y != kNone);
+}
+
+uint bitsOf(bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
+
+// The same in any order, a bit for each child.
+uint enteredOfFour(FourMet met) {
+    return bitsOf(bvec4(met.entered.x, met.entered.y && met.absent.y >= 0, met.entered.z && met.absent.z >= 0,
+                        met.entered.w && met.absent.w >= 0));
 }
 
 // Children that are still to be visited, of one kind: of `first` and those that follow it one for each of
@@ -195,8 +219,6 @@ void meetAxisOfEight(inout FourSlabs slabs0, inout FourSlabs slabs1, uvec4 plane
     meetSlabs(slabs1, planesOf(nearPlanes.y, scale, origin), planesOf(farPlanes.y, scale, origin), nearOrigin,
               farOrigin, inverse);
 }
-
-uint bitsOf(bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
 
 // What the ray enters of a compressed node.
 void enterEight(Ray ray, RayFrame frame, uint node, float tEnd, uint octant, out ChildGroup nodes,

@@ -319,6 +319,8 @@ GLINT_CONST_UINT(kPacketWidth, 8u);
 // Rows of a node of four children, and of a compressed one of eight.
 GLINT_CONST_UINT(kFourRows, 4u);
 GLINT_CONST_UINT(kCompressedRows, 5u);
+// Where a node of four says which of its children are inner (bvh/wide_tree.h).
+GLINT_CONST_UINT(kFourInnerShift, 24u);
 
 #ifdef __cplusplus
 }  // namespace glint::shared

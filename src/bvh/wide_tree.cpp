@@ -226,12 +226,23 @@ GridOfFour gridOfFour(const Four& wide, int axis) {
     }
 }
 
+// Inner ones first, whose numbers follow each other.
+Four innerFirst(Four wide) {
+    std::stable_partition(wide.children.begin(), wide.children.begin() + wide.count,
+                          [](const auto& child) { return isInnerChild(child.child); });
+    return wide;
+}
+
 // Children come first, so at most places 1 to 3 are empty.
 void writeFour(WideTree& tree, uint32_t place, const Four& wide) {
     const std::array<GridOfFour, 3> grids = {gridOfFour(wide, 0), gridOfFour(wide, 1), gridOfFour(wide, 2)};
     const auto& c = wide.children;
     const auto absent = [&](size_t i) { return c[i].child == shared::kNone ? ~0u : 0u; };
     uint32_t head = absent(1) << 31;
+    uint32_t links = absent(3) << 31;
+    for (size_t i = 0; i < c.size(); ++i)
+        if (c[i].child != shared::kNone && isInnerChild(c[i].child))
+            links |= 1u << (shared::kFourInnerShift + i) | c[0].child;
     std::array<uint32_t, 3> lo{}, hi{};
     for (size_t axis = 0; axis < 3; ++axis) {
         head |= static_cast<uint32_t>(grids[axis].exponent) << 8 * axis;
@@ -241,15 +252,14 @@ void writeFour(WideTree& tree, uint32_t place, const Four& wide) {
     const auto row = [&](size_t i) -> shared::WideRow& { return rowOf(tree, shared::kFourRows, place, i); };
     row(0) = {bitsOf(grids[0].origin), bitsOf(grids[1].origin), bitsOf(grids[2].origin), head};
     row(1) = {lo[0], hi[0], lo[1], hi[1]};
-    row(2) = {lo[2], hi[2], absent(2), absent(3)};
+    row(2) = {lo[2], hi[2], absent(2), links};
     row(3) = {c[0].child, c[1].child, c[2].child, c[3].child};
 }
 
 WideTree fourTree(const std::vector<shared::Node>& nodes, std::span<const shared::Instance> instances) {
     WideTree tree;
     Layout<4> layout(nodes, instances, tree);
-    layout.forEach([](const Four& wide) { return wide; },
-                   [&](uint32_t place, const Four& wide) { writeFour(tree, place, wide); });
+    layout.forEach(innerFirst, [&](uint32_t place, const Four& wide) { writeFour(tree, place, wide); });
     return tree;
 }
 

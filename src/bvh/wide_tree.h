@@ -24,9 +24,10 @@ static_assert(static_cast<uint32_t>(NodeFormat::Four) == shared::kNodesFour &&
 //   origin of the grid; 256 steps along x, y, z, as the exponents of floats in bytes 0 to 2; bit 31: there is
 //     only one child
 //   bytes by children: lower planes along x, upper ones; along y
-//   along z; ~0 if there is no third child, and no fourth
-//   the children, as in shared::Node, but inner ones counted in wide nodes; kNone for absent ones, which come
-//     last
+//   along z; ~0 if there is no third child; the first inner child, bits from kFourInnerShift on: which are
+//     inner, bit 31: there is no fourth
+//   the children, as in shared::Node, but inner ones counted in wide nodes, which come first and follow each
+//     other; kNone for absent ones, which come last
 //
 // Compressed: children are in eight slots, each near the corner of the node that its number's bits say (1: x
 // above, 2: y, 4: z), so that slot ^ octant puts them in about the order that a ray meets them.

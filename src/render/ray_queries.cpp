@@ -150,7 +150,7 @@ struct RayQueries::State {
     std::mutex mutex;
     // Nodes of four are those of the scene: whoever has the slot, of which there is one then, makes them.
     bool four = false;
-    // Rays of nearest and any hits that went by themselves: ever, and since the scene changed.
+    // Rays that went by themselves, but for certified hits: ever, and since the scene changed.
     uint64_t alone = 0, aloneSinceChange = 0;
     std::condition_variable freed;
     std::vector<std::unique_ptr<Slot>> slots;
@@ -319,15 +319,17 @@ void RayQueries::State::makeFour(Slot& slot) {
     alone = std::max(alone, kFewestRaysForFour);  // from now on the kernels are there
 }
 
-// Of `count` rays that go by themselves, as probably all that are `left` of the batch. Counts in nodes of
-// four were no faster than in binary ones (docs/lab/library.md).
+// Of `count` rays that go by themselves, as probably all that are `left` of the batch. Where leaves do not
+// wait counts in nodes of four are no faster than in binary ones (docs/lab/library.md).
 NodeFormat RayQueries::State::nodesFor(const RayTask& task, size_t count, size_t left) {
     if (task.ask == RayTask::Ask::Certain) return NodeFormat::Two;
-    if (task.ask == RayTask::Ask::Count || !mayTakeFour) return traversal.nodes;
+    const bool counts = task.ask == RayTask::Ask::Count;
+    if (!mayTakeFour || (counts && !leavesWait(features))) return traversal.nodes;
     const std::lock_guard lock(mutex);
-    const bool pays = four || fourPays(scene, alone + left, aloneSinceChange + left);
-    alone += count;
-    aloneSinceChange += count;
+    const uint64_t worth = counts ? kWorthOfCountForFour : 1;
+    const bool pays = four || fourPays(scene, alone + worth * left, aloneSinceChange + worth * left);
+    alone += worth * count;
+    aloneSinceChange += worth * count;
     return pays ? NodeFormat::Four : NodeFormat::Two;
 }
 

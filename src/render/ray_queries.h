@@ -101,8 +101,9 @@ class RayQueries {
     // rays costs beside the caller's arrays.
     uint64_t workingBytes() const;
 
-    // What nearest and any hits walk now where each ray goes by itself: nodes of four on lavapipe, once so
-    // many rays have been asked that they pay (fourPays), and until the scene changes.
+    // What rays for nearest and any hits that go by themselves walk now, and those that count where leaves
+    // wait: nodes of four on lavapipe, once so many have been asked that they pay (fourPays), and until the
+    // scene changes.
     NodeFormat nodes() const;
 
   private:

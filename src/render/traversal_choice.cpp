@@ -129,6 +129,17 @@ bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfT
            raysOfKernels >= kFewestRaysForFour && raysOfTree >= kRaysOfPrimitiveForFour * primitivesIn(scene);
 }
 
+bool leavesWait(const SceneFeatures& features) {
+    bool others = features.alphaMask || features.instances;
+#define GLINT_OTHER(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, loops, \
+                    uv)                                                                                    \
+    others = others || (loops > 0 && shared::PrimitiveKind::Kind != shared::PrimitiveKind::Triangle &&     \
+                        features.kinds);
+    GLINT_PRIMITIVES(GLINT_OTHER, 0)
+#undef GLINT_OTHER
+    return !others;
+}
+
 bool runsPackets(const gpu::DeviceInfo& device) {
     return device.limits.subgroupSize == shared::kPacketWidth && device.limits.subgroupShuffle;
 }

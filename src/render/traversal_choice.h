@@ -36,10 +36,15 @@ inline constexpr size_t kMostFourNodes = size_t{1} << 24;
 inline constexpr size_t kFewestForFour = 2000;
 inline constexpr uint64_t kFewestRaysForFour = 4'000'000;
 inline constexpr uint64_t kRaysOfPrimitiveForFour = 4;
+// A ray that counts crossings gains as much by them as so many others (docs/lab/library.md).
+inline constexpr uint64_t kWorthOfCountForFour = 4;
 
 // Whether on llvmpipe a tree of four children a node, which takes some 80 ns a primitive to make, pays for
 // rays that walk by themselves: as many in all as its kernels, and as the tree, will serve.
 bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfTree);
+
+// Whether rays that count let leaves wait, as kLeavesWait in shaders/crossings.glsl has it.
+bool leavesWait(const SceneFeatures& features);
 
 enum class Traversal {
     Auto,    // by the device and the scene

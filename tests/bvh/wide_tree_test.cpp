@@ -77,10 +77,17 @@ std::pair<uint32_t, uint32_t> planesOfFour(const shared::WideRow* rows, int axis
 std::vector<Child> fourOf(const WideTree& tree, uint32_t node) {
     std::vector<Child> children(4);
     const shared::WideRow* rows = &tree.rows[size_t{shared::kFourRows} * node];
-    const uint32_t absent[] = {0, rows[0].w >> 31, rows[2].z, rows[2].w};
+    const uint32_t links = rows[2].w;
+    const uint32_t absent[] = {0, rows[0].w >> 31, rows[2].z, links >> 31};
     for (uint32_t i = 0; i < 4; ++i) {
         children[i].word = wordOf(rows[3], i);
-        EXPECT_EQ(absent[i], children[i].word != kNone ? 0u : i == 1 ? 1u : ~0u);
+        EXPECT_EQ(absent[i], children[i].word != kNone ? 0u : i == 2 ? ~0u : 1u);
+        // Inner children come first and follow each other.
+        const bool inner = (children[i].word & shared::kLeafFlag) == 0;  // of kNone too it is set
+        EXPECT_EQ(links >> (shared::kFourInnerShift + i) & 1, inner ? 1u : 0u);
+        if (inner) {
+            EXPECT_EQ(children[i].word, (links & 0xffffff) + i);
+        }
         if (children[i].word == kNone) continue;
         for (int axis = 0; axis < 3; ++axis) {
             const double origin = floatOf(rows[0], static_cast<uint32_t>(axis));

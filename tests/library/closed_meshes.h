@@ -32,8 +32,8 @@ struct Closed {
 };
 
 // Star-shaped about 0, spikes and dents (tests/support/packed_scene_maker.h).
-inline Closed bumpy() {
-    const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7);
+inline Closed bumpy(uint32_t steps = 16) {
+    const glint::test::BumpyMesh mesh = glint::test::makeBumpyMesh(7, steps);
     Closed closed{{}, {}, 0.2, 7};
     for (const glm::vec3& v : mesh.vertices) closed.vertices.push_back({v.x, v.y, v.z});
     for (const glm::uvec3& c : mesh.triangles) closed.corners.push_back({c.x, c.y, c.z});

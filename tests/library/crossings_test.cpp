@@ -1,5 +1,7 @@
 // Counts, lists and insides, where rounding decides: rays aimed at the corners and edges of closed meshes,
 // and along their planes.
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -57,6 +59,27 @@ class LibraryCrossings : public LibraryTest {
         return wrong;
     }
 
+    // Begins with a batch after which rays walk nodes of four on lavapipe, where a scene has 2,000 nodes
+    // (render/traversal_choice.h), and gives it up.
+    void beginLargeBatch() {
+        const std::vector<std::array<float, 3>> origins(1'000'000, {0, 0, 0});
+        std::vector<std::array<float, 3>> directions(origins.size());
+        Random random(1);  // so that packets do not take them
+        for (auto& to : directions)
+            for (float& x : to) x = static_cast<float>(random.uniform() - 0.5);
+        std::vector<uint32_t> crossings(origins.size());
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        std::atomic<bool> begun = false;
+        GLINT_INIT(glint_options, options);
+        options.user = &begun;
+        options.progress = [](void* user, double) { *static_cast<std::atomic<bool>*>(user) = true; };
+        options.cancelled = [](void* user) { return int{*static_cast<std::atomic<bool>*>(user)}; };
+        const glint_out out = outOf(crossings);
+        EXPECT_EQ(glint_query_count(scene(), &rays, &out, &options), GLINT_ERROR_CANCELLED);
+    }
+
     uint32_t addClosed(const Closed& mesh, double offset) {
         return addMesh<double>(mesh.movedBy(offset), mesh.corners);
     }
@@ -92,6 +115,20 @@ TEST_P(LibraryCrossingsFar, AimedRaysAreCountedRight) {
         }
     }
     std::cout << rays << " rays, offset " << GetParam() << '\n';
+}
+
+TEST_P(LibraryCrossingsFar, AimedRaysOfManyAreCountedRight) {
+    if (!kOnDevice) GTEST_SKIP() << "the reference has one tree for few rays and many";
+    for (const Closed& mesh : {bumpy(64), gridCube(36)}) {
+        glint_scene* own = nullptr;
+        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+        useScene(own);
+        addClosed(mesh, GetParam());
+        commit();
+        beginLargeBatch();
+        for (const Aim aim : {Aim::Corners, Aim::Edges, Aim::Planes})
+            EXPECT_EQ(wrongCounts(mesh, GetParam(), aim, 3), 0u) << static_cast<int>(aim);
+    }
 }
 
 // Turned, stretched, mirrored, and many of them: each is closed by itself.

@@ -65,7 +65,7 @@ mutant(naive traversal.glsl "return current == kNone ? kNone : 0u;" "return kNon
 # For walks_test.cpp: no defects, two of them, and some in each format of nodes.
 mutant(small_stack wide_nodes.glsl "const uint kOwnWords = kMaxBvhDepth + 1u;" "const uint kOwnWords = 6u;" intersect)
 mutant(small_group wide_nodes.glsl "const uint kGroupWords = 24u;" "const uint kGroupWords = 6u;" intersect)
-mutant(wide_three wide_nodes.glsl "keys, entersSlabs(slabs, tEnd, farPadOfFour()));" "keys, bvec4(entersSlabs(slabs, tEnd, farPadOfFour()).xyz, false));" intersect)
+mutant(wide_three wide_nodes.glsl "keys, met.entered);" "keys, bvec4(met.entered.xyz, false));" intersect)
 mutant(four_forgets wide_nodes.glsl "((word - (1u << 6)) & 0xc0u)" "((word - (2u << 6)) & 0xc0u)" intersect)
 mutant(four_narrow wide_nodes.glsl "& 0x7f8000u) | exponent" "& 0x7c0000u) | exponent" intersect)
 mutant(wide_turned wide_nodes.glsl "uint(findLSB(group.bits & 0xffu)) ^ octant;" "uint(findLSB(group.bits & 0xffu));" intersect)

@@ -16,7 +16,7 @@ using glm::dvec3;
 
 constexpr uint32_t kCells = 64;
 
-using Answer = std::tuple<uint32_t, float, float, float>;  // primitive, t, u, v
+using Answer = std::tuple<uint32_t, float, float, float>;  // primitive, t, u, v; or crossings
 
 // A sheet in waves over [0, kCells] x [0, kCells].
 Scene sheet(double phase) {
@@ -40,8 +40,11 @@ std::vector<RayInput> raysThrough(size_t count) {
 
 class RayQueriesTest : public RenderTest {
   protected:
-    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask ask) {
+    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask kind) {
         static const std::vector<RayInput> rays = raysThrough(20'000);
+        return ask(queries, kind, rays);
+    }
+    static std::vector<Answer> ask(RayQueries& queries, RayTask::Ask ask, const std::vector<RayInput>& rays) {
         std::vector<Answer> answers(rays.size());
         RayTask task;
         task.ask = ask;
@@ -56,6 +59,7 @@ class RayQueriesTest : public RenderTest {
                 Answer& answer = answers.at(numbers[i]);
                 if (nearest && hit) answer = {found.primitive(i), found.t(i), found.u(i), found.v(i)};
                 if (!nearest || !hit) answer = {hit ? 1 : 0, 0, 0, 0};
+                if (ask == RayTask::Ask::Count) answer = {found[i].crossings, 0, 0, 0};
             }
         };
         EXPECT_TRUE(queries.run(task));
@@ -63,7 +67,7 @@ class RayQueriesTest : public RenderTest {
     }
     static void expectSame(RayQueries& queries, const PackedScene& scene, NodeFormat nodes) {
         RayQueries fresh(device(), scene);
-        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any}) {
+        for (const auto kind : {RayTask::Ask::Nearest, RayTask::Ask::Any, RayTask::Ask::Count}) {
             const std::vector<Answer> expected = ask(fresh, kind);
             const auto hits = std::count_if(expected.begin(), expected.end(),
                                             [](const Answer& a) { return std::get<0>(a) != 0; });
@@ -75,10 +79,12 @@ class RayQueriesTest : public RenderTest {
         EXPECT_EQ(queries.nodes(), nodes);
     }
     // Begins with a batch that is large enough for nodes of four, and gives it up.
-    static void beginLargeBatch(RayQueries& queries, uint64_t count = kFewestRaysForFour) {
+    static void beginLargeBatch(RayQueries& queries, uint64_t count = kFewestRaysForFour,
+                                RayTask::Ask ask = RayTask::Ask::Nearest) {
         static const std::vector<RayInput> rays = raysThrough(40'000);
         std::atomic<bool> begun = false;
         RayTask task;
+        task.ask = ask;
         task.count = count;
         task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
             for (size_t i = 0; i < out.size(); ++i) out[i] = rays[numbers[i] % rays.size()];
@@ -112,6 +118,53 @@ TEST_F(RayQueriesTest, NodesOfFourAreMadeAnewWhenTheSceneChanges) {
         EXPECT_EQ(queries.nodes(), NodeFormat::Two);
         beginLargeBatch(queries, 1'000'000);  // kernels are at hand: enough for the tree
         expectSame(queries, moving.packed(), NodeFormat::Four);
+    }
+}
+
+// Square sheets over each other, as in LibraryCrossings.ManySheets: along their diagonals every triangle is
+// put aside, more leaves than there is room for wait, and rays run out of trips.
+TEST_F(RayQueriesTest, NodesOfFourCountManySheets) {
+    constexpr uint32_t kSheets = 9000;
+    Random random(7);
+    Scene scene = emptyScene();
+    std::vector<dvec3> positions;
+    std::vector<glm::uvec3> corners;
+    std::vector<double> sizes;
+    for (uint32_t k = 0; k < kSheets; ++k) {
+        const double size = sizes.emplace_back(0.1 + random.uniform(0, 1)), z = k;
+        for (const dvec3& p : {dvec3(0, 0, z), dvec3(size, 0, z), dvec3(size, size, z), dvec3(0, size, z)})
+            positions.push_back(p);
+        corners.emplace_back(4 * k, 4 * k + 1, 4 * k + 2);
+        corners.emplace_back(4 * k, 4 * k + 2, 4 * k + 3);
+    }
+    addMesh(scene, std::move(positions), std::move(corners));
+    const PackedScene packed = packScene(scene);
+    RayQueries queries(device(), packed);
+    beginLargeBatch(queries, kFewestRaysForFour / kWorthOfCountForFour, RayTask::Ask::Count);
+    EXPECT_EQ(queries.nodes(), NodeFormat::Four);
+    std::vector<RayInput> rays;
+    std::vector<Answer> expected;
+    for (uint32_t i = 0; i < 400; ++i) {
+        const double x = 1e-3 + random.uniform(0, 1), y = i % 3 == 0 ? x : 1e-3 + random.uniform(0, 1);
+        const double end = (i % 2 == 0 ? 1.0 : random.uniform(0, 1)) * kSheets + 0.75;
+        const LocalRay ray = localRay({dvec3(x, y, -1), dvec3(0, 0, 1), 0, end}, packed.origin);
+        rays.push_back(roundedRay(ray));
+        uint32_t crossed = 0;
+        for (uint32_t k = 0; k < kSheets; ++k) crossed += sizes[k] > std::max(x, y) && k + 1 <= end;
+        expected.emplace_back(crossed, 0.0f, 0.0f, 0.0f);
+    }
+    EXPECT_TRUE(ask(queries, RayTask::Ask::Count, rays) == expected);
+}
+
+// Where leaves do not wait, counts stay with binary nodes.
+TEST_F(RayQueriesTest, NodesOfFourCountTrianglesAlone) {
+    Scene scene = sheet(0);
+    for (const bool spheres : {false, true}) {
+        if (spheres) addSphere(scene, dvec3(0.5 * kCells, 0.5 * kCells, 0), 1);
+        const PackedScene packed = packScene(scene);
+        RayQueries queries(device(), packed);
+        beginLargeBatch(queries, kFewestRaysForFour / kWorthOfCountForFour, RayTask::Ask::Count);
+        EXPECT_EQ(queries.nodes(), spheres ? NodeFormat::Two : NodeFormat::Four);
     }
 }
 

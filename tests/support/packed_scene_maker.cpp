@@ -304,8 +304,7 @@ PackedScene SceneMaker::finish(uint32_t maxLeafSize) const {
     return scene;
 }
 
-BumpyMesh makeBumpyMesh(uint32_t seed) {
-    constexpr uint32_t kSteps = 16;
+BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps) {
     Random random(seed);
     BumpyMesh mesh;
     // The poles and the seam are single vertices, so that the mesh is closed.
@@ -315,20 +314,20 @@ BumpyMesh makeBumpyMesh(uint32_t seed) {
                                    r * std::cos(theta));
     };
     add(0, 0);
-    for (uint32_t t = 1; t < kSteps; ++t) {
-        for (uint32_t p = 0; p < kSteps; ++p)
-            add(std::numbers::pi * t / kSteps, 2 * std::numbers::pi * p / kSteps);
+    for (uint32_t t = 1; t < steps; ++t) {
+        for (uint32_t p = 0; p < steps; ++p)
+            add(std::numbers::pi * t / steps, 2 * std::numbers::pi * p / steps);
     }
     add(std::numbers::pi, 0);
     const auto vertex = [&](uint32_t t, uint32_t p) {
         if (t == 0) return 0u;
-        if (t == kSteps) return static_cast<uint32_t>(mesh.vertices.size()) - 1;
-        return 1 + (t - 1) * kSteps + p % kSteps;
+        if (t == steps) return static_cast<uint32_t>(mesh.vertices.size()) - 1;
+        return 1 + (t - 1) * steps + p % steps;
     };
-    for (uint32_t t = 0; t < kSteps; ++t) {
-        for (uint32_t p = 0; p < kSteps; ++p) {
+    for (uint32_t t = 0; t < steps; ++t) {
+        for (uint32_t p = 0; p < steps; ++p) {
             if (t > 0) mesh.triangles.emplace_back(vertex(t, p), vertex(t + 1, p), vertex(t, p + 1));
-            if (t + 1 < kSteps)
+            if (t + 1 < steps)
                 mesh.triangles.emplace_back(vertex(t + 1, p), vertex(t + 1, p + 1), vertex(t, p + 1));
         }
     }

@@ -56,7 +56,7 @@ struct BumpyMesh {
     std::vector<glm::vec3> vertices;
     std::vector<glm::uvec3> triangles;
 };
-BumpyMesh makeBumpyMesh(uint32_t seed);
+BumpyMesh makeBumpyMesh(uint32_t seed, uint32_t steps = 16);
 
 reference::Ray makeRay(const glm::dvec3& origin, const glm::dvec3& direction);
 reference::Ray rayTowards(const glm::dvec3& origin, const glm::dvec3& target);
