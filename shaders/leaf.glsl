@@ -48,14 +48,13 @@ uint sourceOf(Traversal traversal) {
     return FEATURE_INSTANCES ? traversal.world.source : traversal.ray.source;
 }
 
-// Whether the ray goes on through its hit: a hole of the surface, or as a shadow ray a dielectric, which then
-// takes of the light.
-bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
-    Met met = metAt(traversal.ray, kind, hit);
+// Whether the ray goes on through what it meets at t: a hole of the surface, or as a shadow ray a dielectric,
+// which then takes of the light.
+bool goesThrough(inout Traversal traversal, uint kind, Met met, float t) {
     bool through = FEATURE_ALPHA_MASK && holeAt(met.surface);
 #ifdef GLINT_SHADOW_RAYS
     if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal) && !through)
-        through = passes(traversal.passage, met, kind, hit.t);
+        through = passes(traversal.passage, met, kind, t);
 #endif
     return through;
 }
@@ -63,18 +62,21 @@ bool goesThrough(inout Traversal traversal, uint kind, Hit hit) {
 // Planes, which stand in no leaf, are asked by code of their own, where there are any to ask.
 bool mayBeOpen(uint kind) { return FEATURE_OPEN_PLANES || kind != kKindPlane; }
 
+// Whether a triangle that the ray is found to meet lies behind it.
+bool isBehindAtOnce(Traversal traversal, Triangle triangle, float u, float v) {
+    return looksAtOnce(isShadowRay(traversal)) && sourceOf(traversal) != kNone &&
+           liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
+}
+
 // Takes the hit if it is one, does not let the ray through, and beats the best.
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
     bool counts = isHit;
-    if (looksAtOnce(isShadowRay(traversal)) && kind == kKindTriangle && isHit &&
-        sourceOf(traversal) != kNone) {
-        Triangle triangle = loadTriangle(primitive & kPrimitiveIndexMask);
-        counts = !liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
-    }
+    if (looksAtOnce(isShadowRay(traversal)) && kind == kKindTriangle && isHit)
+        counts = !isBehindAtOnce(traversal, loadTriangle(primitive & kPrimitiveIndexMask), u, v);
     if (kMayGoThrough && mayBeOpen(kind) && counts) {
         Hit hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
-        counts = !goesThrough(traversal, kind, hit);
+        counts = !goesThrough(traversal, kind, metAt(traversal.ray, kind, hit), t);
     }
 #ifdef GLINT_CROSSINGS
     if (counts) cross(traversal, kind, t, u, v, primitive);
@@ -234,12 +236,25 @@ bool hitPlaneAt(Traversal traversal, Ray ray, uint index, uint primitive, out Hi
 #define GLINT_MEET_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
                            loops, uv)                                                                      \
     GLINT_MEET_##ROLE(Kind, FEATURE)
-#define GLINT_MEET_ALONE(Kind, FEATURE)           \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) \
-        isHit = hit##Kind(rest, traversal.frame, load##Kind(index), primitive, traversal.trips, hit);
-#define GLINT_MEET_TRIANGLES(Kind, FEATURE)       \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) \
-        isHit = hitTriangleAt(traversal, rest, index, primitive, hit);
+#define GLINT_MEET_ALONE(Kind, FEATURE)                                                 \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) {                                     \
+        Kind one = load##Kind(index);                                                   \
+        isHit = hit##Kind(rest, traversal.frame, one, primitive, traversal.trips, hit); \
+        if (kLooksWhileMeeting) {                                                       \
+            fill##Kind(traversal.ray, hit, one, met.surface);                           \
+            met.leaving = leavesThrough(kKind##Kind, hit, met.surface, rest.direction); \
+        }                                                                               \
+    }
+#define GLINT_MEET_TRIANGLES(Kind, FEATURE)                                                 \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) {                                         \
+        isHit = hitTriangleAt(traversal, rest, index, primitive, hit);                      \
+        if (kLooksWhileMeeting) {                                                           \
+            isHit = isHit && !isBehindAtOnce(traversal, loadTriangle(index), hit.u, hit.v); \
+            Instance none;                                                                  \
+            surfaceOfTriangle(hit, none, met.surface);                                      \
+            met.leaving = leavesThrough(kKind##Kind, hit, met.surface, rest.direction);     \
+        }                                                                                   \
+    }
 #define GLINT_MEET_PACKETS(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_LEAVES(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_UNBOUNDED(Kind, FEATURE)                        \
@@ -251,12 +266,17 @@ bool hitPlaneAt(Traversal traversal, Ray ray, uint index, uint primitive, out Hi
                          loops, uv)                                                                      \
     || (crossings > 1 && kind == kKind##Kind)
 
-// The hit of primitive `index` of a kind after `after`.
-bool meetThrough(inout Traversal traversal, uint kind, uint index, float after, out Hit hit) {
+// Where hits do not wait, what is met is looked at with the primitive at hand: loads are most of the code.
+const bool kLooksWhileMeeting = kMayGoThrough && !kAsks;
+
+// The hit of primitive `index` of a kind after `after`. met: with kLooksWhileMeeting, in the coordinates of
+// the primitive.
+bool meetThrough(inout Traversal traversal, uint kind, uint index, float after, out Hit hit, out Met met) {
     Ray rest = traversal.ray;
     rest.tMin = after;
     uint primitive = (kind << kPrimitiveKindShift) | index;
     hit = Hit(0.0, 0.0, 0.0, kNone, kNone, 0u);
+    met = Met(noSurface(), false);
     bool isHit = false;
     GLINT_PRIMITIVES(GLINT_MEET_OF_KIND, 0)
     return isHit;
@@ -273,8 +293,12 @@ void testLeafThrough(inout Traversal traversal, uint kind, uint first, uint end)
     do {
         if (index < end) {
             Hit hit;
-            bool isHit = meetThrough(traversal, kind, index, after, hit);
-            offer(traversal, kind, isHit, hit.t, hit.u, hit.v, hit.primitive, hit.id);
+            Met met;
+            bool isHit = meetThrough(traversal, kind, index, after, hit, met);
+            if (FEATURE_INSTANCES) hit.instance = traversal.instance;
+            finishMet(kind, hit, met);
+            if (isHit && !goesThrough(traversal, kind, met, hit.t))
+                accept(traversal, hit.t, hit.u, hit.v, hit.primitive, hit.id);
             bool further = isHit && mayMeetAgain(kind, hit.t, after);
             after = further ? hit.t : traversal.ray.tMin;
             index += further ? 0u : 1u;
@@ -292,7 +316,8 @@ void testLeafAsking(inout Traversal traversal, uint kind, uint first, uint end) 
     do {
         if (index < end && !asking) {
             Hit hit;
-            asking = meetThrough(traversal, kind, index, leafAfter, hit);
+            Met met;
+            asking = meetThrough(traversal, kind, index, leafAfter, hit, met);
             if (asking) asked = hit;
             if (!asking) {
                 leafAfter = traversal.ray.tMin;
@@ -401,7 +426,7 @@ void testLeaf(inout Traversal traversal, uint leaf) {
 #elif !defined(GLINT_CROSSINGS)
     if (kAsks) {
         testLeafAsking(traversal, kind, first, end);
-    } else if (kMayGoThrough) {
+    } else if (FEATURE_ALPHA_MASK || (kMayGoThrough && isShadowRay(traversal))) {
         testLeafThrough(traversal, kind, first, end);
     } else {
         GLINT_PRIMITIVES(GLINT_LOOP_OF_KIND, 0)

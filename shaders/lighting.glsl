@@ -61,6 +61,7 @@ struct Lit {
     uint hits;  // of kRowRadiance
     vec3 throughput;
     vec3 transmittance;  // of the way to the eye's side
+    vec3 around;         // attenuationAround, the same for all lights
     uint shadowBits;
 };
 
@@ -77,6 +78,7 @@ Lit litAt(uint path, bool live, Interaction at, uvec4 sum, vec3 throughput) {
     lit.hits = sum.w;
     lit.throughput = throughput;
     if (FEATURE_TRANSMISSION) lit.transmittance = transmittanceOfWay(lit.at);
+    if (kFiltered) lit.around = attenuationAround(lit.at.crossing.before);
     lit.shadowBits = 0u;
     return lit;
 }
@@ -109,8 +111,7 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
-        traversal.passage =
-            startPassage(lit.at.crossing.before, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
+        traversal.passage = startPassage(lit.around, near ? 1.0 : 0.0, near ? length(light.toLight) : 1.0);
         if (MODE_RESUME && !begins)
             traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
     }

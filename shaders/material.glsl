@@ -68,24 +68,43 @@ struct Met {
     bool leaving;     // the ray comes from the inner side
 };
 
-// `ray` is in the coordinates of the primitive. What the walk has of the hit is not exchanged yet, see
-// surfaceOfTriangle: so the surface is looked at as of no instance.
-Met metAt(Ray ray, uint kind, Hit hit) {
-    Instance instance;
-    bool inInstance = FEATURE_INSTANCES && hit.instance != kNone;
-    if (FEATURE_INSTANCES) instance = loadInstance(inInstance ? hit.instance : 0u);
-    Met met;
-    met.surface = surfaceOfKind(kind, ray, Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u), instance,
-                                FEATURE_OPEN_PLANES);
-    bool told = kTellsSides && (kind == kKindSphere || kind == kKindQuadric) && hit.u != 0.0;
-    met.leaving = told ? hit.u == kLeaves : dot(met.surface.geometricNormal, ray.direction) > 0.0;
-    if (inInstance) {
-        if (instance.material != kNone) met.surface.material = instance.material;
-        met.surface.object = instance.object;
-        leaveInstance(instance, met.surface.position, met.surface.error);
-        met.surface.geometricNormal = normalInWorld(instance, met.surface.geometricNormal);
+// Whether a ray that meets a surface of this kind comes from the inner side. What is round says so itself
+// where sides count (kTellsSides), and needs no normal then.
+#ifdef GLINT_FP64
+const bool kSpheresTell = false;
+#else
+const bool kSpheresTell = kTellsSides && SPHERE_FORM == kSphereRobust;
+#endif
+bool leavesThrough(uint kind, Hit hit, Surface surface, vec3 direction) {
+    bool told = (kSpheresTell && kind == kKindSphere) || (kTellsSides && kind == kKindQuadric);
+    return told ? hit.u == kLeaves : dot(surface.geometricNormal, direction) > 0.0;
+}
+
+// The surface of what is met, in the coordinates of the primitive, as a walk looks at it. What the walk has
+// of the hit is not exchanged yet, see surfaceOfTriangle: so it is looked at as of no instance.
+Hit asOfNoInstance(Hit hit) { return Hit(hit.t, hit.u, hit.v, hit.primitive, kNone, 0u); }
+
+// Takes what is met out of the coordinates of the primitive.
+void finishMet(uint kind, Hit hit, inout Met met) {
+    if (FEATURE_INSTANCES) {
+        bool inInstance = hit.instance != kNone;
+        Instance instance = loadInstance(inInstance ? hit.instance : 0u);
+        if (inInstance) {
+            if (instance.material != kNone) met.surface.material = instance.material;
+            met.surface.object = instance.object;
+            leaveInstance(instance, met.surface.position, met.surface.error);
+            met.surface.geometricNormal = normalInWorld(instance, met.surface.geometricNormal);
+        }
     }
     fillObjectUv(kind, met.surface);
+}
+
+Met metAt(Ray ray, uint kind, Hit hit) {
+    Met met;
+    Instance none;
+    met.surface = surfaceOfKind(kind, ray, asOfNoInstance(hit), none, FEATURE_OPEN_PLANES);
+    met.leaving = leavesThrough(kind, hit, met.surface, ray.direction);
+    finishMet(kind, hit, met);
     return met;
 }
 

@@ -14,16 +14,18 @@ struct Passage {
     bool counts;  // of the triangle at hand: crossesOnce
 };
 
+// What the media that a ray starts in take of light, per unit of its way.
+vec3 attenuationAround(uvec4 media) {
+    if (!FEATURE_ATTENUATION) return vec3(0.0);
+    return attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
+}
+
 // The way inside a medium is the sum of t over the surfaces where the ray leaves it less that over those
 // where it enters; a light that is itself inside is a last one where it leaves, so every t is counted from
-// the light. media: those that the ray starts in.
-Passage startPassage(uvec4 media, float reach, float scale) {
+// the light. around: of the media that the ray starts in.
+Passage startPassage(vec3 around, float reach, float scale) {
     Passage passage = Passage(vec3(0.0), reach, scale, true);
-    if (FEATURE_ATTENUATION) {
-        vec3 sum =
-            attenuationOf(media.x) + attenuationOf(media.y) + attenuationOf(media.z) + attenuationOf(media.w);
-        passage.depth = sum * (reach * scale);
-    }
+    if (FEATURE_ATTENUATION) passage.depth = around * (reach * scale);
     return passage;
 }
 

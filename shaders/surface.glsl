@@ -14,38 +14,47 @@ void surfaceInWorld(Instance instance, inout Surface surface) {
     if (instance.material != kNone) surface.material = instance.material;
 }
 
+// The surface of a primitive that is no triangle, loaded already.
+#define GLINT_FILL_ALONE(Kind)                                                 \
+    void fill##Kind(Ray ray, Hit hit, Kind primitive, inout Surface surface) { \
+        surfaceOf##Kind(ray, hit, primitive, surface);                         \
+        surface.object = primitive.object;                                     \
+        surface.primitive = primitive.primitive;                               \
+        surface.material = primitive.material;                                 \
+    }
+#define GLINT_FILL_TRIANGLES(Kind)
+#define GLINT_FILL_PACKETS(Kind) GLINT_FILL_ALONE(Kind)
+#define GLINT_FILL_LEAVES(Kind) GLINT_FILL_ALONE(Kind)
+#define GLINT_FILL_UNBOUNDED(Kind) GLINT_FILL_ALONE(Kind)
+#define GLINT_FILL_INSTANCES(Kind)
+#define GLINT_FILL_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, crossings, \
+                           loops, uv)                                                                      \
+    GLINT_FILL_##ROLE(Kind)
+GLINT_PRIMITIVES(GLINT_FILL_OF_KIND, 0)
+
 #define GLINT_SURFACE_OF_KIND(A, ROLE, number, Kind, kinds, binding, ROWS, FEATURE, ID, one, many, \
                               crossings, loops, uv)                                                \
     GLINT_SURFACE_##ROLE(Kind, FEATURE)
 #define GLINT_SURFACE_TRIANGLES(Kind, FEATURE) \
     if (FEATURE_##FEATURE && kind == kKind##Kind) surfaceOfTriangle(hit, instance, surface);
-#define GLINT_SURFACE_ALONE(Kind, FEATURE)                           \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) {                  \
-        Kind primitive = load##Kind(hit.primitive & kLeafFirstMask); \
-        surfaceOf##Kind(ray, hit, primitive, surface);               \
-        surface.object = primitive.object;                           \
-        surface.primitive = primitive.primitive;                     \
-        surface.material = primitive.material;                       \
-    }
+#define GLINT_SURFACE_ALONE(Kind, FEATURE)        \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) \
+        fill##Kind(ray, hit, load##Kind(hit.primitive& kLeafFirstMask), surface);
 #define GLINT_SURFACE_PACKETS(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
 #define GLINT_SURFACE_LEAVES(Kind, FEATURE) GLINT_SURFACE_ALONE(Kind, FEATURE)
 #define GLINT_SURFACE_UNBOUNDED(Kind, FEATURE) \
     if (unbounded) GLINT_SURFACE_ALONE(Kind, FEATURE)
 #define GLINT_SURFACE_INSTANCES(Kind, FEATURE)
 
+Surface noSurface() {
+    return Surface(vec3(0.0), vec3(0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0), 0u, 0u, 0u, vec2(0.0),
+                   vec3(1.0));
+}
+
 // kind: of hit.primitive. The ray and the surface are in the coordinates of the primitive; `instance` is what
 // the hit has of that, if anything. unbounded: a constant, whether it may be a plane.
 Surface surfaceOfKind(uint kind, Ray ray, Hit hit, Instance instance, bool unbounded) {
-    Surface surface;
-    surface.position = vec3(0.0);
-    surface.error = vec3(0.0);
-    surface.geometricNormal = vec3(0.0, 1.0, 0.0);
-    surface.shadingNormal = surface.geometricNormal;
-    surface.object = 0u;
-    surface.primitive = 0u;
-    surface.material = 0u;
-    surface.uv = vec2(0.0);
-    surface.color = vec3(1.0);
+    Surface surface = noSurface();
     GLINT_PRIMITIVES(GLINT_SURFACE_OF_KIND, 0)
     return surface;
 }

@@ -91,14 +91,18 @@ void main() {
             bool finished = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
             if (alive) complete = finished;
             Interaction at = interactionAt(ray, traversal.hit, media);
+            vec3 transmittance = vec3(1.0);
             if (kHasLights) {
                 Lit lit = litAt(path, alive && complete, at, sum, throughput);
                 complete = castShadows(lit, traversal, environment) && complete;
                 sum = packRow(lit.radiance, lit.hits);
+                transmittance = lit.transmittance;
+            } else if (FEATURE_TRANSMISSION) {
+                transmittance = transmittanceOfWay(at);
             }
             if (alive) {
                 uint hits = hitsAfter(sum.w, at.isHit && followed == 0u, throughput.x);
-                if (FEATURE_TRANSMISSION) throughput *= transmittanceOfWay(at);
+                if (FEATURE_TRANSMISSION) throughput *= transmittance;
                 sum = packRow(uintBitsToFloat(sum.xyz) + throughput * ownLight(at, environment), hits);
                 alive = false;
                 if (kBounces)
