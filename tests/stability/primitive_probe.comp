@@ -2,8 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 // Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
 // intersectBox. The kind comes as dispatch.lightIndex: kKind..., kProbeBox, for the first boxes of the
-// nodes, or kProbeAhead, for triangles that do not lie behind the origin. In: the path's rows kRowOrigin,
-// kRowDirection, kRowHit (tMax). Out: kRowHit = t, u, v, 1 for a hit.
+// nodes, or of triangles kProbeAhead, for those that do not lie behind the origin, kProbeSettled, for hits as
+// settleSliver leaves them, with kProbeExchanged as of a mirrored instance, or kProbeAway, for awayFromEdges.
+// In: the path's rows kRowOrigin, kRowDirection, kRowHit (tMax); kProbeAway has weights and `placed` there.
+// Out: kRowHit = t, u, v, 1 for a hit; or weights.
 #include "intersect.glsl"
 #include "primitives/all.glsl"
 
@@ -11,6 +13,9 @@ layout(local_size_x = kWorkgroupSize, local_size_y = 1, local_size_z = 1) in;
 
 const uint kProbeBox = 100u;
 const uint kProbeAhead = 101u;
+const uint kProbeSettled = 102u;
+const uint kProbeExchanged = 103u;
+const uint kProbeAway = 104u;
 
 void main() {
     uint path = gl_GlobalInvocationID.x;
@@ -25,9 +30,24 @@ void main() {
     float u = 0.0;
     float v = 0.0;
     bool hit = false;
-    if (kind == kKindTriangle || kind == kProbeAhead)
+    bool settles = kind == kProbeSettled || kind == kProbeExchanged;
+    if (kind == kKindTriangle || kind == kProbeAhead || settles)
         hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
     if (kind == kProbeAhead) hit = hit && !liesBehind(ray.origin, ray.direction, loadTriangle(path), u, v);
+    if (settles && hit) {
+        bool exchanged = kind == kProbeExchanged;
+        Hit settled = Hit(t, exchanged ? v : u, exchanged ? u : v, path, kNone, 0u);
+        settleSliver(ray, exchanged, settled);
+        t = settled.t;
+        u = exchanged ? settled.v : settled.u;
+        v = exchanged ? settled.u : settled.v;
+    }
+    if (kind == kProbeAway) {
+        vec3 weights = awayFromEdges(ray.origin, loadTriangle(path), ray.direction.x);
+        t = weights.x;
+        u = weights.y;
+        v = weights.z;
+    }
     float side = 0.0;
     if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t, side);
     if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);

@@ -17,6 +17,9 @@ namespace {
 // See primitive_probe.comp.
 constexpr uint32_t kProbeBox = 100;
 constexpr uint32_t kProbeAhead = 101;
+constexpr uint32_t kProbeSettled = 102;
+constexpr uint32_t kProbeExchanged = 103;
+constexpr uint32_t kProbeAway = 104;
 
 struct Row {
     uint32_t u[4];
@@ -140,6 +143,22 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles) {
     return run(subject, rays, kProbeAhead, {array(Bindings::triangles, triangles)});
+}
+std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
+                                 const std::vector<shared::Triangle>& triangles, bool exchanged) {
+    return run(subject, rays, exchanged ? kProbeExchanged : kProbeSettled,
+               {array(Bindings::triangles, triangles)});
+}
+std::vector<glm::vec3> probeAway(const Subject& subject, const std::vector<glm::vec3>& weights,
+                                 const std::vector<shared::Triangle>& triangles) {
+    std::vector<FloatRay> rays;
+    rays.reserve(weights.size());
+    for (const glm::vec3& w : weights) rays.push_back({w, glm::vec3(0)});
+    std::vector<glm::vec3> moved;
+    moved.reserve(weights.size());
+    for (const Answer& a : run(subject, rays, kProbeAway, {array(Bindings::triangles, triangles)}))
+        moved.emplace_back(a.t, a.u, a.v);
+    return moved;
 }
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres) {

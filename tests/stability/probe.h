@@ -43,6 +43,13 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 // Device only: what rays that leave a surface are taken to meet, less triangles that lie behind them.
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles);
+// Device only: hits as they are shaded, those of slivers settled. exchanged: as of a mirrored instance, whose
+// corners are.
+std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
+                                 const std::vector<shared::Triangle>& triangles, bool exchanged);
+// Device only: weights of a point of each triangle, as they are once it is away from the edges.
+std::vector<glm::vec3> probeAway(const Subject& subject, const std::vector<glm::vec3>& weights,
+                                 const std::vector<shared::Triangle>& triangles);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
