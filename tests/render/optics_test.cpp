@@ -1,4 +1,5 @@
 // Dielectrics on the device, against closed forms and against the reference.
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -376,6 +377,27 @@ TEST_F(OpticsTest, LightFadesByAWayThatErrsWithItsFacesCorners) {
     const verify::Report report = verified(c);
     EXPECT_TRUE(report.passed());
     EXPECT_EQ(report.explained() + report.unexplained, 0u);
+}
+
+// Within a medium light fades by all of its way from the lamp: 2.5 to the floor's point below the eye.
+TEST_F(OpticsTest, LightFadesFromALampWithinTheMedium) {
+    Scene scene = emptyScene();
+    const uint32_t water = addGlass(scene, 1.33), paint = addMaterial(scene, Color(0.5));
+    scene.materials[paint].ambient = Color(0);
+    scene.materials[water].attenuation = {2, 1, 0.5};
+    scene.objects.push_back({"", SphereShape{{0, 0, 0}, 20}, water, std::nullopt});
+    addPlane(scene, {0, 0, 0}, {0, 0, 1}, paint);
+    scene.lights.push_back(PointLight{{1.5, 0, 2}, Color(1)});
+    look(scene, {0, 0, 1}, {0, 0, -1});
+    scene.camera.up = {0, 1, 0};
+    const Case c = makeCase(scene, 1, 1);
+    const Picture picture = drawWithLosses(c);
+    // Of the lamp's way 2.5, with a cosine of 0.8, and 1 to the eye.
+    for (int i = 0; i < 3; ++i) {
+        const double expected =
+            0.5 * 0.8 * std::exp(-3.5 * std::array{2.0, 1.0, 0.5}[static_cast<size_t>(i)]);
+        EXPECT_NEAR(channel(picture, i), expected, 4e-6 * expected) << i;
+    }
 }
 
 // Between two facing panes each reflection leaves a branch waiting. The account of the 17th: the reflected

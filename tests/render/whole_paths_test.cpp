@@ -199,11 +199,12 @@ TEST_F(WholePathsTest, FewRaysTakeOneKernelInsteadOfPackets) {
 
 // A shadow ray that has ended in an instance leaves nothing of it to the next ray. A mirror shows a plane,
 // the lower id, and in the same place an instance of a sheet; another one stands before the light. The sheet
-// is moved by whole numbers across the rays, so that most of them find both at the same t.
+// is moved by whole numbers across the rays, so that most of them find both at the same t. (The mirror is
+// matt, too: where a light would add nothing no ray goes to it.)
 TEST_F(WholePathsTest, AfterAShadowInAnInstanceTheWorldsIdsAreItsOwn) {
     Scene scene = emptyScene();
-    const uint32_t mirror = addMaterial(scene, Color(0), Color(1)), red = addMaterial(scene, Color(1, 0, 0)),
-                   blue = addMaterial(scene, Color(0, 0, 1));
+    const uint32_t mirror = addMaterial(scene, Color(0.25), Color(1)),
+                   red = addMaterial(scene, Color(1, 0, 0)), blue = addMaterial(scene, Color(0, 0, 1));
     addPlane(scene, {0, 0, 8}, {0, 0, -1}, red);
     addTriangle(scene, {-100, -100, 0}, {300, -100, 0}, {-100, 300, 0}, mirror);
     const MeshShape sheet{glint::test::gridMesh(48, {-64, 0, 8})};
