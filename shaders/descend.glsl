@@ -60,6 +60,7 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
     const bool kFour = NODE_FORMAT == kNodesFour;
     // There is one entry for each level at most: what is left of a node on the current path.
     const bool kMayOverflow = STACK_PLACE == kStackShared || kOwnWords <= kMaxBvhDepth;
+    bool atNode, atLeaf;
     do {
         bool goes = isNode(current) && traversal.trips < budget;
         if (kConvergent || goes) {
@@ -83,7 +84,10 @@ uint descend(inout Traversal traversal, uint current, uint base, uint budget, in
             if (kMayOverflow && top + 1u > stackWords()) traversal.trips = budget;
             if (MODE_COST && goes) traversal.cost += kFour ? 4u : 2u;
         }
-    } while (anyGoesOn(isNode(current) && traversal.trips < budget));
+        bool goesOn = traversal.trips < budget;
+        atNode = isNode(current) && goesOn;
+        atLeaf = current != kNone && !isNode(current) && goesOn;
+    } while (anyGoesOnThroughNodes(atNode, atLeaf));
     return current;
 }
 

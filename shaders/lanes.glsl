@@ -27,4 +27,27 @@ bool anyGoesOn(bool own) {
     return own;
 }
 
+// A batch's nearest hits in nodes of four go from the nodes to the leaves when a single lane is left at
+// nodes: what the others wait for it costs more than entering the loops once more. Any hits and pictures are
+// no faster so (docs/lab/nodes.md). In each trip around both every ray that goes on still counts one of its
+// own, as the budget wants it (src/render/path_limits.cpp).
+bool leavesOneAtNodes() {
+#if defined(GLINT_ANY_HIT) || defined(GLINT_BOTH_HITS) || defined(GLINT_CERTIFY)
+    return false;
+#else
+    return kConvergent && MODE_GIVEN && NODE_FORMAT == kNodesFour && !FEATURE_INSTANCES &&
+           !FEATURE_ALPHA_MASK;
+#endif
+}
+
+// Whether lanes go on through nodes.
+bool anyGoesOnThroughNodes(bool atNode, bool atLeaf) {
+    if (!leavesOneAtNodes()) return anyGoesOn(atNode);
+    uint lanes = atNode ? 1u : (atLeaf ? 16u : 0u);
+    lanes += subgroupShuffleXor(lanes, 1u);
+    lanes += subgroupShuffleXor(lanes, 2u);
+    lanes += subgroupShuffleXor(lanes, 4u);
+    return (lanes & 15u) > (lanes > 15u ? 1u : 0u);
+}
+
 #endif
