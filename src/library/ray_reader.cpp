@@ -68,13 +68,9 @@ bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render:
     const NumberView origins = origins_, directions = directions_;
     const glm::dvec3 from = origin_;
     bool harmless = true;
-    for (size_t i = 0; i < inputs.size(); ++i) {
-        if (numbers.order != nullptr && i + kAhead < inputs.size()) {
-            origins.foresee(numbers[i + kAhead]);
-            directions.foresee(numbers[i + kAhead]);
-        }
-        const glm::vec3 along = directions.narrowThree(numbers[i]);
-        const glm::dvec3 start = glm::dvec3(origins.narrowThree(numbers[i])) - from;
+    const auto put = [&](size_t i, uint64_t number) {
+        const glm::vec3 along = directions.narrowThree(number);
+        const glm::dvec3 start = glm::dvec3(origins.narrowThree(number)) - from;
         const float greatest = std::max(std::max(std::abs(along.x), std::abs(along.y)), std::abs(along.z));
         harmless &= isHarmless(static_cast<double>(greatest));
         // In two whole registers: as a copy of members it passes through memory in words, which the processor
@@ -86,6 +82,21 @@ bool RayReader::roundedNarrow(const render::RayNumbers& given, std::span<render:
         std::byte* const input = reinterpret_cast<std::byte*>(&inputs[i]);
         std::memcpy(input, &first, sizeof(first));
         std::memcpy(input + sizeof(first), &second, sizeof(second));
+    };
+    const size_t count = inputs.size(), run = numbers.run;
+    if (run > 1) {  // what follows each other the processor foresees by itself
+        for (size_t i = 0; i < count; i += run) {
+            const uint64_t number = numbers[i];
+            for (size_t k = 0; k < std::min(run, count - i); ++k) put(i + k, number + k);
+        }
+        return harmless;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        if (numbers.order != nullptr && i + kAhead < count) {
+            origins.foresee(numbers[i + kAhead]);
+            directions.foresee(numbers[i + kAhead]);
+        }
+        put(i, numbers[i]);
     }
     return harmless;
 }
@@ -118,6 +129,13 @@ HitWriter::HitWriter(const glint_hits& hits, uint64_t count, const Snapshot::Par
 
 bool HitWriter::wantsAny() const {
     return places_ || surfaces_ || hit_.wanted() || t_.wanted() || uv_.wanted();
+}
+
+bool HitWriter::spreads() const {
+    int arrays = 0;
+    for (const Output* out : {&hit_, &t_, &geometry_, &primitive_, &material_, &uv_, &point_, &normal_})
+        arrays += out->wanted() ? 1 : 0;
+    return arrays >= 3;
 }
 
 void HitWriter::writeMiss(uint64_t i) const {

@@ -47,6 +47,8 @@ class HitWriter {
     void write(const render::RayNumbers& numbers, const render::FoundHits& found, const RayReader& rays,
                bool rescaled) const;
     bool wantsAny() const;
+    // Whether a hit goes to three arrays or more.
+    bool spreads() const;
     // t, u and v once more, t in units of the caller's direction.
     void writePlace(uint64_t i, const reference::Hit& hit) const {
         t_.put(i, hit.t);

@@ -14,13 +14,15 @@ using Write = std::function<void(uint64_t i, const LocalRay& ray, const referenc
 using Take =
     std::function<void(const render::RayNumbers& numbers, const render::FoundHits& found, bool rescaled)>;
 
-void askDevice(const RayReader& rays, bool any, const Callbacks& callbacks, render::RayQueries& queries,
-               const Take& take) {
+// spreads: as RayTask has it.
+void askDevice(const RayReader& rays, bool any, bool spreads, const Callbacks& callbacks,
+               render::RayQueries& queries, const Take& take) {
     render::RayTask task;
     std::atomic<bool> rescaled = false;
     task.count = rays.count();
     task.ask = any ? render::RayTask::Ask::Any : render::RayTask::Ask::Nearest;
     task.coherent = rays.coherent();
+    task.spreads = spreads;
     task.cancelled = callbacks.cancelled;
     task.progress = callbacks.progress;
     task.fill = [&](const render::RayNumbers& numbers, std::span<render::RayInput> inputs) {
@@ -49,10 +51,10 @@ void askReference(const RayReader& rays, bool any, const Callbacks& callbacks,
     });
 }
 
-void ask(const Snapshot& snapshot, const RayReader& rays, bool any, const Callbacks& callbacks,
+void ask(const Snapshot& snapshot, const RayReader& rays, bool any, bool spreads, const Callbacks& callbacks,
          const Take& take, const Write& write) {
     if (snapshot.part().queries) {
-        askDevice(rays, any, callbacks, *snapshot.part().queries, take);
+        askDevice(rays, any, spreads, callbacks, *snapshot.part().queries, take);
     } else {
         askReference(rays, any, callbacks, snapshot.part().tracer(), write);
     }
@@ -78,7 +80,7 @@ glint_status glint_query_closest(const glint_scene* scene, const glint_rays* ray
         if (certainty.wantsAny()) certify(*snapshot, reader, writer, certainty, callbacks);
         if (certainty.wantsAny() || !writer.wantsAny()) return;
         ask(
-            *snapshot, reader, false, callbacks,
+            *snapshot, reader, false, writer.spreads(), callbacks,
             [&](const RayNumbers& numbers, const FoundHits& found, bool rescaled) {
                 writer.write(numbers, found, reader, rescaled);
             },
@@ -96,7 +98,7 @@ glint_status glint_query_any(const glint_scene* scene, const glint_rays* rays, c
         require(hit != nullptr && hit->data != nullptr, "glint_query_any: hit is NULL");
         const Output out(*hit, Output::Kind::Flag, 1, reader.count(), "hit");
         ask(
-            *snapshot, reader, true, Callbacks(options),
+            *snapshot, reader, true, false, Callbacks(options),
             [&](const RayNumbers& numbers, const FoundHits& found, bool) {
                 out.putAllWhole(numbers, found.size(), [hits = found](size_t i) -> uint8_t {
                     return hits.primitive(i) != glint::shared::kNone ? 1 : 0;

@@ -130,27 +130,65 @@ uint32_t keyOf(const RayInput& ray, const Space& space, const glm::vec3& scale) 
     return key;
 }
 
-// By the ten bits from `shift` on, those that are equal as they were. The parts are counted and dealt out
+// Keys stand above the rays' numbers, which are in order, so that those that are equal stay as they were.
+constexpr size_t kDigitBits = 10, kDigits = size_t{1} << kDigitBits;
+constexpr uint32_t kLowDigit = 32, kMiddleDigit = kLowDigit + kDigitBits,
+                   kHighDigit = kMiddleDigit + kDigitBits;
+static_assert(6 * kAxisBits == 3 * kDigitBits);
+size_t digitOf(uint64_t entry, uint32_t shift) {
+    return (entry >> shift) & (kDigits - 1);
+}
+
+// By the high digit; returns where the run of each begins, and the end. The parts are counted and dealt out
 // side by side.
-void sortBy(uint32_t shift, size_t count, std::unique_ptr<uint64_t[]>& from,
-            std::unique_ptr<uint64_t[]>& to) {
-    constexpr size_t kDigits = 1024, kParts = 16;
-    const size_t each = (count + kParts - 1) / kParts;
-    const auto digit = [&](uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
+std::vector<uint32_t> dealOut(std::span<const uint64_t> from, uint64_t* to) {
+    constexpr size_t kParts = 16;
+    const size_t each = (from.size() + kParts - 1) / kParts;
     std::vector<std::array<uint32_t, kDigits>> places(kParts);
+    const auto partOf = [&](size_t part) {
+        return from.subspan(std::min(part * each, from.size()))
+            .first(std::min((part + 1) * each, from.size()) - std::min(part * each, from.size()));
+    };
     parallelFor(kParts, [&](size_t part) {
         places[part].fill(0);
-        const size_t end = std::min((part + 1) * each, count);
-        for (size_t i = part * each; i < end; ++i) ++places[part][digit(from[i])];
+        for (const uint64_t entry : partOf(part)) ++places[part][digitOf(entry, kHighDigit)];
     });
+    std::vector<uint32_t> starts(kDigits + 1);
     uint32_t sum = 0;
-    for (size_t d = 0; d < kDigits; ++d)
+    for (size_t d = 0; d < kDigits; ++d) {
+        starts[d] = sum;
         for (auto& part : places) sum += std::exchange(part[d], sum);
+    }
+    starts[kDigits] = sum;
     parallelFor(kParts, [&](size_t part) {
-        const size_t end = std::min((part + 1) * each, count);
-        for (size_t i = part * each; i < end; ++i) to[places[part][digit(from[i])]++] = from[i];
+        for (const uint64_t entry : partOf(part)) to[places[part][digitOf(entry, kHighDigit)]++] = entry;
     });
-    from.swap(to);
+    return starts;
+}
+
+// Numbers of a run of entries with the same high digit, by the others. A run is mostly some thousand entries,
+// which a processor's nearest cache holds, where three passes over all of them would write the whole three
+// times, each entry to a page of its own.
+void sortRun(std::span<uint64_t> run, uint64_t* spare, uint32_t* numbers) {
+    constexpr size_t kFew = 128;
+    if (run.size() < kFew) {
+        std::sort(run.begin(), run.end());
+        for (const uint64_t entry : run) *numbers++ = static_cast<uint32_t>(entry);
+        return;
+    }
+    std::array<uint32_t, kDigits> low{}, middle{};
+    for (const uint64_t entry : run) {
+        ++low[digitOf(entry, kLowDigit)];
+        ++middle[digitOf(entry, kMiddleDigit)];
+    }
+    uint32_t lows = 0, middles = 0;
+    for (size_t d = 0; d < kDigits; ++d) {
+        lows += std::exchange(low[d], lows);
+        middles += std::exchange(middle[d], middles);
+    }
+    for (const uint64_t entry : run) spare[low[digitOf(entry, kLowDigit)]++] = entry;
+    for (const uint64_t entry : std::span(spare, run.size()))
+        numbers[middle[digitOf(entry, kMiddleDigit)]++] = static_cast<uint32_t>(entry);
 }
 
 std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays, size_t count,
@@ -169,11 +207,12 @@ std::unique_ptr<uint32_t[]> sorted(const ReadRays& read, const RayNumbers& rays,
         for (size_t i = 0; i < present; ++i)
             entries[start + i] = uint64_t{keyOf(inputs[i], space, scale)} << 32 | (start + i);
     });
-    for (uint32_t shift = 32; shift < 32 + 6 * kAxisBits; shift += 10) sortBy(shift, count, entries, other);
+    const std::vector<uint32_t> starts = dealOut(std::span(entries.get(), count), other.get());
     auto numbers = std::make_unique_for_overwrite<uint32_t[]>(count);
-    parallelFor((count + kReadBlock - 1) / kReadBlock, [&](size_t block) {
-        const size_t end = std::min((block + 1) * kReadBlock, count);
-        for (size_t i = block * kReadBlock; i < end; ++i) numbers[i] = static_cast<uint32_t>(entries[i]);
+    parallelFor(kDigits, [&](size_t d) {
+        const size_t start = starts[d];
+        sortRun(std::span(other.get() + start, starts[d + 1] - start), entries.get() + start,
+                numbers.get() + start);
     });
     return numbers;
 }
@@ -190,13 +229,13 @@ RayOrder orderRays(const ReadRays& read, uint64_t first, size_t count, const Spa
     if (const size_t row = rowLength(read, given, order.count, diagonal); row != 0) {
         const size_t strip = kBlockHeight * row;
         const size_t fitting = order.count / strip * strip;
-        RayOrder blocks{fitting, true, blocksOf(row, fitting)};
-        if (told || isCoherent(read, {first, blocks.data()}, fitting, diagonal)) return blocks;
+        RayOrder blocks{fitting, true, blocksOf(row, fitting), row % kBlockWidth == 0 ? kBlockWidth : 1};
+        if (told || isCoherent(read, blocks.from(first), fitting, diagonal)) return blocks;
     }
     order.coherent = told || isCoherent(read, given, order.count, diagonal);
     if (order.coherent) return order;
     order.numbers = sorted(read, given, order.count, space);
-    order.coherent = isCoherent(read, {first, order.data()}, order.count, diagonal);
+    order.coherent = isCoherent(read, order.from(first), order.count, diagonal);
     return order;
 }
 

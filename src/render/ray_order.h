@@ -16,10 +16,13 @@ namespace glint::render {
 struct RayNumbers {
     uint64_t first = 0;
     const uint32_t* order = nullptr;  // counted from `first`; null: as they are given
+    // So many rays of `order` at a time, from its beginning on, follow each other as they are given, too.
+    size_t run = 1;
 
     uint64_t operator[](size_t i) const { return first + (order != nullptr ? order[i] : i); }
     RayNumbers from(size_t i) const {
-        return order != nullptr ? RayNumbers{first, order + i} : RayNumbers{first + i, nullptr};
+        if (order == nullptr) return {first + i, nullptr, 1};
+        return {first, order + i, i % run == 0 ? run : 1};
     }
 };
 using ReadRays = std::function<void(const RayNumbers&, std::span<RayInput>)>;
@@ -30,8 +33,10 @@ struct RayOrder {
     // A permutation of them; null: as they are given. Not a vector, which would be zeroed first, by one
     // thread.
     std::unique_ptr<uint32_t[]> numbers;
+    size_t run = 1;  // RayNumbers::run
 
     const uint32_t* data() const { return numbers.get(); }
+    RayNumbers from(uint64_t first) const { return {first, data(), run}; }
 };
 
 struct Space {

@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <cstring>
 #include <mutex>
-#include <new>
-#include <type_traits>
 #include <vector>
 
 #include "core/parallel.h"
@@ -17,18 +15,18 @@
 #include "render/path_limits.h"
 #include "render/path_state.h"
 #include "render/pipelines.h"
+#include "render/ray_blocks.h"
 #include "render/scene_buffers.h"
 
 namespace glint::render {
 
 namespace {
 
-constexpr size_t kBlock = RayTask::kBlock;
 // Rays of a piece: 128 blocks keep what the host writes and the device reads in a processor's cache, and the
 // start of threads and kernels below a hundredth of the time; a GPU wants more at a time.
 constexpr uint32_t kSoftwarePiece = 1u << 17, kPiece = 1u << 20;
-// llvmpipe gives each of its threads an equal run of the workgroups: blocks are dealt out among so many runs.
-constexpr size_t kRuns = 16;
+// So many answers before one is put where it belongs the processor is told.
+constexpr size_t kAhead = 32;
 // Nodes of the smallest tree for which rays are put in order.
 constexpr size_t kFewestForOrder = 64;
 
@@ -64,33 +62,8 @@ bool knowsGiven(RayTask::Ask ask) {
     return ask != RayTask::Ask::Certain;
 }
 
-// A block of elements that nobody sets to anything first, which would cost as much as to fill it.
-template <class Element>
-class Unset {
-  public:
-    std::span<Element, kBlock> all() {
-        return std::span<Element, kBlock>(std::launder(reinterpret_cast<Element*>(bytes_)), kBlock);
-    }
-
-  private:
-    static_assert(std::is_trivially_destructible_v<Element> && std::is_aggregate_v<Element>);
-    alignas(Element) std::byte bytes_[kBlock * sizeof(Element)];
-};
-
 // A row's entry in one register: words one by one take twice the time.
 using Four = float __attribute__((vector_size(16)));
-
-// Where the blocks of a piece stand.
-struct Placement {
-    size_t blocks, runs, perRun;
-    Placement(size_t count, bool dealt)
-        : blocks((count + kBlock - 1) / kBlock),
-          runs(dealt ? std::min(kRuns, blocks) : 1),
-          perRun((blocks + runs - 1) / runs) {}
-    size_t places() const { return runs * perRun; }
-    // The block at a place; `blocks` or more if there is none.
-    size_t at(size_t place) const { return place % perRun * runs + place / perRun; }
-};
 
 }  // namespace
 
@@ -212,8 +185,11 @@ struct RayQueries::State {
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
     void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
-              size_t count) const;
-    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets, NodeFormat nodes);
+              size_t count, RowEntry* gathered) const;
+    void runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets, NodeFormat nodes,
+                  RowEntry* gathered);
+    std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const;
+    void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
     void makeFour(Slot& slot);
     NodeFormat nodesFor(const RayTask& task, size_t count, size_t left);
     RayOrder orderOf(const RayTask& task, size_t first) const;
@@ -290,14 +266,39 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     }
 }
 
+// Where answers of sorted rays go to several arrays of the caller's, each would be a line of memory of its
+// own for each ray. They are put back in order first, one line a ray, and then written array by array.
+std::unique_ptr<RowEntry[]> RayQueries::State::gatherFor(const RayTask& task, const RayOrder& order) const {
+    const bool sorted = order.numbers && order.run == 1;
+    if (!sorted || !task.spreads || task.ask != RayTask::Ask::Nearest || features.instances) return nullptr;
+    return std::make_unique_for_overwrite<RowEntry[]>(order.count);
+}
+
+void RayQueries::State::giveGathered(const RayTask& task, size_t first, const RowEntry* gathered,
+                                     size_t count) const {
+    parallelFor((count + kBlock - 1) / kBlock, [&](size_t block) {
+        const size_t start = block * kBlock, present = std::min(kBlock, count - start);
+        task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false, false});
+    });
+}
+
 void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task,
-                             const RayNumbers& numbers, size_t count) const {
+                             const RayNumbers& numbers, size_t count, RowEntry* gathered) const {
     parallelFor(
         placement.places(),
         [&](size_t place) {
             const size_t start = placement.at(place) * kBlock;
             if (start >= count) return;
             const size_t present = std::min(kBlock, count - start), at = place * kBlock;
+            if (gathered != nullptr) {
+                const RowEntry* const hits = slot.row(kHitRow) + at;
+                const uint32_t* const order = numbers.order + start;
+                for (size_t i = 0; i < present; ++i) {
+                    if (i + kAhead < present) __builtin_prefetch(gathered + order[i + kAhead], 1);
+                    std::memcpy(gathered + order[i], hits + i, sizeof(RowEntry));
+                }
+                return;
+            }
             const bool counted = task.ask == RayTask::Ask::Count;
             const RowEntry* const instances =
                 features.instances && !counted ? slot.row(kInstanceRow) + at : nullptr;
@@ -334,7 +335,7 @@ NodeFormat RayQueries::State::nodesFor(const RayTask& task, size_t count, size_t
 }
 
 void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, size_t count, bool packets,
-                                 NodeFormat nodes) {
+                                 NodeFormat nodes, RowEntry* gathered) {
     Slot& slot = acquire();
     const Release release{*this, slot};
     if (nodes == NodeFormat::Four && mayTakeFour) makeFour(slot);
@@ -348,7 +349,7 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
         task.kernels->wall += watch.seconds();
         task.kernels->processor += processor.seconds();
     }
-    take(slot, placement, task, rays, count);
+    take(slot, placement, task, rays, count, gathered);
 }
 
 // The rays from `first` on, whose hits fit into the room for lists.
@@ -414,7 +415,7 @@ bool RayQueries::update() {
 // A GPU takes rays as they are given: it was not measured whether sorting would pay there.
 RayOrder RayQueries::State::orderOf(const RayTask& task, size_t first) const {
     const size_t count = task.count - first;
-    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, task.coherent, {}};
+    if (!inPlace || scene.nodes.size() < kFewestForOrder) return {count, task.coherent, {}, 1};
     return orderRays(task.fill, first, count, {scene.boundsLo, scene.boundsHi}, task.coherent);
 }
 
@@ -431,21 +432,23 @@ bool RayQueries::run(const RayTask& task) {
     };
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
-        const RayNumbers rays{first, order.data()};
+        const RayNumbers rays = order.from(first);
         const bool packets = order.coherent && state_->packetsKnow(task.ask);
         const NodeFormat nodes =
             packets ? NodeFormat::Two : state_->nodesFor(task, order.count, task.count - first);
+        const auto gathered = state_->gatherFor(task, order);
         parallelFor((order.count + usable - 1) / usable,
                     [&](size_t i) {
                         if (stops()) return;
                         const size_t count = std::min(usable, order.count - i * usable);
-                        state_->runPiece(task, rays.from(i * usable), count, packets, nodes);
+                        state_->runPiece(task, rays.from(i * usable), count, packets, nodes, gathered.get());
                         const std::lock_guard lock(mutex);
                         done += count;
                         if (task.progress)
                             task.progress(static_cast<double>(done) / static_cast<double>(task.count));
                     },
                     state_->inPlace ? 1 : 2);
+        if (gathered && !stopped) state_->giveGathered(task, first, gathered.get(), order.count);
         first += order.count;
     }
     return !stopped;

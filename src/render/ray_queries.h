@@ -70,6 +70,7 @@ struct RayTask {
     // And how far surfaces other than triangles may stand out of the boxes around their rounded forms.
     float boxSlack = 0;
     bool coherent = false;                 // the caller says that neighbours go about the same way
+    bool spreads = false;                  // `take` writes to several places for each ray
     std::function<bool()> cancelled;       // asked between pieces; may be empty
     std::function<void(double)> progress;  // the fraction done; may be empty
     BatchTimes* kernels = nullptr;         // added to: what the device took, without preparing and reading

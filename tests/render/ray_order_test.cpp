@@ -76,6 +76,17 @@ TEST(RayOrder, RowsOfAPictureBecomeBlocks) {
     EXPECT_EQ(order.numbers[388], 196u);
 }
 
+// Where eight that lie side by side in a block are always eight of a row.
+TEST(RayOrder, RowsOfWholeBlocksComeInRuns) {
+    EXPECT_EQ(orderOf(picture(100, 83, 0.1f)).run, 1u);
+    const RayOrder order = orderOf(picture(104, 83, 0.1f));
+    ASSERT_EQ(order.run, 8u);
+    for (size_t i = 0; i < order.count; ++i) EXPECT_EQ(order.numbers[i], order.numbers[i / 8 * 8] + i % 8);
+    EXPECT_EQ(order.from(3).from(16).run, 8u);
+    EXPECT_EQ(order.from(3).from(16)[1], 3u + order.numbers[17]);
+    EXPECT_EQ(order.from(3).from(17).run, 1u);
+}
+
 TEST(RayOrder, WideStepsAreNoPicturesForPackets) {
     EXPECT_FALSE(orderOf(picture(100, 83, 20)).coherent);
     EXPECT_TRUE(orderOf(picture(100, 83, 20), true).coherent);
@@ -96,6 +107,19 @@ TEST(RayOrder, OthersAreSorted) {
     ASSERT_EQ(order.count, rays.size());
     EXPECT_LT(step(rays, order), 0.3 * step(rays, {rays.size(), false, {}}));
     EXPECT_EQ(orderOf(rays, true).data(), nullptr);
+}
+
+// Where they start says nothing, and many have the same high digit.
+TEST(RayOrder, RaysFromOnePointAreSorted) {
+    std::vector<RayInput> rays = anyhow(20'000);
+    for (RayInput& ray : rays) {
+        ray.direction += ray.origin;
+        ray.origin = {0.1f, 0.2f, 0.3f};
+    }
+    const RayOrder order = orderOf(rays);
+    EXPECT_EQ(order.run, 1u);
+    ASSERT_NE(order.data(), nullptr);
+    EXPECT_LT(step(rays, order), 0.3 * step(rays, {rays.size(), false, {}}));
 }
 
 TEST(RayOrder, FewStayAsTheyAre) {

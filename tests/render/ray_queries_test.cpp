@@ -95,6 +95,35 @@ class RayQueriesTest : public RenderTest {
     }
 };
 
+// Of more rays than a piece holds.
+TEST_F(RayQueriesTest, AnswersThatGoToManyPlacesComeInOrder) {
+    const PackedScene scene = packScene(sheet(0));
+    RayQueries queries(device(), scene);
+    const std::vector<RayInput> rays = raysThrough(140'000);
+    const std::vector<Answer> expected = ask(queries, RayTask::Ask::Nearest, rays);
+    std::vector<Answer> answers(rays.size());
+    std::atomic<size_t> inOrder = 0;
+    RayTask task;
+    task.spreads = true;
+    task.count = rays.size();
+    task.fill = [&](const RayNumbers& numbers, std::span<RayInput> out) {
+        for (size_t i = 0; i < out.size(); ++i) out[i] = rays.at(numbers[i]);
+    };
+    task.take = [&](const RayNumbers& numbers, const FoundHits& found) {
+        for (size_t i = 0; i < found.size(); ++i) {
+            const bool hit = found.primitive(i) != shared::kNone;
+            if (hit) answers.at(numbers[i]) = {found.primitive(i), found.t(i), found.u(i), found.v(i)};
+            if (!hit) answers.at(numbers[i]) = {0, 0, 0, 0};
+        }
+        inOrder += numbers.order == nullptr ? found.size() : 0;
+    };
+    EXPECT_TRUE(queries.run(task));
+    EXPECT_TRUE(answers == expected);
+    if (device().info().software) {
+        EXPECT_EQ(inOrder, rays.size());
+    }
+}
+
 TEST_F(RayQueriesTest, NodesOfFourAnswerAsBinaryOnes) {
     const PackedScene scene = packScene(sheet(0));
     ASSERT_GE(scene.nodes.size(), kFewestForFour);
