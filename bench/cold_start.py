@@ -52,7 +52,7 @@ def main():
         options.repeat = 1
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        spheres = compare_povray.prepare("spheres", folder, folder)[0]
+        spheres = compare_povray.scene_file("spheres", folder, folder)[0]
         scenes = [spheres] + [measure.ROOT / s for s in (SCENES + (ALSO_WARM if options.warm else []))[: 1 if options.quick else None]]
         builds = [("this build", options.glint)] + ([("other build", options.against)] if options.against else [])
         rows = []

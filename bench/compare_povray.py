@@ -22,7 +22,6 @@ import measure
 
 sys.path.insert(0, str(measure.ROOT / "tests/povray"))
 import meshes  # noqa: E402
-import translate  # noqa: E402
 
 SIZE = 1024
 COLD = {"MESA_SHADER_CACHE_DISABLE": "true"}
@@ -44,9 +43,8 @@ def scene_of(view, objects, names):
         "materials": {"m": {"diffuse": colour, "ambient": [AMBIENT * c for c in GREY]}}, "meshes": names, "objects": objects}
 
 
-def prepare(name, folder, assets):
-    """The two scene files of a case and its number of primitives; None where the mesh is not there."""
-    ours, theirs = folder / f"{name}.json", folder / f"{name}.pov"
+def scene_file(name, folder, assets):
+    """glint's scene file of a case, the scene and its number of primitives; None where the mesh is not there."""
     if name == "spheres":
         balls = [([2 * math.cos(0.628 * i), 0.5 * math.sin(1.885 * i), 2 * math.sin(0.628 * i)], 0.5) for i in range(10)]
         objects = [{"type": "sphere", "center": c, "radius": r, "material": "m"} for c, r in balls]
@@ -57,7 +55,20 @@ def prepare(name, folder, assets):
             return None
         count = len(meshes.read(assets / file).faces)
         scene = scene_of(view, [{"type": "mesh", "mesh": "m", "material": "m"}], {"m": {"file": os.path.relpath(assets / file, folder)}})
+    ours = folder / f"{name}.json"
     ours.write_text(json.dumps(scene))
+    return ours, scene, count
+
+
+def prepare(name, folder, assets):
+    """The two scene files of a case and its number of primitives; None where the mesh is not there."""
+    import translate  # which needs numpy, as cold_start.py does not
+
+    found = scene_file(name, folder, assets)
+    if not found:
+        return None
+    ours, scene, count = found
+    theirs = folder / f"{name}.pov"
     theirs.write_text(translate.translate(scene, folder, (SIZE, SIZE)))
     return ours, theirs, count
 
