@@ -91,6 +91,15 @@ bool picturesMayTakeFour(const PackedScene& scene, const Methods& methods) {
     return methods.slabs == SlabPad::Gamma7 && !scene.features.coloredShadows;
 }
 
+bool suitsFour(const PackedScene& scene) {
+    return scene.nodes.size() >= kFewestForFour && scene.nodes.size() <= kMostFourNodes;
+}
+
+bool fourPaysForPictures(const PackedScene& scene, uint64_t rays) {
+    return suitsFour(scene) && rays >= kFewestOfPictureForFour &&
+           rays >= kPictureRaysOfPrimitiveForFour * primitivesIn(scene);
+}
+
 TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
                                   const Methods& methods) {
     const bool able = runsPackets(device);
@@ -125,8 +134,8 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
 }  // namespace
 
 bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfTree) {
-    return scene.nodes.size() >= kFewestForFour && scene.nodes.size() <= kMostFourNodes &&
-           raysOfKernels >= kFewestRaysForFour && raysOfTree >= kRaysOfPrimitiveForFour * primitivesIn(scene);
+    return suitsFour(scene) && raysOfKernels >= kFewestRaysForFour &&
+           raysOfTree >= kRaysOfPrimitiveForFour * primitivesIn(scene);
 }
 
 bool leavesWait(const SceneFeatures& features) {
@@ -171,7 +180,7 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     TraversalChoice choice = chooseOnProcessor(wanted, device, scene, methods);
     const bool byThemselves = !choice.packets || goesOnAfterHits(scene.features);
     if (wanted == Traversal::Auto && device.llvmpipe && byThemselves && picturesMayTakeFour(scene, methods) &&
-        fourPays(scene, rays, rays)) {
+        fourPaysForPictures(scene, rays)) {
         choice.nodes = NodeFormat::Four;
         choice.reason += "; so many rays that a tree of four children a node pays";
     }

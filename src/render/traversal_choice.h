@@ -32,15 +32,19 @@ inline constexpr size_t kMostFourNodes = size_t{1} << 24;
 
 // From where on rays that walk by themselves on llvmpipe take nodes of four children. With fewer nodes than
 // that they gain nothing; with fewer rays, of the scene or for each of its primitives, making the tree and
-// translating longer kernels takes what they gain (docs/lab/nodes.md).
+// translating longer kernels takes what they gain (docs/lab/nodes.md). Of a picture rays are told from the
+// eye and from there to lights, and others follow; its kernels are made once, where those of the library's
+// rays come on top of others that are there (docs/lab/library.md).
 inline constexpr size_t kFewestForFour = 2000;
+inline constexpr uint64_t kFewestOfPictureForFour = 650'000;
+inline constexpr uint64_t kPictureRaysOfPrimitiveForFour = 64;
 inline constexpr uint64_t kFewestRaysForFour = 4'000'000;
 inline constexpr uint64_t kRaysOfPrimitiveForFour = 4;
 // A ray that counts crossings gains as much by them as so many others (docs/lab/library.md).
 inline constexpr uint64_t kWorthOfCountForFour = 4;
 
 // Whether on llvmpipe a tree of four children a node, which takes some 80 ns a primitive to make, pays for
-// rays that walk by themselves: as many in all as its kernels, and as the tree, will serve.
+// the library's rays that walk by themselves: as many in all as its kernels, and as the tree, will serve.
 bool fourPays(const PackedScene& scene, uint64_t raysOfKernels, uint64_t raysOfTree);
 
 // Whether rays that count let leaves wait, as kLeavesWait in shaders/crossings.glsl has it.

@@ -93,30 +93,30 @@ TEST(LaneRule, TakesNodesOfFourForManyRays) {
         return chooseTraversal(wanted, device, scene, methods, rays).nodes;
     };
     scene.features.mirrors = true;
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Four);
-    EXPECT_TRUE(chooseTraversal(Traversal::Auto, llvmpipe, scene, {}, kFewestRaysForFour).packets);
-    EXPECT_EQ(nodesOf(kFewestRaysForFour - 1, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Four);
+    EXPECT_TRUE(chooseTraversal(Traversal::Auto, llvmpipe, scene, {}, kFewestOfPictureForFour).packets);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour - 1, llvmpipe), NodeFormat::Two);
     EXPECT_EQ(nodesOf(0, llvmpipe), NodeFormat::Two);
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, deviceOf("CPU")), NodeFormat::Two);
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {.slabs = SlabPad::None}), NodeFormat::Two);
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {}, Traversal::Lane), NodeFormat::Two);
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe, {}, Traversal::Packet), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, deviceOf("CPU")), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe, {.slabs = SlabPad::None}), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe, {}, Traversal::Lane), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe, {}, Traversal::Packet), NodeFormat::Two);
     scene.features.mirrors = false;  // packets trace all
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Two);
     scene.features.discs = true;  // none
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Four);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Four);
     scene.features.coloredShadows = true;  // whose last bits are the walk's
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Two);
     scene.features.coloredShadows = false;
     scene.nodes.pop_back();
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Two);
     scene.nodes.resize(kMostFourNodes + 1);
     EXPECT_EQ(nodesOf(uint64_t{1} << 40, llvmpipe), NodeFormat::Two);
     EXPECT_NE(chooseTraversal(Traversal::Bvh4, llvmpipe, scene).reason.find("number"), std::string::npos);
-    scene = sceneOf(kFewestRaysForFour / kRaysOfPrimitiveForFour + 1);
+    scene = sceneOf(kFewestOfPictureForFour / kPictureRaysOfPrimitiveForFour + 1);
     scene.nodes.resize(kFewestForFour);
     scene.features.discs = true;
-    EXPECT_EQ(nodesOf(kFewestRaysForFour, llvmpipe), NodeFormat::Two);
+    EXPECT_EQ(nodesOf(kFewestOfPictureForFour, llvmpipe), NodeFormat::Two);
 }
 
 TEST(LaneRule, LoopsConvergeOnLlvmpipeWithEightLanesThatShuffleAndAStackOfTheirOwn) {
