@@ -40,14 +40,18 @@ bool leavesOneAtNodes() {
 #endif
 }
 
-// Whether lanes go on through nodes.
+// Whether lanes go on through nodes. What kConvergent leaves out names no shuffle, which src/gpu/specialize.h
+// has to see where a device has none.
 bool anyGoesOnThroughNodes(bool atNode, bool atLeaf) {
-    if (!leavesOneAtNodes()) return anyGoesOn(atNode);
-    uint lanes = atNode ? 1u : (atLeaf ? 16u : 0u);
-    lanes += subgroupShuffleXor(lanes, 1u);
-    lanes += subgroupShuffleXor(lanes, 2u);
-    lanes += subgroupShuffleXor(lanes, 4u);
-    return (lanes & 15u) > (lanes > 15u ? 1u : 0u);
+    if (kConvergent) {
+        if (!leavesOneAtNodes()) return anyOfLanes(atNode ? 1u : 0u) != 0u;
+        uint lanes = atNode ? 1u : (atLeaf ? 16u : 0u);
+        lanes += subgroupShuffleXor(lanes, 1u);
+        lanes += subgroupShuffleXor(lanes, 2u);
+        lanes += subgroupShuffleXor(lanes, 4u);
+        return (lanes & 15u) > (lanes > 15u ? 1u : 0u);
+    }
+    return atNode;
 }
 
 #endif

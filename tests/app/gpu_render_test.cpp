@@ -192,7 +192,7 @@ TEST_F(Lavapipe, FourChildrenAreForManyRays) {
                       "objects": [{"type": "mesh", "mesh": "many", "material": "chrome"}],
                       "meshes": {"many": {"file": ")" +
                       glint::test::sourcePath("scenes/meshes/" + mesh) + R"("}}})");
-        const Ran ran = runGlint({"render", "many.json", "-q", "--allow-outside", "--size", "512x512",
+        const Ran ran = runGlint({"render", "many.json", "-q", "--allow-outside", "--size", "320x320",
                                   "--spp", samples, "--stats", "json", "-o", "a.png"});
         EXPECT_EQ(ran.code, 0) << ran.err;
         return nlohmann::json::parse(ran.out).at("traversal").get<std::string>();

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Which tests tools/test-validated takes: shares of those with parameters, and what a record has not got.
+"""Which tests tools/test-validated takes: shares of those with parameters, what is left out, and what a record has not got.
 
     validated_test.py SOURCE
 """
@@ -40,7 +40,7 @@ def records(folder):
     listed = "Plain.\n" + "".join(f"  T{i}\n" for i in range(8))
     program.write_text(f"#!/bin/sh\ncat <<'END'\n{listed}END\n")
     program.chmod(0o755)
-    given = argparse.Namespace(record=pathlib.Path(folder, "record"), share=1, filter=None, driver=None)
+    given = argparse.Namespace(record=pathlib.Path(folder, "record"), share=1, filter=None, driver=None, assisted=False)
     chosen = [(f"some_test.{i + 1}", [str(program), "--gtest_filter=*"], {"GTEST_TOTAL_SHARDS": "2", "GTEST_SHARD_INDEX": str(i)}, folder)
               for i in range(2)]
 
@@ -56,6 +56,17 @@ def records(folder):
     check(wanted() == every, "but by a program that was built since")
 
 
+def left_out():
+    def patterns(driver, assisted, own="*"):
+        given = argparse.Namespace(filter=None, driver=driver, assisted=assisted)
+        return validated.filtered(["some_test", f"--gtest_filter={own}"], given)[-1]
+
+    check(patterns(None, False) == "--gtest_filter=*", "lavapipe runs everything")
+    check(patterns("other", False, "*-A.*") == patterns("other", True, "*-A.*") == "--gtest_filter=*-A.*:Lavapipe*", "others lack lavapipe's own")
+    check(patterns(None, True) == "--gtest_filter=*-*ReportMemory*", "the layer upsets limits of memory")
+
+
 shares()
+left_out()
 with tempfile.TemporaryDirectory() as work:
     records(work)
