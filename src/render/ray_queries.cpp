@@ -190,6 +190,7 @@ struct RayQueries::State {
                   RowEntry* gathered);
     std::unique_ptr<RowEntry[]> gatherFor(const RayTask& task, const RayOrder& order) const;
     void giveGathered(const RayTask& task, size_t first, const RowEntry* gathered, size_t count) const;
+    void givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered, size_t count) const;
     void makeFour(Slot& slot);
     NodeFormat nodesFor(const RayTask& task, size_t count, size_t left);
     RayOrder orderOf(const RayTask& task, size_t first) const;
@@ -280,6 +281,17 @@ void RayQueries::State::giveGathered(const RayTask& task, size_t first, const Ro
         const size_t start = block * kBlock, present = std::min(kBlock, count - start);
         task.take({first + start, nullptr, 1}, {gathered + start, nullptr, present, false, false});
     });
+}
+
+// Of a window that was cancelled before all of it could be given: a piece that was finished.
+void RayQueries::State::givePiece(const RayTask& task, const RayNumbers& rays, const RowEntry* gathered,
+                                  size_t count) const {
+    std::vector<RowEntry> hits(kBlock);
+    for (size_t start = 0; start < count; start += kBlock) {
+        const size_t present = std::min(kBlock, count - start);
+        for (size_t i = 0; i < present; ++i) hits[i] = gathered[rays.order[start + i]];
+        task.take(rays.from(start), {hits.data(), nullptr, present, false, false});
+    }
 }
 
 void RayQueries::State::take(const Slot& slot, const Placement& placement, const RayTask& task,
@@ -437,18 +449,23 @@ bool RayQueries::run(const RayTask& task) {
         const NodeFormat nodes =
             packets ? NodeFormat::Two : state_->nodesFor(task, order.count, task.count - first);
         const auto gathered = state_->gatherFor(task, order);
-        parallelFor((order.count + usable - 1) / usable,
-                    [&](size_t i) {
-                        if (stops()) return;
-                        const size_t count = std::min(usable, order.count - i * usable);
-                        state_->runPiece(task, rays.from(i * usable), count, packets, nodes, gathered.get());
-                        const std::lock_guard lock(mutex);
-                        done += count;
-                        if (task.progress)
-                            task.progress(static_cast<double>(done) / static_cast<double>(task.count));
-                    },
-                    state_->inPlace ? 1 : 2);
+        const size_t pieces = (order.count + usable - 1) / usable;
+        const auto countOf = [&](size_t i) { return std::min(usable, order.count - i * usable); };
+        std::vector<uint8_t> finished(pieces);
+        parallelFor(
+            pieces,
+            [&](size_t i) {
+                if (stops()) return;
+                state_->runPiece(task, rays.from(i * usable), countOf(i), packets, nodes, gathered.get());
+                const std::lock_guard lock(mutex);
+                finished[i] = 1;
+                done += countOf(i);
+                if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.count));
+            },
+            state_->inPlace ? 1 : 2);
         if (gathered && !stopped) state_->giveGathered(task, first, gathered.get(), order.count);
+        for (size_t i = 0; gathered && stopped && i < pieces; ++i)
+            if (finished[i]) state_->givePiece(task, rays.from(i * usable), gathered.get(), countOf(i));
         first += order.count;
     }
     return !stopped;
