@@ -81,11 +81,12 @@ class Judge {
     // one is right.
     std::string wrong(const Asked& asked, size_t i) const {
         const oracle::Ray ray{vectorOf(asked.origins[i]), vectorOf(asked.directions[i])};
+        const glm::dvec3 unit = glm::normalize(ray.direction);
         std::optional<At> best;
         const Known* first = nullptr;
         for (const Known& known : known_) {
             const auto& [a, b, c] = known.corners;
-            if (isFar(known, ray) || !oracle::triangle(a, b, c, ray).hit) continue;
+            if (isFar(known, ray.origin, unit) || !oracle::hitsTriangle(a, b, c, ray)) continue;
             const At at = planeOf(known, ray);
             if (best && !(at.over * best->under < best->over * at.under)) continue;
             best = at;
@@ -143,10 +144,10 @@ class Judge {
         }
         return at.under.sign() < 0 ? At{-at.over, -at.under} : at;
     }
-    static bool isFar(const Known& known, const oracle::Ray& ray) {
-        const glm::dvec3 away = known.center - ray.origin;
-        const double along = glm::dot(away, ray.direction) / glm::dot(ray.direction, ray.direction);
-        return glm::length(away - along * ray.direction) > known.radius;
+    static bool isFar(const Known& known, const glm::dvec3& origin, const glm::dvec3& unit) {
+        const glm::dvec3 away = known.center - origin;
+        const glm::dvec3 beside = away - glm::dot(away, unit) * unit;
+        return glm::dot(beside, beside) > known.radius * known.radius;
     }
 
     std::vector<Known> known_;

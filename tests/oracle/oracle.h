@@ -31,6 +31,8 @@ struct Truth {
 };
 
 Truth triangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray);
+// triangle().hit, as exact, and in a hundredth of the time where no sign is in doubt.
+bool hitsTriangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray);
 Truth sphere(const glm::dvec3& center, double radius, const Ray& ray);
 // |x - point|^2 + 2 radius normal.(x - point) = 0: shared::Sphere with an anchor.
 Truth anchoredSphere(const glm::dvec3& point, const glm::dvec3& normal, double radius, const Ray& ray);

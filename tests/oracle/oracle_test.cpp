@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "dyadic.h"
 #include "tally.h"
@@ -61,6 +63,34 @@ TEST(Oracle, RayTracerChallengeSpheres) {
     EXPECT_FALSE(t(0, 5).hit);
     EXPECT_FALSE(t(0, 1).hit);  // t = 0 and -2
     EXPECT_EQ(t(0, -1).t, 2);   // t = 0 and 2
+}
+
+// Corners and rays on a coarse grid, so that a third of them decide by exact zeros, moved by up to a few
+// units of the last place, near the origin and far from it.
+TEST(Oracle, HitsOfTrianglesAreThoseOfTheWholeAnswer) {
+    std::mt19937 random(5);
+    std::uniform_int_distribution<int> cell(-2, 2);
+    int hits = 0, ties = 0;
+    for (int i = 0; i < 40'000; ++i) {
+        const double away = std::array{0.0, 1e3, 1e6}[static_cast<size_t>(i) % 3];
+        const double scale = std::array{1.0, 0x1p-420, 0x1p90, 0x1p330}[static_cast<size_t>(i) / 8 % 4];
+        const auto place = [&](double from) {
+            dvec3 v;
+            for (int k = 0; k < 3; ++k) {
+                v[k] = from + cell(random);
+                if (cell(random) == 2) v[k] = std::nextafter(v[k], 2.0 * cell(random) * (1 + away));
+            }
+            return scale * v;
+        };
+        const dvec3 a = place(away), b = place(away), c = place(away);
+        const Ray ray{place(away), place(0)};
+        const Truth truth = triangle(a, b, c, ray);
+        ASSERT_EQ(hitsTriangle(a, b, c, ray), truth.hit) << "case " << i;
+        hits += truth.hit ? 1 : 0;
+        ties += truth.margin == 0 ? 1 : 0;
+    }
+    EXPECT_GT(hits, 1'000);
+    EXPECT_GT(ties, 10'000);
 }
 
 // pbrt-v4, shapes_test.cpp, Triangle.BadCases: collinear vertices. And rays in the plane, edges and corners.
