@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """How time grows: triangles, pixels, lights, depth and threads, each with the exponent fitted to it.
 
-    bench/scaling.py [--page docs/lab/scaling.md] [--images docs/images] [--quick]
+    bench/scaling.py [--page docs/lab/scaling.md] [--images FOLDER] [--quick]
 
-Runs `glint bench` on scenes it makes itself, writes a diagram scaling-NAME.svg for each curve, and prints a table in Markdown (--page: puts it
-there). About five minutes on two idle cores, --quick one.
+Runs `glint bench` on scenes it makes itself and prints a table in Markdown (--page: puts it there). With --images, or --page, whose folder is then
+docs/images, it writes a diagram scaling-NAME.svg for each curve. About five minutes on two idle cores, --quick one.
 """
 import array
 import json
@@ -83,7 +83,8 @@ class Curves:
             # Rates per second are told as such in the table.
             self.rows.append([x_name, label, f"{measure.number(first[0])} .. {measure.number(last[0])}", measure.seconds(first[1]) if y_name == "seconds" else
                               measure.number(first[1]), measure.seconds(last[1]) if y_name == "seconds" else measure.number(last[1]), f"{k:.2f}"])
-        measure.diagram(self.images / f"scaling-{name}.svg", title, x_name, y_name, curves)
+        if self.images:
+            measure.diagram(self.images / f"scaling-{name}.svg", title, x_name, y_name, curves)
         self.last = points[-1][1]
         print(f"{name} done", file=sys.stderr)
 
@@ -102,8 +103,10 @@ def median(*keys):
 
 def main():
     parser = measure.arguments(__doc__)
-    parser.add_argument("--images", type=pathlib.Path, default=measure.ROOT / "docs/images", help="folder for the diagrams")
+    parser.add_argument("--images", type=pathlib.Path, help="folder for the diagrams")
     options = parser.parse_args()
+    if options.page and not options.images:
+        options.images = measure.ROOT / "docs/images"
     bench = lambda *more, **how: measure.bench(options.glint, "--repeat", REPEAT, *map(str, more), **how)
     curves = Curves(options.images)
     with tempfile.TemporaryDirectory() as name:
