@@ -282,6 +282,39 @@ TEST_F(PacketTest, ARayPaysForWhatItTests) {
     }
 }
 
+// Two needles of 20 by 0.005 close above each other, and a wall before the light. Many rays that leave the
+// upper one are found to meet the lower, which lies behind them, and go no farther: it is the wall that
+// shades them.
+Case needlesBehindAWall() {
+    Scene scene = emptyScene();
+    const dvec3 u = glm::normalize(dvec3(0.38, -0.46, -0.8)),
+                v = glm::normalize(glm::cross(u, dvec3(1, 2, 0.3))), w = glm::cross(u, v), middle(7, -9, 5);
+    const auto at = [&](double x, double y, double z) { return middle + x * u + y * v + z * w; };
+    const auto addQuad = [&](const dvec3& a, const dvec3& b, const dvec3& c) {
+        addTriangle(scene, a, b, c);
+        addTriangle(scene, a, c, a + (c - b));
+    };
+    for (const double y : {0.0, -1e-5}) addQuad(at(-10, y, -0.0025), at(10, y, -0.0025), at(10, y, 0.0025));
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 8; ++k)
+            addQuad(at(14, -1 + 0.5 * i, k - 4), at(14, -1 + 0.5 * i, k - 3), at(14, -0.5 + 0.5 * i, k - 3));
+    scene.camera.eye = at(0.3, 0.3, 0);
+    scene.camera.target = at(0.3, 0, 0);
+    scene.camera.up = w;
+    scene.camera.fovY = 1;
+    scene.lights.push_back(DirectionalLight{-u - 0.0175 * v - 0.5 * w, Color(1)});
+    return makeCase(std::move(scene), 64, 48);
+}
+
+TEST_F(PacketTest, RaysThatMeetANeedleBehindThemGoOn) {
+    const Case c = needlesBehindAWall();
+    ASSERT_TRUE(c.packed.features.slivers);
+    Renderer packet(device(), c.packed, with(Traversal::Packet));
+    const Picture picture = draw(packet, c);
+    EXPECT_GT(packet.times().resumes, 0u) << "no ray met what is behind it: the test shows nothing";
+    EXPECT_TRUE(sameBits(picture, draw(device(), c, with(Traversal::Lane))));
+}
+
 TEST_F(PacketTest, VerifyPasses) {
     for (const char* name : {"knot", "triangles", "spheres"}) {
         const Case c = fileCase(name, 64, 48);

@@ -1,6 +1,7 @@
 // Rays that walk by themselves, in every format of nodes and with either stack: where which is chosen, and
 // that all find what the binary tree's find, to the bit.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/error.h"
@@ -270,6 +271,32 @@ TEST_P(WalkTest, TiesFromInsideGoToTheLowestId) {
 
 TEST_P(WalkTest, TiesGoToTheLowestId) {
     expectLowestId(tiedCase());
+}
+
+// Where children that a node of four has not would stand if they had boxes: in one corner of its grid.
+std::vector<dvec3> cornersWithNoChild(const PackedScene& scene) {
+    const std::vector<shared::WideRow> rows = wideTree(scene.nodes, NodeFormat::Four).rows;
+    std::vector<dvec3> corners;
+    for (size_t node = 0; node + shared::kFourRows <= rows.size(); node += shared::kFourRows) {
+        if (rows[node + 3].w != shared::kNone) continue;
+        const shared::WideRow& head = rows[node];
+        const auto along = [&](uint32_t origin, uint32_t exponent) {
+            return std::bit_cast<float>(origin) + std::ldexp(1.0, static_cast<int>(exponent & 0xff) - 127);
+        };
+        corners.emplace_back(along(head.x, head.w), along(head.y, head.w >> 8), along(head.z, head.w >> 16));
+    }
+    return corners;
+}
+
+TEST_P(WalkTest, ChildrenThatAreNotThereAreNotMet) {
+    const RayCase crowd = crowdedCase(1000, 0, 37);
+    const std::vector<dvec3> corners = cornersWithNoChild(crowd.c.packed);
+    EXPECT_GT(corners.size(), 30u);
+    Random random(37);
+    std::vector<RayInput> rays;
+    for (const dvec3& corner : corners)
+        for (int i = 0; i < 20; ++i) rays.push_back(rayTowards(corner - random.box(2), corner));
+    expectSameTrace(crowd.c, rays);
 }
 
 // Leaves that are the root, and none.

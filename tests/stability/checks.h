@@ -100,6 +100,15 @@ struct QuadricCount {
 };
 QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, size_t count, uint32_t seed);
 
+// Rays from outside, a hundredth of the way above the side of a quadric around the origin in the direction
+// `from`, towards its limb, as nearly as rounding lets them aim: those that meet it, and that see its inside.
+// Device only.
+struct GrazingCount {
+    size_t hits = 0, insides = 0;
+};
+GrazingCount judgeGrazing(const Subject& subject, const Shape& shape, const glm::dvec3& from, size_t count,
+                          uint32_t seed);
+
 // Boxes up to `thickness` thick on one axis, rays aimed at their edges. widened: by an ulp on all sides, as
 // src/bvh stores them, which also lets rays in that run in a side.
 struct BoxCount {

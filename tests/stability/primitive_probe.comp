@@ -3,9 +3,10 @@
 // Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
 // intersectBox. The kind comes as dispatch.lightIndex: kKind..., kProbeBox, for the first boxes of the
 // nodes, or of triangles kProbeAhead, for those that do not lie behind the origin, kProbeSettled, for hits as
-// settleSliver leaves them, with kProbeExchanged as of a mirrored instance, or kProbeAway, for awayFromEdges.
-// In: the path's rows kRowOrigin, kRowDirection, kRowHit (tMax); kProbeAway has weights and `placed` there.
-// Out: kRowHit = t, u, v, 1 for a hit; or weights.
+// settleSliver leaves them, with kProbeExchanged as of a mirrored instance, or kProbeAway, for awayFromEdges,
+// or of quadrics kProbeNormal, for the normal where one is met. In: the path's rows kRowOrigin (and source),
+// kRowDirection (and tMin), kRowHit (tMax); kProbeAway has weights and `placed` there. Out: kRowHit = t, u,
+// v, 1 for a hit; or weights, or the normal.
 #include "intersect.glsl"
 #include "primitives/all.glsl"
 
@@ -16,6 +17,7 @@ const uint kProbeAhead = 101u;
 const uint kProbeSettled = 102u;
 const uint kProbeExchanged = 103u;
 const uint kProbeAway = 104u;
+const uint kProbeNormal = 105u;
 
 void main() {
     uint path = gl_GlobalInvocationID.x;
@@ -23,7 +25,7 @@ void main() {
     uvec4 origin = loadRow(kRowOrigin, path);
     uvec4 direction = loadRow(kRowDirection, path);
     Ray ray = Ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), uintBitsToFloat(direction.w),
-                  uintBitsToFloat(loadRow(kRowHit, path).x), kNone, kNone);
+                  uintBitsToFloat(loadRow(kRowHit, path).x), origin.w, kNone);
     RayFrame frame = makeFrame(ray.origin, ray.direction, 0.0);
     uint kind = dispatch.lightIndex;
     float t = 0.0;
@@ -53,10 +55,19 @@ void main() {
     if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
     if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);
     if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
-    if (kind == kKindQuadric) {
+    if (kind == kKindQuadric || kind == kProbeNormal) {
         Candidate best;
-        hit = intersectQuadric(ray, loadQuadric(path), (kKindQuadric << kPrimitiveKindShift) | path, best);
+        Quadric quadric = loadQuadric(path);
+        uint primitive = (kKindQuadric << kPrimitiveKindShift) | path;
+        hit = intersectQuadric(ray, quadric, primitive, best);
         t = best.t;
+        if (kind == kProbeNormal) {
+            Hit at = Hit(t, 0.0, 0.0, primitive | (best.part << kPartShift), kNone, 0u);
+            vec3 normal = quadricPoint(ray, at, quadric).normal;
+            t = normal.x;
+            u = normal.y;
+            v = normal.z;
+        }
     }
     if (kind == kProbeBox) {
         Node node = loadNode(path);

@@ -20,6 +20,7 @@ constexpr uint32_t kProbeAhead = 101;
 constexpr uint32_t kProbeSettled = 102;
 constexpr uint32_t kProbeExchanged = 103;
 constexpr uint32_t kProbeAway = 104;
+constexpr uint32_t kProbeNormal = 105;
 
 struct Row {
     uint32_t u[4];
@@ -39,9 +40,9 @@ std::vector<Row> pathRows(const std::vector<FloatRay>& rays) {
     std::vector<Row> rows(shared::kPathRows * n, Row{});
     for (size_t i = 0; i < n; ++i) {
         const glm::vec3 &o = rays[i].origin, &d = rays[i].direction;
-        rows[shared::kRowOrigin * n + i] = {{bits(o.x), bits(o.y), bits(o.z), shared::kNone}};
-        rows[shared::kRowDirection * n + i] = {{bits(d.x), bits(d.y), bits(d.z), 0}};
-        rows[shared::kRowHit * n + i] = {{bits(shared::kInfinity), 0, 0, shared::kNone}};
+        rows[shared::kRowOrigin * n + i] = {{bits(o.x), bits(o.y), bits(o.z), rays[i].source}};
+        rows[shared::kRowDirection * n + i] = {{bits(d.x), bits(d.y), bits(d.z), bits(rays[i].tMin)}};
+        rows[shared::kRowHit * n + i] = {{bits(rays[i].tMax), 0, 0, shared::kNone}};
     }
     return rows;
 }
@@ -205,6 +206,10 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Quadric>& quadrics) {
     return run(subject, rays, shared::kKindQuadric, {array(Bindings::quadrics, quadrics)});
+}
+std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
+                                 const std::vector<shared::Quadric>& quadrics) {
+    return run(subject, rays, kProbeNormal, {array(Bindings::quadrics, quadrics)});
 }
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<Box>& boxes) {

@@ -27,6 +27,9 @@ gpu::Access accessOf(const Subject& subject, uint64_t largestArrayBytes);
 struct FloatRay {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, -1};
+    // Device only.
+    float tMin = 0, tMax = shared::kInfinity;
+    uint32_t source = shared::kNone;
 };
 
 struct Answer {
@@ -62,6 +65,9 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
 // Device only: the reference is asked through the packed scene that the quadric comes from.
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Quadric>& quadrics);
+// Device only: the normals as t, u, v where rays meet quadrics.
+std::vector<Answer> probeNormals(const Subject& subject, const std::vector<FloatRay>& rays,
+                                 const std::vector<shared::Quadric>& quadrics);
 // Answer::hit: the box would be entered. Device only: the reference enters boxes in its own way, and answers
 // for primitives.
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,

@@ -208,4 +208,48 @@ QuadricCount judgeQuadric(const Subject& subject, const QuadricFamily& family, s
     return found;
 }
 
+GrazingCount judgeGrazing(const Subject& subject, const Shape& shape, const dvec3& from, size_t count,
+                          uint32_t seed) {
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.objects.push_back({"quadric", shape, 0});
+    scene.camera.eye = 100.0 * from;
+    const auto packedFrom = [&](const dvec3& eye) {
+        scene.camera.eye = eye;
+        return packScene(scene);
+    };
+    double share = 0;
+    {
+        const PackedScene far = packedFrom(100.0 * from);
+        const Form form(far.quadrics.at(0));
+        double lo = 0, hi = 10;
+        for (int i = 0; i < 60; ++i) {
+            share = 0.5 * (lo + hi);
+            (form.at(form.toLocal * (share * from - far.origin - form.point)) < 0 ? lo : hi) = share;
+        }
+    }
+    const dvec3 eye = 1.01 * share * from;
+    const PackedScene packed = packedFrom(eye);
+    const Form form(packed.quadrics.at(0));
+    const vec3 origin(eye - packed.origin);
+    Random random(seed);
+    std::vector<FloatRay> rays(count);
+    for (FloatRay& ray : rays) {
+        const dvec3 inner = dvec3(origin) - 0.5 * share * from;
+        const dvec3 outer = dvec3(origin) + glm::normalize(glm::cross(from, random.direction()));
+        const double rim = silhouette(form, origin, inner, outer);
+        ray.origin = origin;
+        ray.direction = vec3(glm::mix(inner, outer, rim) - dvec3(origin));
+    }
+    const std::vector<Answer> normals =
+        probeNormals(subject, rays, std::vector<shared::Quadric>(rays.size(), packed.quadrics[0]));
+    GrazingCount found;
+    for (size_t i = 0; i < count; ++i) {
+        const dvec3 normal(normals[i].t, normals[i].u, normals[i].v);
+        found.hits += normals[i].hit;
+        found.insides += normals[i].hit && glm::dot(normal, dvec3(rays[i].direction)) >= 0;
+    }
+    return found;
+}
+
 }  // namespace glint::stability
