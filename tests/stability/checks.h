@@ -33,11 +33,13 @@ struct TriangleFamily {
 Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size_t count, uint32_t seed);
 
 // Rays that leave a surface beside a triangle `size` long and `width` sizes wide, up to `offset` from the
-// origin of coordinates, at 0.5 to 3 degrees of its plane, from `lift` units of 2^-24 of the coordinates
+// origin of coordinates, at 0.5 to 3 degrees of its plane, or if `lengthwise` along its longest side, at 1e-5
+// to 1e-3 of a radian and by up to 1e-4 askew, from `lift` units of 2^-24 of the coordinates
 // above it, and from as much below. By exact signs: how many are met by the triangle's test though it lies
 // behind, how many of these are left, and how many that lie ahead are lost.
 struct SliverFamily {
     double size = 1, width = 1, offset = 0, lift = 8;
+    bool lengthwise = false;
 };
 struct SliverCount {
     size_t rays = 0, ahead = 0, metBehind = 0, left = 0, lost = 0;

@@ -138,8 +138,12 @@ SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, siz
         const dvec3 normal = glm::cross(along, across);
         const double reach = std::max(glm::length(on), family.size);
         const double lift = (i % 2 == 0 ? 1 : -1) * family.lift * kUnit * reach * random.uniform(0.5, 2);
-        const double turn = random.uniform(0, 2 * std::numbers::pi);
-        const double rise = random.uniform(0.5, 3) * std::numbers::pi / 180;
+        double turn = random.uniform(0, 2 * std::numbers::pi);
+        double rise = random.uniform(0.5, 3) * std::numbers::pi / 180;
+        if (family.lengthwise) {
+            turn = random.uniform(-1e-4, 1e-4) + (i / 2 % 2 == 0 ? 0 : std::numbers::pi);
+            rise = (i / 4 % 2 == 0 ? 1 : -1) * std::pow(10, random.uniform(-5, -3));
+        }
         const dvec3 flat = std::cos(turn) * along + std::sin(turn) * across;
         const dvec3 direction = std::cos(rise) * flat + std::sin(rise) * normal;
         rays[i].origin = vec3(on + lift * normal);

@@ -103,6 +103,21 @@ TEST_F(SliverTest, NothingIsLostWhereTheNormalIsRounding) {
     }
 }
 
+// Along a needle the weights that are found may be those of a point that is near, though the ray meets the
+// needle far away: then it is certain on which side the ray begins, and not whether it comes nearer.
+TEST_F(SliverTest, NothingIsLostAlongANeedle) {
+    for (const double offset : {0.0, 15.0}) {
+        for (const double width : {1e-5, 3e-6}) {
+            const SliverCount count =
+                judgeSlivers({&device(), {}}, {20, width, offset, 0.3, true}, 100000, 725);
+            std::cout << "[ measured ] offset " << text(offset) << ", width " << text(width)
+                      << ", lengthwise: of " << count.ahead << " ahead " << count.lost << " lost\n";
+            EXPECT_GT(count.ahead, count.rays / 3);
+            EXPECT_EQ(count.lost, 0u);
+        }
+    }
+}
+
 // Shaded points lie on the slivers where the rays meet them, also in mirrored instances.
 TEST_F(SliverTest, HitsLieWhereTheRayPasses) {
     for (const double width : {1e-2, 1e-3, 1e-4}) {
