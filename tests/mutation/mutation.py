@@ -52,9 +52,9 @@ def case_names(file=None):
 class Judge:
     """A process of mutation_judge, started again when a mutant has hanged or ended it."""
 
-    def __init__(self, program, folder, seconds, cases=HERE / "cases.txt"):
+    def __init__(self, program, folder, seconds, cases=HERE / "cases.txt", cache=None):
         self.command, self.seconds, self.process = [program, cases, folder / "sound"], seconds, None
-        self.environment = os.environ | {"MESA_SHADER_CACHE_DIR": str(folder / "cache")}
+        self.environment = os.environ | {"MESA_SHADER_CACHE_DIR": str(cache or folder / "cache")}
         self.before = 0.0  # processor seconds of the processes that have ended
 
     def used(self):
@@ -107,9 +107,13 @@ class Run:
         # What the cases said of a mutant's pictures that are not asked again.
         self.seen = {sites.key(r): r for r in self.results if r["state"] == "survived" and arguments.cases}
         self.done = {sites.key(r) for r in self.results if r["state"] != "survived" or not arguments.again or page.reason_of(r)}
-        # Cases that found mutants of a file; a mutant of another file is likeliest found by those that found many.
-        self.kills = collections.Counter((r["file"], r["case"]) for r in earlier if r["state"] == "killed")
-        self.all_kills = collections.Counter(r["case"] for r in earlier if r["state"] == "killed")
+        # Cases that found mutants of a file, here or among those whose results are kept, are asked first, which saves time and nothing else; a
+        # mutant of another file is likeliest found by those that found many.
+        known = {sites.key(r): r for r in page.read_results(HERE / "results.jsonl") + earlier if r["state"] == "killed"}
+        self.kills = collections.Counter((r["file"], r["case"]) for r in known.values())
+        self.all_kills = collections.Counter(r["case"] for r in known.values())
+        # That no thread has seen pass with sound kernels.
+        self.unseen = arguments.cases.split(",") if arguments.cases else case_names()
 
     @staticmethod
     def still_there(results):
@@ -142,35 +146,41 @@ class Run:
             with open(self.arguments.results, "a") as file:
                 file.write(json.dumps(result) + "\n")
 
-    def work(self):
+    def next_unseen(self):
+        with self.lock:
+            return self.unseen.pop(0) if self.unseen else None
+
+    def work(self, folder):
         try:
-            self.work_in_memory()
+            self.work_in(folder)
         except Exception as error:
             self.failure = error
             raise
 
-    def work_in_memory(self):
-        with tempfile.TemporaryDirectory(dir=MEMORY) as name:
-            folder = Path(name)
-            compiler, judge = Compiler(folder), Judge(self.arguments.program, folder, self.arguments.seconds)
-            if not compiler.compile_all(KERNELS, folder / "sound"):
-                raise RuntimeError("the kernels do not compile")
-            (folder / "none").mkdir()
-            for case in self.arguments.cases.split(",") if self.arguments.cases else case_names():
-                if judge.ask("judge", folder / "none", case)["why"]:
-                    raise RuntimeError(f"sound kernels do not pass {case}")
-            while drawn := self.next():
-                site, description = drawn
-                before = compiler.spent + judge.spent()
-                compiler.break_file(site)
-                try:
-                    result = description | self.try_one(compiler, judge, site)
-                    if result["state"] == "survived" and sites.key(result) in self.seen:
-                        result = self.as_before(result)
-                finally:
-                    compiler.mend(site)
-                self.record(result | {"seconds": round(compiler.spent + judge.spent() - before, 2)})
-            judge.end()
+    def work_in(self, folder):
+        """A thread: its share of the cases by sound kernels, then mutants. What one compiles of a sound kernel the others find; a case that
+        another thread has seen pass is drawn by sound kernels, and judged, when a mutant first needs it."""
+        folder.mkdir()
+        compiler = Compiler(folder)
+        judge = Judge(self.arguments.program, folder, self.arguments.seconds, cache=folder.parent / "cache")
+        if not compiler.compile_all(KERNELS, folder / "sound"):
+            raise RuntimeError("the kernels do not compile")
+        (folder / "none").mkdir()
+        while case := self.next_unseen():
+            if judge.ask("judge", folder / "none", case)["why"]:
+                raise RuntimeError(f"sound kernels do not pass {case}")
+        while drawn := self.next():
+            site, description = drawn
+            before = compiler.spent + judge.spent()
+            compiler.break_file(site)
+            try:
+                result = description | self.try_one(compiler, judge, site)
+                if result["state"] == "survived" and sites.key(result) in self.seen:
+                    result = self.as_before(result)
+            finally:
+                compiler.mend(site)
+            self.record(result | {"seconds": round(compiler.spent + judge.spent() - before, 2)})
+        judge.end()
 
     def as_before(self, result):
         """With what other cases saw of it, and tests."""
@@ -229,11 +239,12 @@ def run(arguments):
     job = Run(arguments)
     signal.signal(signal.SIGINT, job.stop)
     signal.signal(signal.SIGTERM, job.stop)
-    threads = [threading.Thread(target=job.work) for _ in range(arguments.jobs)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with tempfile.TemporaryDirectory(dir=MEMORY) as name:
+        threads = [threading.Thread(target=job.work, args=(Path(name) / str(number),)) for number in range(arguments.jobs)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
     if job.failure:
         return 2
     score = page.Score(page.counted(job.results))

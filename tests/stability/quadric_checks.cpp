@@ -213,7 +213,6 @@ GrazingCount judgeGrazing(const Subject& subject, const Shape& shape, const dvec
     Scene scene;
     scene.materials.emplace_back();
     scene.objects.push_back({"quadric", shape, 0});
-    scene.camera.eye = 100.0 * from;
     const auto packedFrom = [&](const dvec3& eye) {
         scene.camera.eye = eye;
         return packScene(scene);
