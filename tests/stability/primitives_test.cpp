@@ -109,7 +109,7 @@ TEST_F(SliverTest, NothingIsLostAlongANeedle) {
     for (const double offset : {0.0, 15.0}) {
         for (const double width : {1e-5, 3e-6}) {
             const SliverCount count =
-                judgeSlivers({&device(), {}}, {20, width, offset, 0.3, true}, 100000, 725);
+                judgeSlivers({&device(), {}}, {20, width, offset, 0.3, true}, 50000, 725);
             std::cout << "[ measured ] offset " << text(offset) << ", width " << text(width)
                       << ", lengthwise: of " << count.ahead << " ahead " << count.lost << " lost\n";
             EXPECT_GT(count.ahead, count.rays / 3);

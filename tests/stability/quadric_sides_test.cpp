@@ -150,8 +150,10 @@ TEST_F(QuadricSideTest, RaysLeaveAHyperbolaBetweenTheAxes) {
         const float sign = i % 3 == 0 ? -1 : 1;
         q.products = {0, 0, -0.5f * sign};
         q.constant = 0.5f;
-        const double x = (i % 2 == 0 ? 1 : -1) * random.uniform(0.3, 2);
-        points.push_back(glm::transpose(toLocal) * dvec3(x, sign * 0.5 / x, random.uniform(-1, 1)));
+        if (i % 4 < 2) q.point = vec3(random.box(4));
+        const double x = (random.below(2) == 0 ? 1 : -1) * random.uniform(0.3, 2);
+        points.push_back(dvec3(q.point) +
+                         glm::transpose(toLocal) * dvec3(x, sign * 0.5 / x, random.uniform(-1, 1)));
     }
     expectToLeave("hyperbola", quadrics, points, random);
 }
