@@ -87,14 +87,24 @@ bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
            left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
 }
 
+vec3 longestOf(vec3 a, vec3 b, vec3 c) {
+    precise float a2 = dot(a, a);
+    precise float b2 = dot(b, b);
+    precise float c2 = dot(c, c);
+    vec3 longer = b2 > a2 ? b : a;
+    return c2 > larger(a2, b2) ? c : longer;
+}
+
 // Whether a triangle that intersectTriangle says is hit, with these weights, lies behind the origin for
 // certain: a ray that leaves a surface at a grazing angle. Of a sliver the products of the edge functions are
 // hundreds of times their sum, and t is off by as much. So its sign is found anew, as that of n.(x - o) by
 // n.d. With weights a, b and c of 11 digits x is near o, so that n's own rounding tells little; and a x0 + b
 // x1 + c x2 - o is exact for the upper 12 digits of all coordinates, multiples of one power of two, which
-// leaves a unit of the lower ones. Each of n's components errs by three units of either product and one of
-// their difference, the dot products by three units more: `doubt` holds for both. A sign within it is not
-// certain.
+// leaves 2^-31 of their size. Along the longest edge x is off by as much as 11 digits leave of it, so that
+// part of the way is taken off first: n.edge is 0, and what n's rounding would make of it is not. Each of n's
+// components errs by three units of either product and one of their difference, the dot products by three
+// units more: `doubt` holds for both, and what is taken off errs by three units of itself. A sign within all
+// that is not certain.
 bool liesBehind(vec3 origin, vec3 direction, Triangle triangle, float u, float v) {
     vec3 v0 = triangle.v0, v1 = triangle.v1, v2 = triangle.v2;
     precise vec3 e1 = v1 - v0;
@@ -116,9 +126,16 @@ bool liesBehind(vec3 origin, vec3 direction, Triangle triangle, float u, float v
     precise vec3 upper = a * h0 + b * h1 + c * h2 - ho;
     precise vec3 lower = a * (v0 - h0) + b * (v1 - h1) + c * (v2 - h2) - (origin - ho);
     precise vec3 way = upper + lower;
-    precise float height = dot(n, way);
+    precise vec3 e3 = v2 - v1;
+    vec3 edge = longestOf(e1, e2, e3);
+    precise float share = quotient(dot(way, edge), dot(edge, edge));
+    precise vec3 along = share * edge;
+    precise vec3 beside = way - along;
+    precise float height = dot(n, beside);
     precise float speed = dot(n, direction);
-    float sure = dot(doubt, abs(way));
+    vec3 most = abs(n) + doubt;
+    precise float sure =
+        dot(doubt, abs(beside)) + dot(most, 4.0 * kUnit * abs(along) + 0.0078125 * kUnit * size);
     bool behind = speed > 0.0 ? height < -sure : height > sure;
     return behind && abs(speed) > dot(doubt, abs(direction));
 }

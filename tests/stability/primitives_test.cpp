@@ -68,28 +68,23 @@ TEST_P(PrimitiveTest, Needles) {
 // lie before it, and of those that do meet it none is lost. With a quarter as its width a triangle has a
 // longest side of up to 16 heights, and is no sliver yet (haveSlivers, src/pack/features.cpp).
 TEST_F(SliverTest, TrianglesBehindARayAreNotMet) {
-    size_t met = 0, left = 0;
+    size_t met = 0;
     for (const double offset : {0.0, 15.0}) {
-        for (const double width : {0.25, 1.0 / 16, 1e-2, 1e-3}) {
+        for (const double width : {0.25, 1.0 / 16, 1e-2, 1e-3, 1e-4}) {
             const SliverCount count = judgeSlivers({&device(), {}}, {20, width, offset, 8}, 50000, 721);
             std::cout << "[ measured ] offset " << text(offset) << ", width " << text(width) << ": of "
                       << count.rays << " rays " << count.ahead << " ahead, " << count.lost << " lost; "
                       << count.metBehind << " met behind, " << count.left << " left\n";
-            EXPECT_GT(count.ahead, count.rays / 3);
+            EXPECT_GT(count.ahead, count.rays / 5);
             EXPECT_EQ(count.lost, 0u);
             if (width == 0.25) {
                 EXPECT_EQ(count.metBehind, 0u) << width;
             }
-            if (width >= 1e-2) {
-                EXPECT_EQ(count.left, 0u) << width;
-            }
+            EXPECT_EQ(count.left, 0u) << width;
             met += count.metBehind;
-            left += count.left;
         }
     }
     EXPECT_GT(met, 1000u);
-    // What is left is within the rounding of the normals of the narrowest: 1 % was measured.
-    EXPECT_LE(left, met / 50);
 }
 
 // Of still narrower ones rounding may leave nothing of the normal: then no side is certain, and no hit lost.
