@@ -1,6 +1,7 @@
 #include "oracle.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "dyadic.h"
@@ -92,6 +93,31 @@ Truth quadraticTruth(const Quadratic& q, const Vec& fromCenter, const Vec& direc
     return truth;
 }
 
+// Three signed volumes of the ray with the edges (Plucker coordinates), of one sign, or zero, but not all
+// zero, where the ray meets the triangle.
+struct Crossing {
+    Vec d, a, b, c;  // the direction; corners from the origin
+    std::array<Dyadic, 3> e;
+    Dyadic whole;   // d.n, n twice the area vector
+    Dyadic height;  // n.(v0 - o) = a.(b x c): t is this over d.n
+    Crossing(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray)
+        : d(ray.direction),
+          a(Vec(v0) - Vec(ray.origin)),
+          b(Vec(v1) - Vec(ray.origin)),
+          c(Vec(v2) - Vec(ray.origin)) {
+        const Vec bc = cross(b, c);
+        e = {dot(d, bc), dot(d, cross(c, a)), dot(d, cross(a, b))};
+        whole = e[0] + e[1] + e[2];
+        height = dot(a, bc);
+    }
+    bool isHit() const {
+        const int side = whole.sign();
+        for (const Dyadic& edge : e)
+            if (edge.sign() == -side) return false;
+        return side != 0 && height.sign() == side;
+    }
+};
+
 // The sign of d.(a x b) where double arithmetic proves it, or 0. Of what a, b (differences of doubles,
 // rounded once) and d are, each of the six terms is off by seven roundings at most, and so is the sum of
 // their sizes: 16 units cover both. What underflows loses less than 2^-1074 times a coordinate.
@@ -118,41 +144,19 @@ bool hitsTriangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& 
         const int height = provenSign(near[0], near[1], near[2]);
         if (height != 0) return height == least;
     }
-    const Vec o(ray.origin), d(ray.direction);
-    const Vec v[3] = {Vec(v0) - o, Vec(v1) - o, Vec(v2) - o};
-    Dyadic whole;
-    int signs[3];
-    for (int i = 0; i < 3; ++i) {
-        const Dyadic edge = dot(d, cross(v[(i + 1) % 3], v[(i + 2) % 3]));
-        signs[i] = edge.sign();
-        whole = whole + edge;
-    }
-    const int side = whole.sign();
-    if (side == 0 || std::count(signs, signs + 3, -side) > 0) return false;
-    return dot(v[0], cross(v[1], v[2])).sign() == side;
+    return Crossing(v0, v1, v2, ray).isHit();
 }
 
-// Three signed volumes of the ray with the edges (Plucker coordinates) of one sign, or zero, but not all
-// zero.
 Truth triangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray) {
-    const Vec o(ray.origin), d(ray.direction);
-    const Vec a = Vec(v0) - o, b = Vec(v1) - o, c = Vec(v2) - o;
-    const Vec bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
-    const Dyadic e[3] = {dot(d, bc), dot(d, ca), dot(d, ab)};
-    const Dyadic whole = e[0] + e[1] + e[2];  // d.n, n twice the area vector
+    const Crossing found(v0, v1, v2, ray);
+    const auto& [d, a, b, c, e, whole, height] = found;
     Truth truth;
     if (whole.sign() == 0) return truth;
-    // n.(v0 - o) = a.(b x c): t is this over d.n.
-    const Dyadic height = dot(a, bc);
     truth.margin =
         std::min({ratio(size(e[0]), termsOfTriple(d, b, c)), ratio(size(e[1]), termsOfTriple(d, c, a)),
                   ratio(size(e[2]), termsOfTriple(d, a, b)), ratio(size(height), termsOfTriple(a, b, c))});
-    const int side = whole.sign();
-    for (const Dyadic& edge : e) {
-        if (edge.sign() == -side) return truth;
-    }
-    if (height.sign() != side) return truth;
-    truth.hit = true;
+    truth.hit = found.isHit();
+    if (!truth.hit) return truth;
     truth.t = quotient(height, whole);
     truth.u = quotient(e[1], whole);
     truth.v = quotient(e[2], whole);

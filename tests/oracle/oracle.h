@@ -31,7 +31,7 @@ struct Truth {
 };
 
 Truth triangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray);
-// triangle().hit, as exact, and in a hundredth of the time where no sign is in doubt.
+// triangle().hit, as exact, but without exact arithmetic where double proves the signs.
 bool hitsTriangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2, const Ray& ray);
 Truth sphere(const glm::dvec3& center, double radius, const Ray& ray);
 // |x - point|^2 + 2 radius normal.(x - point) = 0: shared::Sphere with an anchor.
