@@ -1,30 +1,89 @@
-"""Open3D's way of asking, answered by glint, with numpy arrays for tensors.
+"""Open3D's way of asking, answered by glint: change one import, and corners and edges are counted right.
 
     from glint.open3d import RaycastingScene
+
+Whoever gives tensors gets tensors, and whoever gives arrays gets arrays, which have a `numpy()` of their own, as tensors have.
+This module does not import Open3D.
 """
 from __future__ import annotations
 
 from typing import Any
 
 import numpy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from . import Scene, Selector, _native
+from . import Device, Scene, Selector, _native
+
+_BY_MATRICES = ("intrinsic_matrix", "extrinsic_matrix", "width_px", "height_px")
+_BY_PLACES = ("fov_deg", "center", "eye", "up", "width_px", "height_px")
+
+
+class Array(numpy.ndarray):
+    """An array for code that was written for tensors."""
+
+    def numpy(self) -> NDArray[Any]:
+        """The same numbers, as a plain array."""
+        return self.view(numpy.ndarray)
+
+
+def _plain(given: Any) -> Any:
+    """A tensor's numbers, where they lie if that is the processor's memory; what is no tensor as it is."""
+    if not hasattr(given, "numpy"):
+        return given
+    return (given.cpu() if hasattr(given, "cpu") else given).numpy()
+
+
+def _like(given: Any, array: NDArray[Any]) -> Any:
+    """The array as a tensor of the kind of `given`, without a copy, or as an Array."""
+    make = getattr(type(given), "from_numpy", None)
+    return array.view(Array) if make is None else make(array)
+
+
+def _camera_of_places(fov_deg: float, center: Any, eye: Any, up: Any, width: int, height: int) -> tuple[Any, Any]:
+    """Intrinsic and extrinsic matrix."""
+    middle, place, above = (numpy.asarray(_plain(given), dtype=numpy.float64) for given in (center, eye, up))
+    for name, given in (("center", middle), ("eye", place), ("up", above)):
+        if given.shape != (3,):
+            raise ValueError(f"{name} has the shape {given.shape}; it must be (3,)")
+    if not 0 < fov_deg < 180:
+        raise ValueError("fov_deg must be above 0 and below 180")
+    rows = numpy.empty((3, 3))
+    rows[2] = middle - place
+    rows[0] = numpy.cross(above, rows[2])
+    rows[1] = numpy.cross(rows[2], rows[0])
+    sizes = numpy.linalg.norm(rows, axis=1)
+    if not (numpy.isfinite(sizes).all() and (sizes > 0).all()):
+        raise ValueError("center and eye must be apart, and up must be another way than from one to the other")
+    rows /= sizes[:, None]
+    extrinsic = numpy.eye(4)
+    extrinsic[:3, :3] = rows
+    extrinsic[:3, 3] = -rows @ place
+    focal = 0.5 * width / numpy.tan(0.5 * numpy.radians(fov_deg))
+    return numpy.array([[focal, 0, 0.5 * width], [0, focal, 0.5 * height], [0, 0, 1]]), extrinsic
 
 
 class RaycastingScene:
-    """Method names and keys of open3d.t.geometry.RaycastingScene. Rays are (..., 6): origin, direction."""
+    """Method names, parameters and keys of open3d.t.geometry.RaycastingScene. Rays are (..., 6): origin, direction.
+
+    The `nthreads` of a question is taken and changes nothing; that of the scene is how many threads a call uses at most.
+    """
 
     INVALID_ID = _native.NONE
 
-    def __init__(self, device: Selector = None) -> None:
-        self._scene = Scene(device=device)
+    def __init__(self, device: Selector = None, nthreads: int = 0) -> None:
+        self._scene = Scene(device=Device(device, threads=nthreads) if nthreads and not isinstance(device, Device) else device)
         self._changed = True
 
-    def add_triangles(self, vertex_positions: ArrayLike, triangle_indices: ArrayLike) -> int:
-        """The number of the geometry."""
+    def add_triangles(self, vertex_positions: Any = None, triangle_indices: Any = None, *, mesh: Any = None) -> int:
+        """A mesh, or its vertices and the corners of its triangles; returns the number of the geometry."""
+        if mesh is None and triangle_indices is None and hasattr(vertex_positions, "vertex"):
+            mesh = vertex_positions
+        if mesh is not None:
+            vertex_positions, triangle_indices = mesh.vertex["positions"], mesh.triangle["indices"]
+        if vertex_positions is None or triangle_indices is None:
+            raise TypeError("add_triangles takes a mesh of open3d.t.geometry, or vertex_positions and triangle_indices")
         self._changed = True
-        return self._scene.add_triangles(vertex_positions, triangle_indices)
+        return self._scene.add_triangles(_plain(vertex_positions), _plain(triangle_indices))
 
     def _ready(self) -> Scene:
         if self._changed:
@@ -32,27 +91,65 @@ class RaycastingScene:
             self._changed = False
         return self._scene
 
-    def cast_rays(self, rays: ArrayLike) -> dict[str, NDArray[Any]]:
+    def cast_rays(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
         """t_hit, geometry_ids, primitive_ids, primitive_uvs, primitive_normals of the nearest hits."""
-        hits = self._ready().cast(rays, dtype=numpy.float32)
-        return {"t_hit": hits.t, "geometry_ids": hits.geometry, "primitive_ids": hits.primitive, "primitive_uvs": hits.uv,
-                "primitive_normals": hits.normal}
+        hits = self._ready().cast(_plain(rays), dtype=numpy.float32)
+        return {name: _like(rays, array) for name, array in
+                (("t_hit", hits.t), ("geometry_ids", hits.geometry), ("primitive_ids", hits.primitive), ("primitive_uvs", hits.uv),
+                 ("primitive_normals", hits.normal))}
 
-    def test_occlusions(self, rays: ArrayLike, tnear: float = 0.0, tfar: float = numpy.inf) -> NDArray[numpy.bool_]:
+    def test_occlusions(self, rays: Any, tnear: float = 0.0, tfar: float = numpy.inf,
+                        nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
         """Whether there is a hit between tnear and tfar."""
-        return self._ready().occluded(rays, t_min=tnear, t_max=tfar)
+        return _like(rays, self._ready().occluded(_plain(rays), t_min=tnear, t_max=tfar))
 
-    def count_intersections(self, rays: ArrayLike) -> NDArray[numpy.int32]:
-        """How many surfaces each ray crosses, edges and corners counted right."""
-        return self._ready().count(rays).astype(numpy.int32)
+    def count_intersections(self, rays: Any, nthreads: int = 0) -> Any:  # pylint: disable=unused-argument
+        """How many surfaces each ray crosses, edges and corners counted right: int32."""
+        return _like(rays, self._ready().count(_plain(rays)).astype(numpy.int32))
 
-    def list_intersections(self, rays: ArrayLike) -> dict[str, NDArray[Any]]:
+    def list_intersections(self, rays: Any, nthreads: int = 0) -> dict[str, Any]:  # pylint: disable=unused-argument
         """All of them: those of ray i at ray_splits[i]:ray_splits[i + 1]."""
-        splits, hits = self._ready().all_hits(rays, dtype=numpy.float32)
+        splits, hits = self._ready().all_hits(_plain(rays), dtype=numpy.float32)
         ids = numpy.repeat(numpy.arange(len(splits) - 1), numpy.diff(splits).astype(numpy.int64))
-        return {"ray_splits": splits.astype(numpy.int64), "ray_ids": ids, "t_hit": hits.t, "geometry_ids": hits.geometry,
-                "primitive_ids": hits.primitive, "primitive_uvs": hits.uv}
+        return {name: _like(rays, array) for name, array in
+                (("ray_splits", splits.astype(numpy.int64)), ("ray_ids", ids), ("t_hit", hits.t), ("geometry_ids", hits.geometry),
+                 ("primitive_ids", hits.primitive), ("primitive_uvs", hits.uv))}
 
-    def compute_occupancy(self, query_points: ArrayLike) -> NDArray[numpy.float32]:
-        """1 inside, 0 elsewhere."""
-        return self._ready().contains(query_points).astype(numpy.float32)
+    def compute_occupancy(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:  # pylint: disable=unused-argument
+        """1 inside, 0 elsewhere. No more samples than one are needed."""
+        return _like(query_points, self._ready().contains(_plain(query_points)).astype(numpy.float32))
+
+    @staticmethod
+    def create_rays_pinhole(*arguments: Any, **named: Any) -> Any:
+        """Rays through the middles of a camera's pixels, (height_px, width_px, 6) of float32.
+
+        (intrinsic_matrix, extrinsic_matrix, width_px, height_px): the upper triangular matrix (3, 3) of the lens, in pixels, and the
+        rotation and shift (4, 4) from the world to the camera, which looks along its z.
+        (fov_deg, center, eye, up, width_px, height_px): a camera at `eye` that looks at `center`, with a horizontal field of view. As
+        in Open3D, later rows go the way of `up`.
+        """
+        names = _BY_MATRICES if len(arguments) + len(named) == len(_BY_MATRICES) else _BY_PLACES
+        given = dict(zip(names, arguments))
+        if len(arguments) > len(names) or given.keys() & named.keys() or (given.keys() | named.keys()) != set(names):
+            raise TypeError(f"create_rays_pinhole takes {', '.join(_BY_MATRICES)}, or {', '.join(_BY_PLACES)}")
+        given.update(named)
+        width, height = int(given["width_px"]), int(given["height_px"])
+        if width < 1 or height < 1:
+            raise ValueError("width_px and height_px must be 1 or more")
+        if names is _BY_PLACES:
+            lens, place = _camera_of_places(given["fov_deg"], given["center"], given["eye"], given["up"], width, height)
+        else:
+            lens, place = (numpy.asarray(_plain(given[name]), dtype=numpy.float64) for name in _BY_MATRICES[:2])
+        if lens.shape != (3, 3) or place.shape != (4, 4):
+            raise ValueError(f"intrinsic_matrix and extrinsic_matrix have the shapes {lens.shape} and {place.shape}; they must be "
+                             "(3, 3) and (4, 4)")
+        turn = place[:3, :3].T
+        try:
+            ways = turn @ numpy.linalg.inv(lens)
+        except numpy.linalg.LinAlgError:
+            raise ValueError("intrinsic_matrix has no inverse") from None
+        x, y = numpy.meshgrid(numpy.arange(width) + 0.5, numpy.arange(height) + 0.5)
+        rays = numpy.empty((height, width, 6), numpy.float32)
+        rays[..., :3] = -turn @ place[:3, 3]
+        rays[..., 3:] = numpy.stack((x, y, numpy.ones_like(x)), axis=-1) @ ways.T
+        return _like(next((one for one in given.values() if hasattr(type(one), "from_numpy")), None), rays)

@@ -16,27 +16,34 @@ Indices = NDArray[numpy.int64]
 
 
 class RayMeshIntersector:
-    """Method names and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`."""
+    """Method names, parameters and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`, as
+    they are now. By name, parameters of the class over embreex are taken too: `max_hits`, the nearest so many of each ray, and
+    `scale_to_box`, which changes nothing.
+    """
 
-    def __init__(self, mesh: Any, device: Selector = None) -> None:
+    def __init__(self, mesh: Any, device: Selector = None, *, scale_to_box: bool = True) -> None:  # pylint: disable=unused-argument
         self.mesh = mesh
         self.scene = Scene(mesh.vertices, mesh.faces, device)
 
-    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                            multiple_hits: bool = True) -> tuple[NDArray[numpy.float64], Indices, Indices]:
+    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, *,
+                            max_hits: int | None = None) -> tuple[NDArray[numpy.float64], Indices, Indices]:
         """(locations (m, 3), index_ray (m,), index_tri (m,)): every crossing, or the nearest hit of each ray."""
         if not multiple_hits:
             hits = self.scene.cast(ray_origins, ray_directions, want=("hit", "primitive", "point"))
             index_ray = numpy.flatnonzero(hits.hit)
             return hits.point[index_ray], index_ray, hits.primitive[index_ray].astype(numpy.int64)
         offsets, hits = self.scene.all_hits(ray_origins, ray_directions, want=("primitive", "point"))
-        index_ray = numpy.repeat(numpy.arange(len(offsets) - 1), numpy.diff(offsets).astype(numpy.int64))
-        return hits.point, index_ray, hits.primitive.astype(numpy.int64)
+        firsts = offsets[:-1].astype(numpy.int64)
+        index_ray = numpy.repeat(numpy.arange(len(firsts)), numpy.diff(offsets).astype(numpy.int64))
+        if max_hits is None:
+            return hits.point, index_ray, hits.primitive.astype(numpy.int64)
+        kept = numpy.arange(len(index_ray)) - firsts[index_ray] < max_hits
+        return hits.point[kept], index_ray[kept], hits.primitive[kept].astype(numpy.int64)
 
-    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
-                      return_locations: bool = False) -> tuple[Any, ...]:
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, return_locations: bool = False, multiple_hits: bool = True,
+                      *, max_hits: int | None = None) -> tuple[Any, ...]:
         """(index_tri, index_ray), with the locations if wanted."""
-        locations, index_ray, index_tri = self.intersects_location(ray_origins, ray_directions, multiple_hits)
+        locations, index_ray, index_tri = self.intersects_location(ray_origins, ray_directions, multiple_hits, max_hits=max_hits)
         return (index_tri, index_ray, locations) if return_locations else (index_tri, index_ray)
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Indices:
