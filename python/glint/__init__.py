@@ -368,6 +368,11 @@ class Scene(_native.Owner):
         return info
 
     @property
+    def device(self) -> Device:
+        """What it asks."""
+        return self._device
+
+    @property
     def bounds(self) -> NDArray[numpy.float64]:
         """The box around everything committed but planes: (2, 3)."""
         info = self._info()

@@ -159,7 +159,8 @@ class Owner:
 @functools.lru_cache(maxsize=None)
 def record(name: str, fields: tuple[str, ...]) -> Any:
     """A kind of named tuple, the same for the same names, that can be pickled."""
-    kind: Any = collections.namedtuple(name, fields)
+    make_kind: Any = collections.namedtuple  # checkers want its fields to be literals
+    kind = make_kind(name, fields)
 
     def missing(_: Any, asked: str) -> Any:
         raise AttributeError(f"{name} has no {asked!r}, but what was asked for: {', '.join(fields) or 'nothing'}")

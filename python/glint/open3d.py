@@ -18,7 +18,7 @@ _BY_MATRICES = ("intrinsic_matrix", "extrinsic_matrix", "width_px", "height_px")
 _BY_PLACES = ("fov_deg", "center", "eye", "up", "width_px", "height_px")
 
 
-class Array(numpy.ndarray):
+class Array(numpy.ndarray):  # type: ignore[type-arg]
     """An array for code that was written for tensors."""
 
     def numpy(self) -> NDArray[Any]:

@@ -15,15 +15,43 @@ from . import Scene, Selector, _native
 Indices = NDArray[numpy.int64]
 
 
+def _hashes_its_content(mesh: Any) -> bool:
+    return any(kind.__module__.startswith("trimesh.") for kind in type(mesh).__mro__)
+
+
 class RayMeshIntersector:
-    """Method names, parameters and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`, as
-    they are now. By name, parameters of the class over embreex are taken too: `max_hits`, the nearest so many of each ray, and
-    `scale_to_box`, which changes nothing.
+    """Method names, parameters and shapes of trimesh.ray.ray_triangle.RayMeshIntersector, for anything with `vertices` and `faces`.
+
+    Rays meet the mesh as it is when they are cast: whether it has changed is told by the hash of its content, which trimesh's meshes
+    have, or else by comparing with copies. By name, parameters of the class over embreex are taken too: `max_hits`, the nearest so
+    many of each ray, and `scale_to_box`, which changes nothing.
     """
 
     def __init__(self, mesh: Any, device: Selector = None, *, scale_to_box: bool = True) -> None:  # pylint: disable=unused-argument
         self.mesh = mesh
-        self.scene = Scene(mesh.vertices, mesh.faces, device)
+        self._selector = device
+        self._made: tuple[Scene, Any] | None = None
+        self.scene  # pylint: disable=pointless-statement  # what is wrong with the mesh is said at once
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Another process makes the scene anew."""
+        return {**self.__dict__, "_made": None}
+
+    @property
+    def scene(self) -> Scene:
+        """Of the mesh as it is now, committed."""
+        made = self._made
+        if made is not None and self._is_still(made[1]):
+            return made[0]
+        known = hash(self.mesh) if _hashes_its_content(self.mesh) else (numpy.array(self.mesh.vertices), numpy.array(self.mesh.faces))
+        scene = Scene(self.mesh.vertices, self.mesh.faces, self._selector if made is None else made[0].device)
+        self._made = scene, known
+        return scene
+
+    def _is_still(self, known: Any) -> bool:
+        if _hashes_its_content(self.mesh):
+            return bool(hash(self.mesh) == known)
+        return all(numpy.array_equal(array, given) for array, given in zip(known, (self.mesh.vertices, self.mesh.faces)))
 
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, *,
                             max_hits: int | None = None) -> tuple[NDArray[numpy.float64], Indices, Indices]:

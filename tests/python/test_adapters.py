@@ -1,4 +1,5 @@
 """The adapters: names, shapes and meanings of trimesh and of Open3D."""
+import pickle
 import types
 
 import numpy
@@ -35,6 +36,46 @@ def test_trimesh(selector):
     assert rays.intersects_id(origins, directions, max_hits=2)[1].tolist() == [0, 0, 2]
     assert rays.intersects_any(origins, directions).tolist() == [True, False, True]
     assert rays.contains_points([[0, 0, 0], [2, 0, 0]]).tolist() == [True, False]
+
+
+class Mesh:
+    def __init__(self):
+        self.vertices, self.faces = CUBE.copy(), FACES.copy()
+
+
+def test_trimesh_follows_the_mesh(selector):
+    mesh = Mesh()
+    mesh.ray = RayMeshIntersector(mesh, selector)
+    before = mesh.ray.scene
+    assert mesh.ray.contains_points([[0, 0, 0]]).tolist() == [True]
+    assert mesh.ray.scene is before
+    mesh.vertices += [3, 0, 0]  # in place
+    assert mesh.ray.contains_points([[0, 0, 0], [3, 0, 0]]).tolist() == [False, True]
+    assert mesh.ray.scene.device is before.device
+    mesh.faces = numpy.concatenate([mesh.faces, mesh.faces + len(CUBE)])
+    mesh.vertices = numpy.concatenate([mesh.vertices, mesh.vertices - [3, 0, 0]])
+    assert mesh.ray.contains_points([[0, 0, 0], [3, 0, 0]]).tolist() == [True, True]
+    # A mesh and what asks it are made of each other, as trimesh's are.
+    other = pickle.loads(pickle.dumps(mesh))
+    assert other.ray.mesh is other and other.ray.contains_points([[3, 0, 0], [9, 0, 0]]).tolist() == [True, False]
+    with pytest.raises(ValueError, match="vertices"):
+        RayMeshIntersector(types.SimpleNamespace(vertices=[1, 2], faces=FACES), selector)
+
+
+def test_trimesh_trusts_the_hash_of_its_own_meshes(selector):
+    asked = []
+
+    class Hashed(Mesh):
+        __module__ = "trimesh.base"
+
+        def __hash__(self):
+            asked.append(self)
+            return hash((self.vertices.tobytes(), self.faces.tobytes()))
+    mesh = Hashed()
+    rays = RayMeshIntersector(mesh, selector)
+    assert rays.contains_points([[0, 0, 0]]).tolist() == [True] and asked
+    mesh.vertices += [3, 0, 0]
+    assert rays.contains_points([[0, 0, 0]]).tolist() == [False]
 
 
 def test_open3d(selector):
