@@ -168,6 +168,11 @@ bool crossTriangle(Ray ray, RayFrame frame, Triangle triangle, inout uint trips,
             precise float bound = 16.0 * kUnit * dot(terms, abs(vec3(az, bz, cz)));
             precise float sum = ea * az + eb * bz + ec * cz;
             doubtful = crosses && nearest <= 0.0 && !(abs(sum) > bound);
+            // One that is certain lies between its corners, and so between the ray's ends, though t is
+            // rounded: it is counted elsewhere without a look at t.
+            bool below = kPlacesMatter && certain && t < nearest;
+            bool above = kPlacesMatter && certain && t > farthest;
+            t = below ? nearest : (above ? farthest : t);
             crosses = crosses && t > 0.0 && t > ray.tMin && t <= ray.tMax;
             closer = false;
             ++trips;

@@ -34,11 +34,13 @@ struct CountRun {
     const Callbacks& callbacks;
     // From several threads. doubtful: the number is the host's, and the device knows another.
     std::function<void(uint64_t i, uint32_t crossings, bool doubtful)> take;
+    bool forList = false;
 
     void onDevice() const {
         render::RayTask task;
         task.count = count;
         task.ask = render::RayTask::Ask::Count;
+        task.forList = forList;
         task.cancelled = callbacks.cancelled;
         task.progress = callbacks.progress;
         task.fill = read;
@@ -133,7 +135,8 @@ void listAll(const Snapshot& snapshot, const RayReader& rays, const Output& offs
              [&](uint64_t i, uint32_t crossings, bool doubt) {
                  counts[i] = crossings;
                  doubtful[i] = doubt;
-             }}
+             },
+             true}
         .run();
     uint64_t sum = 0;
     for (uint64_t i = 0; i < counts.size(); ++i) {

@@ -182,6 +182,7 @@ struct RayQueries::State {
     void fill(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
               size_t count) const;
     void trace(Slot& slot, size_t paths, KernelId id, bool packets, NodeFormat nodes) const;
+    void checkListed(const Slot& slot, std::span<const RowEntry> wanted) const;
     void listPiece(std::span<const uint32_t> counts, size_t first, const ListFill& fill,
                    const ListTake& take);
     void take(const Slot& slot, const Placement& placement, const RayTask& task, const RayNumbers& rays,
@@ -337,7 +338,7 @@ void RayQueries::State::makeFour(Slot& slot) {
 NodeFormat RayQueries::State::nodesFor(const RayTask& task, size_t count, size_t left) {
     if (task.ask == RayTask::Ask::Certain) return NodeFormat::Two;
     const bool counts = task.ask == RayTask::Ask::Count;
-    if (!mayTakeFour || (counts && !leavesWait(features))) return traversal.nodes;
+    if (!mayTakeFour || task.forList || (counts && !leavesWait(features))) return traversal.nodes;
     const std::lock_guard lock(mutex);
     const uint64_t worth = counts ? kWorthOfCountForFour : 1;
     const bool pays = four || fourPays(scene, alone + worth * left, aloneSinceChange + worth * left);
@@ -362,6 +363,16 @@ void RayQueries::State::runPiece(const RayTask& task, const RayNumbers& rays, si
         task.kernels->processor += processor.seconds();
     }
     take(slot, placement, task, rays, count, gathered);
+}
+
+// What was not listed would be read from memory that nobody has written.
+void RayQueries::State::checkListed(const Slot& slot, std::span<const RowEntry> wanted) const {
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        const uint32_t listed = slot.row(kHitRow)[i].u[1];
+        if (wanted[i].u[1] != 0 && listed != wanted[i].u[1])
+            throw Error(ErrorKind::Device, "of a ray that crosses " + std::to_string(wanted[i].u[1]) +
+                                               " surfaces the device has listed " + std::to_string(listed));
+    }
 }
 
 // The rays from `first` on, whose hits fit into the room for lists.
@@ -394,6 +405,7 @@ void RayQueries::State::listPiece(std::span<const uint32_t> counts, size_t first
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry);
     gpu::upload(device, slot.rows, std::as_bytes(std::span(places)), shared::kRowThroughput * row);
     trace(slot, placement.places() * kBlock, KernelId::List, false, traversal.nodes);
+    checkListed(slot, places);
     std::vector<RowEntry> found(2 * sum);
     gpu::download(device, slot.rows, std::as_writable_bytes(std::span(found)), (rowCount - kListRows) * row);
     std::vector<FoundHit> hits;
@@ -445,7 +457,7 @@ bool RayQueries::run(const RayTask& task) {
     for (size_t first = 0; first < task.count && !stopped;) {
         const RayOrder order = state_->orderOf(task, first);
         const RayNumbers rays = order.from(first);
-        const bool packets = order.coherent && state_->packetsKnow(task.ask);
+        const bool packets = order.coherent && !task.forList && state_->packetsKnow(task.ask);
         const NodeFormat nodes =
             packets ? NodeFormat::Two : state_->nodesFor(task, order.count, task.count - first);
         const auto gathered = state_->gatherFor(task, order);

@@ -69,6 +69,9 @@ struct RayTask {
     float slack = 0;
     // And how far surfaces other than triangles may stand out of the boxes around their rounded forms.
     float boxSlack = 0;
+    // Of Ask::Count: the numbers are for `list`, whose kernel this one's walk is then like, box by box. What
+    // rounding puts on either side of an end of a ray's interval may be left out with a box or not.
+    bool forList = false;
     bool coherent = false;                 // the caller says that neighbours go about the same way
     bool spreads = false;                  // `take` writes to several places for each ray
     std::function<bool()> cancelled;       // asked between pieces; may be empty
@@ -91,9 +94,9 @@ class RayQueries {
     // False if it was cancelled.
     bool run(const RayTask& task);
 
-    // Where ray i crosses surfaces, counts[i] of them as Ask::Count has it, in no order; 0: the ray is left
-    // out. `take` is called for one ray after the other. Throws Error(Device) if one ray crosses more than
-    // fit into a piece.
+    // Where ray i crosses surfaces, counts[i] of them as Ask::Count has it with RayTask::forList, in no
+    // order; 0: the ray is left out. `take` is called for one ray after the other. Throws Error(Device) if
+    // one ray crosses more than fit into a piece, or the device finds another number of crossings.
     void list(std::span<const uint32_t> counts,
               const std::function<void(size_t first, std::span<RayInput> rays)>& fill,
               const std::function<void(size_t i, std::span<const FoundHit> hits)>& take);

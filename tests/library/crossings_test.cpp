@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "closed_meshes.h"
 #include "oracle.h"
@@ -278,6 +279,50 @@ TEST_F(LibraryCrossings, ListsGoInAndOut) {
     hits.t.count = 7;
     EXPECT_EQ(glint_query_all(scene(), &rays, nullptr, &hits, &total, nullptr), GLINT_ERROR_CAPACITY);
     EXPECT_EQ(total, t.size());
+}
+
+// Rays that end at corners of triangles: rounding decides whether they are met, and lists are as long as they
+// were counted. A certain crossing whose t was rounded to more than the ray's end was missing from its list,
+// and what stood in its place was memory that nobody had written.
+TEST_F(LibraryCrossings, ListsEndAtCorners) {
+    Random random(31);
+    std::vector<D3> vertices(3 * 60);
+    for (D3& vertex : vertices) vertex = random.direction();
+    addMesh<double>(vertices);
+    commit();
+    std::vector<D3> origins, directions;
+    for (size_t i = 0; i < (kOnDevice ? 20'000 : 500); ++i) {
+        const D3 from = random.direction(), &to = vertices[i % vertices.size()];
+        origins.push_back({3 * from[0], 3 * from[1], 3 * from[2]});
+        directions.push_back({to[0] - 3 * from[0], to[1] - 3 * from[1], to[2] - 3 * from[2]});
+    }
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    const std::vector<double> ends(origins.size(), 1);
+    rays.t_max = viewOf(ends);
+    std::vector<uint64_t> offsets(origins.size() + 1);
+    const glint_out offsetOut = outOf(offsets);
+    uint64_t total = 0;
+    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, nullptr, &total, nullptr), GLINT_OK)
+        << glint_last_error();
+    ASSERT_GT(total, origins.size());
+    std::vector<double> t(total);
+    std::vector<uint32_t> geometry(total), primitive(total);
+    GLINT_INIT(glint_hits, hits);
+    hits.t = outOf(t);
+    hits.geometry = outOf(geometry);
+    hits.primitive = outOf(primitive);
+    ASSERT_EQ(glint_query_all(scene(), &rays, &offsetOut, &hits, &total, nullptr), GLINT_OK)
+        << glint_last_error();
+    size_t wrong = 0;
+    for (size_t i = 0; i < origins.size(); ++i) {
+        std::set<uint32_t> met;
+        for (uint64_t k = offsets[i]; k < offsets[i + 1]; ++k)
+            wrong += !(t[k] > 0 && t[k] <= 1) || geometry[k] != 0 || primitive[k] >= vertices.size() / 3 ||
+                     !met.insert(primitive[k]).second;
+    }
+    EXPECT_EQ(wrong, 0u);
 }
 
 // Square sheets of random sizes over each other: a ray along z crosses those that reach as far as it passes
