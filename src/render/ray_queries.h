@@ -115,13 +115,15 @@ class RayQueries {
     std::unique_ptr<State> state_;
 };
 
-// As the kernels read it: t that fp32 cannot hold is kInfinity, NaN stays NaN and misses.
+// As the kernels read it: t that fp32 cannot hold is kInfinity, NaN stays NaN and misses. They may take what
+// lies behind the origin where tMin is below 0.
 inline RayInput roundedRay(const LocalRay& ray) {
     const auto bound = [](double t) {
         constexpr double kLimit = static_cast<double>(shared::kInfinity);
         return static_cast<float>(std::clamp(t, -kLimit, kLimit));
     };
-    return {glm::vec3(ray.origin), glm::vec3(ray.direction), bound(ray.tMin), bound(ray.tMax)};
+    return {glm::vec3(ray.origin), glm::vec3(ray.direction), std::max(bound(ray.tMin), 0.0f),
+            bound(ray.tMax)};
 }
 
 }  // namespace glint::render

@@ -111,6 +111,45 @@ TEST_F(LibraryArrays, IntervalsAndBroadcasts) {
     EXPECT_EQ(hit, std::vector<uint8_t>(4, 0));
 }
 
+// Of every kind, whatever t_min: rays that turn their backs on it, and from inside only what lies ahead.
+TEST_F(LibraryArrays, NothingIsMetBehindTheOrigin) {
+    for (const char* object :
+         {R"("type": "sphere", "center": [0, 0, -2], "radius": 1)",
+          R"("type": "box", "min": [-1, -1, -3], "max": [1, 1, -1])",
+          R"("type": "disc", "center": [0, 0, -2], "normal": [0, 0, 1], "radius": 1)",
+          R"("type": "plane", "point": [0, 0, -2], "normal": [0, 0, 1])",
+          R"("type": "cylinder", "base": [0, 0, -3], "top": [0, 0, -1], "radius": 1, "capped": true)",
+          R"("type": "cone", "base": [0, 0, -3], "apex": [0, 0, -1], "radius": 1)",
+          R"("type": "polygon", "vertices": [[-1, -1, -2], [1, -1, -2], [0, 1, -2]])"}) {
+        glint_scene* own = nullptr;
+        ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+        useScene(own);
+        const std::string text =
+            R"({"materials": {"m": {}}, "objects": [{"material": "m", )" + std::string(object) + "}]}";
+        ASSERT_EQ(glint_scene_add_json(scene(), text.c_str(), nullptr, nullptr, nullptr), GLINT_OK)
+            << object << glint_last_error();
+        commit();
+        const std::vector<D3> origins(2, D3{0.125, 0.0625, 0}), directions = {{0, 0, 1}, {0, 0, -1}};
+        const std::vector<double> from(2, -9);
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        rays.t_min = viewOf(from);
+        std::vector<uint8_t> any(2, 9), hit(2, 9);
+        std::vector<uint32_t> crossed(2, 99);
+        const glint_out anyOut = outOf(any), crossedOut = outOf(crossed);
+        GLINT_INIT(glint_hits, hits);
+        hits.hit = outOf(hit);
+        ASSERT_EQ(glint_query_any(scene(), &rays, &anyOut, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        ASSERT_EQ(glint_query_count(scene(), &rays, &crossedOut, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(any, (std::vector<uint8_t>{0, 1})) << object;
+        EXPECT_EQ(hit, (std::vector<uint8_t>{0, 1})) << object;
+        EXPECT_EQ(crossed[0], 0u) << object;
+        EXPECT_GT(crossed[1], 0u) << object;
+    }
+}
+
 TEST_F(LibraryArrays, RaysThatAreNoneHitNothing) {
     addSquare();
     const float nan = std::numeric_limits<float>::quiet_NaN(),
