@@ -353,8 +353,9 @@ GLINT_API glint_status glint_query_any(const glint_scene* scene, const glint_ray
 GLINT_API glint_status glint_query_count(const glint_scene* scene, const glint_rays* rays,
                                          const glint_out* count, const glint_options* options);
 
-/* All that glint_query_count counts, of each ray nearest first. Those of ray i are elements offsets[i] to
- * offsets[i + 1] - 1 of the arrays of `hits`, whose counts say how much room there is.
+/* All that glint_query_count counts, of each ray nearest first, those at the same t as geometries and
+ * primitives are numbered. Those of ray i are elements offsets[i] to offsets[i + 1] - 1 of the arrays of
+ * `hits`, whose counts say how much room there is.
  *   offsets  U64, one more than there are rays; may be NULL.
  *   hits     NULL: numbers only.
  *   total    how many hits there are; set, as the offsets are, also where there is no room for them and the

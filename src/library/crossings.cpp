@@ -98,17 +98,22 @@ struct ListRun {
                                            0,
                                            f.instance};
                 }
-                const auto begin = hits.begin() + static_cast<ptrdiff_t>(places[i]);
-                std::sort(begin, begin + static_cast<ptrdiff_t>(found.size()),
-                          [](const Hit& a, const Hit& b) {
-                              return std::pair(a.t, a.primitive) < std::pair(b.t, b.primitive);
-                          });
             });
+    }
+    // Nearest first; those at the same t as geometries and primitives are numbered, whatever the tree.
+    void putInOrder(std::span<Hit> own) const {
+        const auto names = [&](const Hit& hit) {
+            const reference::Surface surface = part.tracer().namesAt(hit);
+            return std::pair(surface.object, surface.primitive);
+        };
+        std::sort(own.begin(), own.end(),
+                  [&](const Hit& a, const Hit& b) { return a.t != b.t ? a.t < b.t : names(a) < names(b); });
     }
     void run() const {
         if (part.queries) byDevice();
         parallelFor(counts.size(), [&](size_t i) {
             if (counts[i] > 0 && (!part.queries || doubtful[i])) byHost(i);
+            putInOrder(std::span(hits).subspan(places[i], counts[i]));
         });
     }
 };
