@@ -293,7 +293,8 @@ enum {
 
 /* The points origin + t direction with t_min < t <= t_max and t > 0: what is behind the origin is never met,
  * also where t_min is below 0. A ray that is not finite, or without direction, hits nothing, nor does one
- * whose interval is empty or has an end that is NaN. There are as many rays as the larger of the counts of
+ * from where fp32 cannot hold (the reference: 1e150), unless it is certified, or one whose interval is empty
+ * or has an end that is NaN. There are as many rays as the larger of the counts of
  * origins and directions, and none if one of them is 0. */
 typedef struct glint_rays {
     uint64_t size;

@@ -79,6 +79,10 @@ class Run {
         answer.lower = answer.upper = std::numeric_limits<double>::infinity();
         if (found.primitive != shared::kNone && certainty_.wantsBounds()) {
             answer = tracer_.at(rays_.world(i), found.primitive, found.instance);
+            if (!answer.sure) {  // squares overflow in double that do not in the rescaled ray
+                decide(i, found);
+                return;
+            }
             hits_.writePlace(i, answer.hit);
         }
         certainty_.write(i, answer);

@@ -133,6 +133,9 @@ struct SphereEquation {
 
 }  // namespace
 
+// Squares of coordinates stay finite. Of a scene in the range of fp32 a ray from so far tells nothing apart.
+constexpr double kFarthestOrigin = 1e150;
+
 PreparedRay::PreparedRay(const Ray& ray) : noise(ray.noise) {
     double greatest = 0;
     bool finite = true;
@@ -140,7 +143,7 @@ PreparedRay::PreparedRay(const Ray& ray) : noise(ray.noise) {
     for (int i = 0; i < 3; ++i) {
         origin[i] = ray.origin[i];
         direction[i] = ray.direction[i];
-        finite = finite && std::isfinite(origin[i]) && std::isfinite(direction[i]);
+        finite = finite && std::abs(origin[i]) < kFarthestOrigin && std::isfinite(direction[i]);
         inverse[i] = 1 / direction[i];
         const bool negative = std::signbit(direction[i]);
         nearPlane[i] = i + (negative ? 4 : 0);

@@ -48,6 +48,17 @@ bool isSameSurface(const Model& scene, const Hit& a, const Hit& b) {
 
 // ---- Triangles
 
+// Along (v1 - v0) x (v2 - v0). Where most of that cancels, from the corner across from the longest edge: a
+// needle's width is the difference of two corners that lie together, and would be lost in those to a far one.
+dvec3 areaOf(const dvec3& v0, const dvec3& v1, const dvec3& v2) {
+    const dvec3 a = v1 - v0, b = v2 - v0, c = v2 - v1;
+    const dvec3 area = glm::cross(a, b);
+    const double lengthA = glm::length(a), lengthB = glm::length(b), lengthC = glm::length(c);
+    if (glm::length(area) > 1e-6 * lengthA * lengthB) return area;
+    if (lengthB >= lengthA && lengthB >= lengthC) return glm::cross(c, -a);
+    return lengthA >= lengthC ? glm::cross(b, c) : area;
+}
+
 void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surface) {
     const Hit& hit = place.hit;
     const rows::TriangleSurface& data = place.scene.triangleSurfaces[place.index()];
@@ -59,7 +70,7 @@ void surfaceOf(const rows::Triangle& triangle, const Place& place, Surface& surf
     surface.position = w * v0 + hit.u * v1 + hit.v * v2;
     surface.error = gammaOf(7) * (std::abs(w) * glm::abs(v0) + std::abs(hit.u) * glm::abs(v1) +
                                   std::abs(hit.v) * glm::abs(v2));
-    surface.geometricNormal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
+    surface.geometricNormal = glm::normalize(areaOf(v0, v1, v2));
     surface.shadingNormal = surface.geometricNormal;
 }
 

@@ -53,7 +53,8 @@ class Plan:
         if kind == 1:  # on a grid
             corners = self.random.integers(-2, 3, size=(count, 3)) * self.size + self.offset
         if kind == 2:  # in a plane across an axis, each triangle twice
-            corners[:, self.random.integers(3)] = self.offset[0]
+            axis = self.random.integers(3)
+            corners[:, axis] = self.offset[axis]
             corners = np.concatenate([corners, corners])
         self.meshes.append(corners)
         self.points.append(corners)
@@ -165,6 +166,20 @@ def must_hold(scene, rays):
     yield "list begins with the nearest", plain & ~same_t(nearest, found.t, rays)
 
 
+def as_made_anew(scene, anew, rays):
+    """Where a scene that was changed does not answer as one made anew: nearest hits to the bit. Of lists the names, of plain rays: where
+    rounding leaves it open whether a surface is met before the origin the processor decides, and another tree may not come by there."""
+    origins, directions, t_min, t_max, plain = rays
+    asked = [one.cast(origins, directions, t_min=t_min, t_max=t_max) for one in (scene, anew)]
+    for name in asked[0]._fields:
+        one, other = (np.reshape(getattr(found, name), (len(plain), -1)) for found in asked)
+        yield f"{name} after a change", (one != other).any(1)
+    lists = [one.all_hits(origins[plain], directions[plain], t_min=t_min[plain], t_max=t_max[plain]) for one in (scene, anew)]
+    yield "lengths of lists after a change", lists[0][0] != lists[1][0]
+    if len(lists[0][1].t) == len(lists[1][1].t):
+        yield "lists after a change", np.any([getattr(lists[0][1], name) != getattr(lists[1][1], name) for name in ("geometry", "primitive")], axis=0)
+
+
 def complaints(seed, devices):
     """What is wrong with the answers of the scenes of a seed, a line each."""
     plan = Plan(np.random.default_rng(seed))
@@ -183,11 +198,9 @@ def complaints(seed, devices):
             for name, mask in must_hold(scene, rays):
                 if mask.any():
                     yield f"seed {seed}, turn {turn}, {device.info['name']}: {name}: {wrong(mask)}"
-            anew = plan.make(device)
-            for name, ask in (("cast", lambda s: s.cast(origins, directions, t_min=t_min, t_max=t_max)),
-                              ("all_hits", lambda s: s.all_hits(origins, directions, t_min=t_min, t_max=t_max)[1])):
-                if not all(np.array_equal(one, other, equal_nan=True) for one, other in zip(ask(scene), ask(anew))):
-                    yield f"seed {seed}, turn {turn}, {device.info['name']}: {name} is another of a scene made anew"
+            for name, mask in as_made_anew(scene, plan.make(device), rays):
+                if mask.any():
+                    yield f"seed {seed}, turn {turn}, {device.info['name']}: {name}: {wrong(mask)}"
         one, other = (scene.cast(origins, directions, t_min=t_min, t_max=t_max, want=("hit", "t", "geometry", "primitive", "sure"))
                       for scene in scenes)
         for name, mask in (("plain rays on both devices", plain & ~same_t(one.t, other.t, rays)),

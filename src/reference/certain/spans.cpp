@@ -115,8 +115,13 @@ std::optional<Span> PreparedRay::span(const PlaneShape& plane) const {
 // way from the centre to the line's nearest point. p errs by 16 u |c - o| in each coordinate, so D by less
 // than 128 u (|c - o|^2 + r^2), the root of D by that over the root, b / a by 8 u |c - o| / |d|.
 std::array<std::optional<Span>, 2> PreparedRay::spans(const SphereShape& sphere) const {
-    const double length = std::sqrt(glm::dot(ray_.direction, ray_.direction));
-    const dvec3 away = sphere.center - ray_.origin, unit = ray_.direction / length;
+    // By a power of two, exactly: the square of a direction may overflow or vanish.
+    const int exponent = std::ilogb(greatest(ray_.direction));
+    const dvec3 scaled = {std::scalbn(ray_.direction.x, -exponent), std::scalbn(ray_.direction.y, -exponent),
+                          std::scalbn(ray_.direction.z, -exponent)};
+    const double scaledLength = std::sqrt(glm::dot(scaled, scaled));
+    const double length = std::scalbn(scaledLength, exponent);
+    const dvec3 away = sphere.center - ray_.origin, unit = scaled / scaledLength;
     const double b = glm::dot(away, unit), size = glm::length(away);
     const dvec3 beside = away - b * unit;
     const double radius = sphere.radius;
