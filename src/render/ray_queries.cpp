@@ -1,7 +1,6 @@
 #include "render/ray_queries.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <condition_variable>
 #include <cstddef>
@@ -16,6 +15,7 @@
 #include "render/path_state.h"
 #include "render/pipelines.h"
 #include "render/ray_blocks.h"
+#include "render/ray_slot.h"
 #include "render/scene_buffers.h"
 
 namespace glint::render {
@@ -37,9 +37,6 @@ SceneFeatures hitFeatures(SceneFeatures features) {
     return features;
 }
 
-// Rows that a ray needs, in the order of the staging buffer.
-constexpr std::array kRows = {shared::kRowOrigin, shared::kRowDirection, shared::kRowHit, shared::kPathRows};
-constexpr size_t kInstanceRow = 3, kHitRow = 2;  // of kRows
 // Behind the rows of the rays: room for hits that are listed, two entries each, four for each ray of a piece.
 constexpr uint32_t kListRows = 8;
 
@@ -66,45 +63,6 @@ bool knowsGiven(RayTask::Ask ask) {
 using Four = float __attribute__((vector_size(16)));
 
 }  // namespace
-
-// What one piece of rays needs to be on its way. `rows` of a software device are written and read in place;
-// else `staging` holds copies of the rows that change hands.
-struct Slot {
-    gpu::Buffer counters, rows, staging;
-    Pipelines pipelines;
-    gpu::Submission submission;
-    uint32_t capacity;
-    bool busy = false;
-
-    Slot(const gpu::Device& device, Pipelines made, gpu::Access access, const SceneBuffers& scene,
-         uint32_t paths, uint32_t rowCount, bool inPlace)
-        : pipelines(std::move(made)), submission(device), capacity(paths) {
-        const uint64_t row = uint64_t{paths} * sizeof(RowEntry);
-        counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
-                               gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
-        rows = gpu::Buffer(device, "rays", row * rowCount, access,
-                           inPlace ? gpu::MemoryKind::Host : gpu::MemoryKind::Device);
-        if (!inPlace)
-            staging = gpu::Buffer(device, "rays on their way", row * kRows.size(), gpu::Access::StorageBuffer,
-                                  gpu::MemoryKind::Host);
-        pipelines.bind(counters, rows, scene);
-        // Kernels leave the walk row alone but where a ray runs out of trips, and put it back when that is
-        // done.
-        RowEntry none;
-        std::fill_n(none.u, 4, shared::kNone);
-        const std::vector<RowEntry> finished(paths, none);
-        gpu::upload(device, rows, std::as_bytes(std::span(finished)), shared::kRowWalk * row);
-    }
-
-    // One of kRows, where the host writes and reads it.
-    RowEntry* row(size_t which) const {
-        return static_cast<RowEntry*>(staging ? staging.mapped() : rows.mapped()) +
-               (staging ? which : size_t{kRows[which]}) * capacity;
-    }
-    uint32_t& unfinished() const {
-        return static_cast<uint32_t*>(counters.mapped())[shared::kCounterUnfinished];
-    }
-};
 
 using ListFill = std::function<void(size_t first, std::span<RayInput> rays)>;
 using ListTake = std::function<void(size_t i, std::span<const FoundHit> hits)>;
@@ -248,19 +206,19 @@ void RayQueries::State::trace(Slot& slot, size_t paths, KernelId id, bool packet
     dispatch.tripBudget = tripBudget;
     const auto constants = std::as_bytes(std::span<const shared::Dispatch, 1>(&dispatch, 1));
     const uint64_t row = uint64_t{slot.capacity} * sizeof(RowEntry), used = paths * sizeof(RowEntry);
-    const size_t staged = slot.staging ? kRows.size() - (features.instances ? 0 : 1) : 0;
+    const size_t staged = slot.staging ? kSlotRows.size() - (features.instances ? 0 : 1) : 0;
 
     const bool certify = id == KernelId::Certify;  // a walk that does not end is not gone on with
     TraceModes modes = {.given = !certify, .nodes = nodes};
     for (size_t i = 0; i < staged; ++i)
-        slot.submission.copy(slot.staging, i * row, slot.rows, kRows[i] * row, used);
+        slot.submission.copy(slot.staging, i * row, slot.rows, kSlotRows[i] * row, used);
     const uint32_t perLane = packets ? raysOfLane(packetKernel(id)) : 1;
     slot.submission.dispatch(slot.pipelines.get(packets ? packetKernel(id) : id, modes),
                              (groups + perLane - 1) / perLane, constants);
     modes.resume = true;
     for (;;) {
         for (size_t i = kHitRow; i < staged; ++i)
-            slot.submission.copy(slot.rows, kRows[i] * row, slot.staging, i * row, used);
+            slot.submission.copy(slot.rows, kSlotRows[i] * row, slot.staging, i * row, used);
         slot.unfinished() = 0;
         slot.submission.submit();
         if (certify || slot.unfinished() == 0) break;
