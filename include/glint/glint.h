@@ -292,14 +292,14 @@ enum {
 };
 
 /* The points origin + t direction with t_min < t <= t_max and t > 0: what is behind the origin is never met,
- * also where t_min is below 0. A ray that is not finite, or without direction, hits nothing, nor does one
- * from where fp32 cannot hold (the reference: 1e150), unless it is certified, or one whose interval is empty
- * or has an end that is NaN. There are as many rays as the larger of the counts of
- * origins and directions, and none if one of them is 0. */
+ * also where t_min is below 0. A ray that is not finite, or without direction (below 1e-290), hits nothing,
+ * nor does one whose interval is empty or has an end that is NaN, nor, unless it is certified, one that
+ * starts where fp32 cannot tell (the reference: beyond 1e150). There are as many rays as the larger of the
+ * counts of origins and directions, and none if one of them is 0. */
 typedef struct glint_rays {
     uint64_t size;
     glint_view origins;    /* three numbers each; a count of 1: all start there */
-    glint_view directions; /* three numbers each, of any length but 0; a count of 1: all go there */
+    glint_view directions; /* three numbers each, of any length (above); a count of 1: all go there */
     glint_view t_min;      /* no data: 0 */
     glint_view t_max;      /* no data: infinite */
     uint32_t flags;        /* 0, or GLINT_RAYS_COHERENT */

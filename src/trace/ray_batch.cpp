@@ -12,7 +12,11 @@ double LocalRay::worldT(double t) const {
 
 LocalRay rescaledRay(const LocalRay& ray, double greatest) {
     LocalRay local = ray;
-    if (!(greatest > 0 && std::isfinite(greatest))) return local;  // it misses
+    if (!std::isfinite(greatest)) return local;  // it misses
+    if (greatest < kShortestDirection) {
+        local.direction = glm::dvec3(0);
+        return local;
+    }
     const int exponent = std::ilogb(greatest);
     for (int axis = 0; axis < 3; ++axis)
         local.direction[axis] = std::scalbn(local.direction[axis], -exponent);

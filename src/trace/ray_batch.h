@@ -71,6 +71,10 @@ struct LocalRay {
 };
 LocalRay rescaledRay(const LocalRay& ray, double greatest);
 
+// Of a direction's greatest component. Of a shorter one t would be more than double holds; such a ray has no
+// direction.
+inline constexpr double kShortestDirection = 1e-290;
+
 // Squares of directions far from unit length overflow or vanish, in fp32 at 2^64 already: they are rescaled
 // where their greatest component is not harmless.
 inline bool isHarmless(double greatest) {

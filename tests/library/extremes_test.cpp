@@ -19,7 +19,7 @@ TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
               GLINT_OK)
         << glint_last_error();
     commit();
-    const std::vector<double> lengths = {1, 1e-100, 1e100, 1e-200, 1e155, 1e200, 1e253, 1e-280};
+    const std::vector<double> lengths = {1, 1e-100, 1e100, 1e-200, 1e155, 1e200, 1e253, 1e-280, 1e307};
     std::vector<D3> origins, directions;
     for (const double length : lengths) {
         origins.push_back({0.25, 0, 5});
@@ -84,6 +84,32 @@ TEST_F(LibraryExtremes, NothingThatIsAnsweredIsNoNumber) {
     ASSERT_EQ(hit[0], 1);
     EXPECT_LT(glm::length(glm::cross(glm::dvec3(normals[0][0], normals[0][1], normals[0][2]), normal)), 1e-6);
     EXPECT_EQ(hit[1], 0);
+}
+
+// Too short for any t: certified or not, on whichever device.
+TEST_F(LibraryExtremes, DirectionsThatAreTooShortAreNone) {
+    addMesh<double>({{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
+    commit();
+    const std::vector<D3> origins(3, D3{0, 0, 5}),
+        directions = {{0, 0, -1e-289}, {0, 0, -1e-300}, {0, 0, -5e-324}};
+    std::vector<uint8_t> hit(3), sure(3), any(3);
+    std::vector<double> t(3);
+    GLINT_INIT(glint_rays, rays);
+    rays.origins = viewOf(origins);
+    rays.directions = viewOf(directions);
+    GLINT_INIT(glint_hits, hits);
+    hits.hit = outOf(hit);
+    hits.t = outOf(t);
+    const glint_out anyOut = outOf(any);
+    ASSERT_EQ(glint_query_any(scene(), &rays, &anyOut, nullptr), GLINT_OK) << glint_last_error();
+    EXPECT_EQ(any, (std::vector<uint8_t>{1, 0, 0}));
+    for (const bool certified : {false, true}) {
+        if (certified) hits.sure = outOf(sure);
+        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        EXPECT_EQ(hit, (std::vector<uint8_t>{1, 0, 0})) << certified;
+        EXPECT_NEAR(t[0] / 5e289, 1, 1e-6) << certified;
+    }
+    EXPECT_EQ(sure, (std::vector<uint8_t>{1, 1, 1}));
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ bool isFinite(const dvec3& v) {
 }
 
 bool asksForNothing(const WorldRay& ray) {
-    return !isFinite(ray.origin) || !isFinite(ray.direction) || !(greatest(ray.direction) > 0) ||
-           !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
+    return !isFinite(ray.origin) || !isFinite(ray.direction) ||
+           greatest(ray.direction) < kShortestDirection || !(ray.tMin < ray.tMax) || !(ray.tMax > 0);
 }
 
 // A ray in the coordinates of a tree, as boxes see it.
