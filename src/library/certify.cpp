@@ -79,7 +79,7 @@ class Run {
         answer.lower = answer.upper = std::numeric_limits<double>::infinity();
         if (found.primitive != shared::kNone && certainty_.wantsBounds()) {
             answer = tracer_.at(rays_.world(i), found.primitive, found.instance);
-            if (!answer.sure) {  // squares overflow in double that do not in the rescaled ray
+            if (!answer.sure) {  // the device knew more than the host's bounds tell
                 decide(i, found);
                 return;
             }

@@ -9,7 +9,45 @@
 namespace glint::library::test {
 namespace {
 
-class LibraryExtremes : public LibraryTest {};
+struct NearestHits {
+    std::vector<uint8_t> hit, sure;
+    std::vector<double> t, lower, upper;
+    std::vector<glm::dvec3> normals, points;
+};
+
+class LibraryExtremes : public LibraryTest {
+  protected:
+    // Nearest hits; `sure` and bounds where they are certified.
+    NearestHits answers(const std::vector<D3>& origins, const std::vector<D3>& directions,
+                        bool certified = true) {
+        const size_t count = origins.size();
+        NearestHits all;
+        for (auto* flags : {&all.hit, &all.sure}) flags->resize(count);
+        for (auto* numbers : {&all.t, &all.lower, &all.upper}) numbers->resize(count);
+        std::vector<D3> normals(count), points(count);
+        GLINT_INIT(glint_rays, rays);
+        rays.origins = viewOf(origins);
+        rays.directions = viewOf(directions);
+        GLINT_INIT(glint_hits, hits);
+        hits.hit = outOf(all.hit);
+        hits.t = outOf(all.t);
+        hits.normal = outOf(normals);
+        hits.point = outOf(points);
+        if (certified) {
+            hits.sure = outOf(all.sure);
+            hits.t_lower = outOf(all.lower);
+            hits.t_upper = outOf(all.upper);
+        }
+        EXPECT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+        for (const D3& v : normals) all.normals.emplace_back(v[0], v[1], v[2]);
+        for (const D3& v : points) all.points.emplace_back(v[0], v[1], v[2]);
+        return all;
+    }
+};
+
+bool isNumber(const glm::dvec3& v) {
+    return std::isfinite(v.x + v.y + v.z);
+}
 
 // Directions whose squares double cannot hold: a sphere is not missed for sure.
 TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
@@ -26,33 +64,41 @@ TEST_F(LibraryExtremes, SpheresAreMetByDirectionsOfAnyLength) {
         origins.push_back({1.25, 0, 5});
         directions.insert(directions.end(), 2, {0, 0, -length});
     }
-    std::vector<uint8_t> hit(origins.size()), sure(origins.size());
-    std::vector<double> ts(origins.size()), lower(origins.size()), upper(origins.size());
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
-    GLINT_INIT(glint_hits, hits);
-    hits.hit = outOf(hit);
-    hits.sure = outOf(sure);
-    hits.t = outOf(ts);
-    hits.t_lower = outOf(lower);
-    hits.t_upper = outOf(upper);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
+    const NearestHits all = answers(origins, directions);
     for (size_t i = 0; i < lengths.size(); ++i) {
         const double t = (5 - std::sqrt(1 - 0.0625)) / lengths[i];
-        EXPECT_EQ(hit[2 * i], 1) << lengths[i];
-        EXPECT_NEAR(ts[2 * i] / t, 1, 1e-6) << lengths[i];
-        EXPECT_EQ(sure[2 * i], 1) << lengths[i];
-        EXPECT_TRUE(lower[2 * i] <= t && t <= upper[2 * i]) << lengths[i];
-        EXPECT_EQ(hit[2 * i + 1], 0) << lengths[i];
+        EXPECT_EQ(all.hit[2 * i], 1) << lengths[i];
+        EXPECT_NEAR(all.t[2 * i] / t, 1, 1e-6) << lengths[i];
+        EXPECT_EQ(all.sure[2 * i], 1) << lengths[i];
+        EXPECT_TRUE(all.lower[2 * i] <= t && t <= all.upper[2 * i]) << lengths[i];
+        EXPECT_EQ(all.hit[2 * i + 1], 0) << lengths[i];
     }
 }
 
-// Needles whose far corner comes first, and a ray from beyond the squares that double can hold: normals and
-// points are numbers.
-TEST_F(LibraryExtremes, NothingThatIsAnsweredIsNoNumber) {
-    const std::vector<D3> needle = {{3e13, 6e14, 2e15}, {0, 0, 0}, {-1e-10, 2e-10, 0}};
-    addMesh<double>(needle);
+// A needle whose far corner comes first, so that its width is lost beside its length, and two of which the
+// first or the second edge is the longest, told in double.
+TEST_F(LibraryExtremes, NeedlesHaveNormals) {
+    for (const D3& far : {D3{3e13, 6e14, 2e15}, D3{1e8, 0, 0}}) {
+        for (const double along : {-0.25, 0.25}) {
+            glint_scene* own = nullptr;
+            ASSERT_EQ(glint_scene_create(device(), &own), GLINT_OK);
+            useScene(own);
+            const glm::dvec3 tip(far[0], far[1], far[2]);
+            const glm::dvec3 wide = far[1] == 0 ? glm::dvec3(along, 0.125, 0) : glm::dvec3(-1e-10, 2e-10, 0);
+            addMesh<double>({far, {0, 0, 0}, {wide.x, wide.y, wide.z}});
+            commit();
+            const glm::dvec3 normal = glm::normalize(glm::cross(-tip, wide));
+            const glm::dvec3 from = (wide + 1e-17 * tip) / 3.0 + normal;
+            const NearestHits all = answers({{from.x, from.y, from.z}}, {{-normal.x, -normal.y, -normal.z}});
+            ASSERT_EQ(all.hit[0], 1) << tip.x << " " << along;
+            EXPECT_LT(glm::length(all.normals[0] - normal), 1e-6) << tip.x << " " << along;
+            EXPECT_TRUE(isNumber(all.points[0]));
+        }
+    }
+}
+
+// From where squares of coordinates overflow: no points that are no numbers.
+TEST_F(LibraryExtremes, RaysFromBeyondAllScenesMiss) {
     GLINT_INIT(glint_spheres, spheres);
     const std::vector<D3> centers = {{0, 0, -4}};
     const std::vector<double> radii = {1};
@@ -60,30 +106,18 @@ TEST_F(LibraryExtremes, NothingThatIsAnsweredIsNoNumber) {
     spheres.radii = viewOf(radii);
     ASSERT_EQ(glint_scene_add_spheres(scene(), &spheres, nullptr), GLINT_OK) << glint_last_error();
     commit();
-    const glm::dvec3 far = glm::dvec3(needle[0][0], needle[0][1], needle[0][2]),
-                     wide = glm::dvec3(needle[2][0], needle[2][1], needle[2][2]);
-    const glm::dvec3 normal = glm::normalize(glm::cross(-far, wide)), middle = (wide + 1e-17 * far) / 3.0;
-    const glm::dvec3 from = middle + normal;
-    const std::vector<D3> origins = {{from.x, from.y, from.z}, {4e293, 6e293, 8e293}};
-    const std::vector<D3> directions = {{-normal.x, -normal.y, -normal.z}, {-4e293, -6e293, -8e293}};
-    std::vector<uint8_t> hit(2), sure(2);
-    std::vector<D3> normals(2), points(2);
-    GLINT_INIT(glint_rays, rays);
-    rays.origins = viewOf(origins);
-    rays.directions = viewOf(directions);
-    GLINT_INIT(glint_hits, hits);
-    hits.hit = outOf(hit);
-    hits.sure = outOf(sure);
-    hits.normal = outOf(normals);
-    hits.point = outOf(points);
-    ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-    for (int i = 0; i < 2; ++i)
-        EXPECT_TRUE(std::isfinite(normals[i][0] + normals[i][1] + normals[i][2] + points[i][0] +
-                                  points[i][1] + points[i][2]))
-            << i;
-    ASSERT_EQ(hit[0], 1);
-    EXPECT_LT(glm::length(glm::cross(glm::dvec3(normals[0][0], normals[0][1], normals[0][2]), normal)), 1e-6);
-    EXPECT_EQ(hit[1], 0);
+    std::vector<D3> origins, directions;
+    for (const double far : {1e151, 1e160, 1e200, 1e293}) {
+        origins.push_back({far, 2 * far, 3 * far});
+        directions.push_back({-far, -2 * far, -3 * far});
+    }
+    for (const bool certified : {false, true}) {
+        const NearestHits all = answers(origins, directions, certified);
+        for (size_t i = 0; i < origins.size(); ++i) {
+            EXPECT_EQ(all.hit[i], 0) << origins[i][0];
+            EXPECT_TRUE(isNumber(all.points[i]) && isNumber(all.normals[i])) << origins[i][0];
+        }
+    }
 }
 
 // Too short for any t: certified or not, on whichever device.
@@ -92,24 +126,21 @@ TEST_F(LibraryExtremes, DirectionsThatAreTooShortAreNone) {
     commit();
     const std::vector<D3> origins(3, D3{0, 0, 5}),
         directions = {{0, 0, -1e-289}, {0, 0, -1e-300}, {0, 0, -5e-324}};
-    std::vector<uint8_t> hit(3), sure(3), any(3);
-    std::vector<double> t(3);
+    std::vector<uint8_t> any(3);
     GLINT_INIT(glint_rays, rays);
     rays.origins = viewOf(origins);
     rays.directions = viewOf(directions);
-    GLINT_INIT(glint_hits, hits);
-    hits.hit = outOf(hit);
-    hits.t = outOf(t);
     const glint_out anyOut = outOf(any);
     ASSERT_EQ(glint_query_any(scene(), &rays, &anyOut, nullptr), GLINT_OK) << glint_last_error();
     EXPECT_EQ(any, (std::vector<uint8_t>{1, 0, 0}));
     for (const bool certified : {false, true}) {
-        if (certified) hits.sure = outOf(sure);
-        ASSERT_EQ(glint_query_closest(scene(), &rays, &hits, nullptr), GLINT_OK) << glint_last_error();
-        EXPECT_EQ(hit, (std::vector<uint8_t>{1, 0, 0})) << certified;
-        EXPECT_NEAR(t[0] / 5e289, 1, 1e-6) << certified;
+        const NearestHits all = answers(origins, directions, certified);
+        EXPECT_EQ(all.hit, (std::vector<uint8_t>{1, 0, 0})) << certified;
+        EXPECT_NEAR(all.t[0] / 5e289, 1, 1e-6) << certified;
+        if (certified) {
+            EXPECT_EQ(all.sure, (std::vector<uint8_t>{1, 1, 1}));
+        }
     }
-    EXPECT_EQ(sure, (std::vector<uint8_t>{1, 1, 1}));
 }
 
 }  // namespace
