@@ -16,7 +16,8 @@
  * - Outputs: allocated by the caller. What has no pointer is not wanted, and neither computed nor read back.
  * - Units: right-handed, y up; colours are linear RGB; t is in units of the ray's direction, of any length.
  * - Accuracy: vertices and rays may be fp64 and lie far from 0: a scene has an origin of its own, which is
- *   subtracted in double before anything is rounded to fp32. Device "cpu" goes on in double.
+ *   subtracted in double precision before vertices are rounded to fp32. Device "cpu" traces the same rounded
+ *   vertices, with rays and arithmetic in double precision; certified hits use the caller's vertices.
  * - Threads: a device may be used from any thread. Queries and pictures of a committed scene may run in any
  *   number of threads at a time, also while another thread changes or commits the scene: they see the scene
  * as it was last committed when they began. Changes of one scene are made by one thread at a time.
@@ -130,7 +131,7 @@ typedef struct glint_device_info {
     uint32_t index;    /* as glint_device_open takes it */
     int32_t usable;    /* 0: refused, and `reason` says why */
     int32_t software;  /* Vulkan on the processor */
-    int32_t reference; /* device "cpu": the tracer in double precision, without Vulkan */
+    int32_t reference; /* device "cpu": double-precision arithmetic on fp32 vertices, without Vulkan */
     char name[256];    /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
     char reason[256];  /* why it is refused, or a remark */
 } glint_device_info;

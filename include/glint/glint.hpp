@@ -1,14 +1,17 @@
-// libglint for C++20: glint.h with owners that let go by themselves, exceptions for statuses, and views that
-// are made of spans. Header only; needs the standard library alone. What everything means is said in glint.h.
+// libglint for C++20: wraps glint.h in owning handles, exceptions and views of containers. Header only; needs
+// only the standard library. glint.h documents units, ranges and errors.
 #ifndef GLINT_GLINT_HPP
 #define GLINT_GLINT_HPP
 
 #include <glint/glint.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <ranges>
 #include <span>
 #include <stdexcept>
@@ -37,25 +40,13 @@ inline void check(glint_status status) {
     if (status != GLINT_OK) throw Error(status, glint_last_error());
 }
 
-// The number type of an element, and how many it has: float is one of itself, std::array<float, 3> three
-// floats.
-template <class Element>
-struct ElementOf {
-    using Number = Element;  // itself
-};
-// Several numbers.
-template <class T, std::size_t N>
-struct ElementOf<std::array<T, N>> {
-    using Number = T;  // of each of them
-};
-
-// What numbers of an array may be.
+// The number types that arrays may hold.
 template <class Number>
 concept Stored =
     std::same_as<Number, float> || std::same_as<Number, double> || std::same_as<Number, std::uint32_t> ||
     std::same_as<Number, std::uint64_t> || std::same_as<Number, std::uint8_t>;
 
-// Their glint_type.
+// The glint_type of a number type.
 template <Stored Number>
 constexpr glint_type typeOf() {
     if constexpr (std::same_as<Number, float>) return GLINT_F32;
@@ -65,51 +56,117 @@ constexpr glint_type typeOf() {
     return GLINT_U8;
 }
 
-// An input array: of a vector, span or array of numbers or std::arrays; or of any numbers by pointer, count
-// and stride in bytes, as they stand in somebody's structs. Of a temporary it lives as long as the full
-// expression.
+// A struct whose members x, y and z are numbers of one type, such as glm::vec3.
+template <class Point>
+concept HasXyz = std::is_class_v<Point> && std::is_standard_layout_v<Point> && requires(const Point& p) {
+    requires Stored<std::remove_cvref_t<decltype(p.x)>>;
+    requires std::same_as<std::remove_cvref_t<decltype(p.x)>, std::remove_cvref_t<decltype(p.y)>>;
+    requires std::same_as<std::remove_cvref_t<decltype(p.x)>, std::remove_cvref_t<decltype(p.z)>>;
+};
+
+// The number type of an array element, and how many numbers an element holds from its first byte on.
+// Specialize ElementOf for other structs, or give View and Out a pointer, a count and a stride.
+template <class Element>
+struct ElementOf;
+// A number.
+template <Stored T>
+struct ElementOf<T> {
+    using Number = T;                        // itself
+    static constexpr std::size_t count = 1;  // itself
+};
+// A std::array of numbers.
+template <Stored T, std::size_t N>
+struct ElementOf<std::array<T, N>> {
+    using Number = T;                        // of each item
+    static constexpr std::size_t count = N;  // the items
+};
+// A built-in array of numbers.
+template <Stored T, std::size_t N>
+struct ElementOf<T[N]> {
+    using Number = T;                        // of each item
+    static constexpr std::size_t count = N;  // the items
+};
+// A struct with x, y and z.
+template <HasXyz Point>
+struct ElementOf<Point> {
+    using Number = std::remove_cvref_t<decltype(std::declval<Point>().x)>;  // of each member
+    static constexpr std::size_t count = 3;                                 // x, y and z
+    static_assert(offsetof(Point, x) == 0 && offsetof(Point, y) == sizeof(Number) &&
+                      offsetof(Point, z) == 2 * sizeof(Number),
+                  "x, y and z are not the first three numbers: use a pointer, a count and a stride");
+};
+
+namespace detail {
+
+template <class Range>
+using ElementIn = ElementOf<std::remove_cv_t<std::ranges::range_value_t<Range>>>;
+
+// True for a range whose elements hold N numbers each, or one number each: then N of them are one element.
+template <class Range, std::size_t N>
+concept ArrayOf = std::ranges::contiguous_range<Range> && requires {
+    requires Stored<typename ElementIn<Range>::Number>;
+    requires ElementIn<Range>::count == 1 || (N > 1 && ElementIn<Range>::count >= N);
+};
+
+// glint_view or glint_out (Raw) of all of `range`.
+template <class Raw, std::size_t N, class Range>
+Raw rawArray(Range& range) {
+    using Element = ElementIn<Range>;
+    constexpr std::size_t perElement = N / std::min(N, Element::count);  // N in flat arrays, else 1
+    const std::size_t size = std::ranges::size(range);
+    if (size % perElement != 0)
+        throw Error(GLINT_ERROR_ARGUMENT, "an array of " + std::to_string(size) +
+                                              " numbers is no array of elements of " + std::to_string(N));
+    return {std::ranges::data(range), size / perElement,
+            std::int64_t(perElement * sizeof(std::ranges::range_value_t<Range>)),
+            typeOf<typename Element::Number>(), 0};
+}
+
+}  // namespace detail
+
+// An input array whose elements are N numbers each. It refers to the caller's array and must not outlive it;
+// made of a temporary, it lives until the end of the full expression. For N > 1 the array may be flat.
+template <std::size_t N>
 class View {
   public:
     // No array.
     View() = default;
-    // All of a vector, span or array.
-    template <std::ranges::contiguous_range Range>
-    requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> View(const Range& range)
-        : View(reinterpret_cast<const typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
-                   std::ranges::data(range)),
-               std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
-    // `count` elements, so many bytes apart, from `data` on.
+    // All of a vector, span or array of numbers, of std::arrays, or of structs with x, y and z. Throws Error
+    // if the numbers of a flat array are no multiple of N.
+    template <class Range>
+    requires detail::ArrayOf<Range, N> View(const Range& range)
+        : raw(detail::rawArray<glint_view, N>(range)) {}
+    // `count` elements from `data` on, each `strideBytes` behind the one before.
     template <Stored Number>
     View(const Number* data, std::uint64_t count, std::int64_t strideBytes)
         : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
 
-    glint_view raw{};  // as C has it
+    glint_view raw{};  // for the C API
 };
 
-// An output array, of the same kinds; a default one is not wanted.
+// An output array whose elements are N numbers each, as View; a default one is not wanted.
+template <std::size_t N>
 class Out {
   public:
     // Not wanted.
     Out() = default;
     // All of a vector, span or array.
-    template <std::ranges::contiguous_range Range>
-    requires Stored<typename ElementOf<std::ranges::range_value_t<Range>>::Number> &&
+    template <class Range>
+    requires detail::ArrayOf<std::remove_cvref_t<Range>, N> &&
         (!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>)Out(Range&& range)
-        : Out(reinterpret_cast<typename ElementOf<std::ranges::range_value_t<Range>>::Number*>(
-                  std::ranges::data(range)),
-              std::ranges::size(range), sizeof(std::ranges::range_value_t<Range>)) {}
-    // `count` elements, so many bytes apart, from `data` on.
+        : raw(detail::rawArray<glint_out, N>(range)) {}
+    // `count` elements from `data` on, each `strideBytes` behind the one before.
     template <Stored Number>
     Out(Number* data, std::uint64_t count, std::int64_t strideBytes)
         : raw{data, count, strideBytes, typeOf<Number>(), 0} {}
 
-    glint_out raw{};  // as C has it
+    glint_out raw{};  // for the C API
 };
 
-// How a long call behaves; both may be empty.
+// Callbacks of a long call; both may be empty. They must not throw.
 struct Control {
-    std::function<bool()> cancelled;       // asked now and then, from any thread; true ends the call
-    std::function<void(double)> progress;  // told the part that is done, 0..1
+    std::function<bool()> cancelled = {};       // called now and then, from any thread; true ends the call
+    std::function<void(double)> progress = {};  // called with the finished part, 0..1
 };
 
 namespace detail {
@@ -153,28 +210,29 @@ using DeviceInfo = glint_device_info;
 // See glint_scene_info.
 using SceneInfo = glint_scene_info;
 
-// What holds for a device, see glint_settings. The functions may be empty.
+// Limits and callbacks of a device, see glint_settings. The functions may be empty. They must not throw.
 struct Settings {
-    unsigned threads = 0;                            // that one call uses at most; 0: a processor each
-    std::uint64_t maxBytes = 0;                      // that the device and its scenes may hold; 0: no limit
-    std::function<bool(std::int64_t bytes)> memory;  // false refuses
-    std::function<void(int level, const std::string& text)> log;  // level: GLINT_LOG_...
+    unsigned threads = 0;        // threads of one call at most; 0: one for each processor
+    std::uint64_t maxBytes = 0;  // memory of the device and its scenes, bytes; 0: no limit
+    std::function<bool(std::int64_t bytes)> memory = {};               // false refuses
+    std::function<void(int level, const std::string& text)> log = {};  // level: GLINT_LOG_...
 };
 
 // A copy is another owner of the same device.
 class Device {
   public:
-    // `settings` must outlive the device and all that is made with it.
-    Device(const std::string& selector, const Settings& settings) {
+    // The device and its scenes keep a copy of `settings`.
+    Device(const std::string& selector, Settings settings)
+        : settings_(std::make_shared<Settings>(std::move(settings))) {
         GLINT_INIT(glint_settings, raw);
-        raw.threads = settings.threads;
-        raw.max_bytes = settings.maxBytes;
-        raw.user = const_cast<Settings*>(&settings);
-        if (settings.memory)
+        raw.threads = settings_->threads;
+        raw.max_bytes = settings_->maxBytes;
+        raw.user = settings_.get();
+        if (settings_->memory)
             raw.memory = [](void* user, std::int64_t bytes) {
                 return static_cast<Settings*>(user)->memory(bytes) ? 1 : 0;
             };
-        if (settings.log)
+        if (settings_->log)
             raw.log = [](void* user, std::int32_t level, const char* text) {
                 static_cast<Settings*>(user)->log(level, text);
             };
@@ -210,16 +268,18 @@ class Device {
     glint_device* get() const noexcept { return owner_.get(); }
 
   private:
+    friend class Scene;
+    std::shared_ptr<Settings> settings_;  // the callbacks' user; released after owner_
     detail::Owner<glint_device, glint_device_retain, glint_device_release> owner_;
 };
 
 // See glint_rays.
 struct Rays {
-    View origins;           // three numbers each
-    View directions;        // three numbers each, of any length
-    View tMin = {};         // default: 0
-    View tMax = {};         // default: infinity
-    bool coherent = false;  // neighbours go about the same way
+    View<3> origins = {};     // three numbers each
+    View<3> directions = {};  // three numbers each, of any length
+    View<1> tMin = {};        // default: 0
+    View<1> tMax = {};        // default: infinity
+    bool coherent = false;    // neighbours go about the same way
 
     // As C has it.
     glint_rays raw() const {
@@ -235,17 +295,17 @@ struct Rays {
 
 // See glint_hits.
 struct Hits {
-    Out hit = {};        // 1 or 0
-    Out t = {};          // in units of the direction
-    Out geometry = {};   // its number
-    Out primitive = {};  // the triangle's number in its mesh
-    Out material = {};   // its number
-    Out uv = {};         // two numbers
-    Out point = {};      // three numbers, world
-    Out normal = {};     // three numbers: geometric, outward, unit
-    Out sure = {};       // uint8_t: 1 if the nearest hit is proven
-    Out tLower = {};     // the exact t is not below it
-    Out tUpper = {};     // nor above it
+    Out<1> hit = {};        // 1 or 0
+    Out<1> t = {};          // in units of the direction
+    Out<1> geometry = {};   // its number
+    Out<1> primitive = {};  // the triangle's number in its mesh
+    Out<1> material = {};   // its number
+    Out<2> uv = {};         // two numbers
+    Out<3> point = {};      // three numbers, world
+    Out<3> normal = {};     // three numbers: geometric, outward, unit
+    Out<1> sure = {};       // uint8_t: 1 if the nearest hit is proven
+    Out<1> tLower = {};     // the exact t is not below it
+    Out<1> tUpper = {};     // nor above it
 
     // As C has it.
     glint_hits raw() const {
@@ -267,8 +327,8 @@ struct Hits {
 
 // See glint_camera.
 struct Camera {
-    std::array<double, 3> eye;             // where it stands
-    std::array<double, 3> target;          // what it looks at
+    std::array<double, 3> eye = {};        // where it stands
+    std::array<double, 3> target = {};     // what it looks at
     std::array<double, 3> up = {0, 1, 0};  // what is up in the picture
     double fovY = 40;                      // degrees, vertical
 };
@@ -280,13 +340,13 @@ struct Picture {
     std::uint32_t samples = 0;         // 0: the scene's
     std::int32_t maxDepth = 0;         // 0: the scene's, -1: no reflections
     const Camera* camera = nullptr;    // null: the scene's
-    Out color = {};                    // four numbers: linear RGB, alpha
-    Out depth = {};                    // t of the unit direction
-    Out position = {};                 // three numbers, world
-    Out normal = {};                   // three numbers: shading normal, unit
-    Out geometry = {};                 // its number
-    Out primitive = {};                // its number
-    Out material = {};                 // its number
+    Out<4> color = {};                 // four numbers: linear RGB, alpha
+    Out<1> depth = {};                 // t of the unit direction
+    Out<3> position = {};              // three numbers, world
+    Out<3> normal = {};                // three numbers: shading normal, unit
+    Out<1> geometry = {};              // its number
+    Out<1> primitive = {};             // its number
+    Out<1> material = {};              // its number
     const char* cameraName = nullptr;  // one of the scene's `cameras`, instead of `camera`
     double error = 0;                  // > 0: as many samples as it takes, see glint_picture
     double confidence = 0;             // 0: 0.95
@@ -300,7 +360,7 @@ using Transform = std::array<double, 12>;  // three rows of four
 class Scene {
   public:
     // Empty, to be filled and committed.
-    explicit Scene(const Device& device) {
+    explicit Scene(const Device& device) : settings_(device.settings_) {
         glint_scene* made = nullptr;
         check(glint_scene_create(device.get(), &made));
         owner_ = decltype(owner_)(made);
@@ -310,11 +370,12 @@ class Scene {
         const detail::RawOptions options(control);
         glint_scene* loaded = nullptr;
         check(glint_scene_load_with(device.get(), path.c_str(), &options.options, &loaded));
-        return Scene(loaded);
+        return Scene(device, loaded);
     }
 
     // See glint_scene_add_triangles; returns the geometry's number.
-    std::uint32_t addTriangles(const View& vertices, const View& indices = {}, std::uint32_t material = 0) {
+    std::uint32_t addTriangles(const View<3>& vertices, const View<3>& indices = {},
+                               std::uint32_t material = 0) {
         GLINT_INIT(glint_triangles, triangles);
         triangles.vertices = vertices.raw;
         triangles.indices = indices.raw;
@@ -324,7 +385,7 @@ class Scene {
         return geometry;
     }
     // See glint_scene_add_spheres; returns the first one's number.
-    std::uint32_t addSpheres(const View& centers, const View& radii, std::uint32_t material = 0) {
+    std::uint32_t addSpheres(const View<3>& centers, const View<1>& radii, std::uint32_t material = 0) {
         GLINT_INIT(glint_spheres, spheres);
         spheres.centers = centers.raw;
         spheres.radii = radii.raw;
@@ -351,7 +412,7 @@ class Scene {
         check(glint_scene_set_transform(get(), geometry, transform.data()));
     }
     // See glint_scene_set_vertices.
-    void setVertices(std::uint32_t geometry, const View& vertices) {
+    void setVertices(std::uint32_t geometry, const View<3>& vertices) {
         check(glint_scene_set_vertices(get(), geometry, &vertices.raw));
     }
     // The number of the material of that name.
@@ -360,7 +421,7 @@ class Scene {
         check(glint_scene_find_material(get(), name.c_str(), &found));
         return found;
     }
-    // See glint_scene_commit; nothing is said to control.progress.
+    // See glint_scene_commit_with.
     void commit(const Control& control = {}) {
         const detail::RawOptions options(control);
         check(glint_scene_commit_with(get(), &options.options));
@@ -391,21 +452,21 @@ class Scene {
         check(glint_query_closest(get(), &asked, &wanted, &options.options));
     }
     // Whether each ray hits anything, uint8_t.
-    void any(const Rays& rays, const Out& hit, const Control& control = {}) const {
+    void any(const Rays& rays, const Out<1>& hit, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const detail::RawOptions options(control);
         check(glint_query_any(get(), &asked, &hit.raw, &options.options));
     }
 
     // How many surfaces each ray crosses.
-    void count(const Rays& rays, const Out& crossings, const Control& control = {}) const {
+    void count(const Rays& rays, const Out<1>& crossings, const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const detail::RawOptions options(control);
         check(glint_query_count(get(), &asked, &crossings.raw, &options.options));
     }
     // All of them: those of ray i are offsets[i] ... offsets[i + 1] - 1. Returns how many there are; without
     // `hits` nothing but the offsets, which may be left out.
-    std::uint64_t all(const Rays& rays, const Out& offsets, const Hits* hits = nullptr,
+    std::uint64_t all(const Rays& rays, const Out<1>& offsets, const Hits* hits = nullptr,
                       const Control& control = {}) const {
         const glint_rays asked = rays.raw();
         const glint_hits wanted = hits != nullptr ? hits->raw() : glint_hits{};
@@ -416,7 +477,7 @@ class Scene {
         return total;
     }
     // GLINT_OUTSIDE, GLINT_INSIDE or GLINT_ON_SURFACE for each point.
-    void inside(const View& points, const Out& where, const Control& control = {}) const {
+    void inside(const View<3>& points, const Out<1>& where, const Control& control = {}) const {
         const detail::RawOptions options(control);
         check(glint_query_inside(get(), &points.raw, &where.raw, &options.options));
     }
@@ -458,7 +519,8 @@ class Scene {
     glint_scene* get() const noexcept { return owner_.get(); }
 
   private:
-    explicit Scene(glint_scene* owned) : owner_(owned) {}
+    Scene(const Device& device, glint_scene* owned) : settings_(device.settings_), owner_(owned) {}
+    std::shared_ptr<Settings> settings_;  // of the device, which the scene keeps open; released after owner_
     detail::Owner<glint_scene, glint_scene_retain, glint_scene_release> owner_;
 };
 

@@ -110,6 +110,9 @@ def main():
         refused = folder / "refused"
         refused.mkdir()
         refuses_other_versions(prefix, refused)
+        compiling = run("pkg-config", "--cflags", "glint", env=environment).split()
+        if len(compiling) != 1:
+            sys.exit(f"pkg-config --cflags glint names more than glint's own headers: {compiling}")
         flags = run("pkg-config", "--cflags", "--libs", "glint", env=environment).split()
         program = folder / "nearest_hit"
         run("gcc", "-std=c99", *STRICT, SOURCE / "examples/c/nearest_hit.c", "-o", program, *flags)
