@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """From the shell to a PNG with the driver's shader cache off: where the time goes, and another build beside it.
 
-    bench/cold_start.py [--against OTHER/bin/glint] [--warm] [--repeat N] [--page docs/lab/cold-start.md] [--quick]
+    bench/cold_start.py [--against OTHER/bin/glint] [--warm] [--repeat N] [--quick]
 
 Ten spheres and scenes of the repository at 640x480, runs of both builds in turn, medians of N (default 7). The target is 0.3 s for the ten
 spheres. About one minute on two idle cores.
@@ -68,7 +68,7 @@ def main():
                 sys.exit(f"{scene}: the two builds draw different pictures")
             rows += [run.row() for run in runs]
     header = ["scene", "", "wall", "processors", "start, device, end", "load, pack", "compile", "trace", "upload, readback", "write"]
-    measure.publish(options.page, "warm_start" if options.warm else "cold_start", measure.table(header, rows))
+    print(measure.table(header, rows))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whole pictures beside POV-Ray 3.7: the same mesh, camera, light and shadows, no antialiasing, from the shell's point of view.
 
-    bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--page docs/lab/povray.md] [--quick]
+    bench/compare_povray.py [--assets FOLDER] [--repeat N] [--keep FOLDER] [--quick]
 
 Each program reads its own file (POV-Ray a translation, tests/povray/translate.py, glint the mesh's own file) and writes a PNG; runs take turns, and the
 median of N (default 5) counts. `cold`: the driver's shader cache switched off. Needs povray (Debian package) and the meshes of --assets
@@ -141,7 +141,7 @@ def main():
             rows += compare(name, files, options, folder, threads)
             print(f"{name} done", file=sys.stderr)
     text = measure.table(["scene, primitives", "program", "wall", "processors", "trace", "wall, POV-Ray = 1", "trace, POV-Ray = 1", "pixels unlike POV-Ray's"], rows)
-    measure.publish(options.page, "compare_povray", text)
+    print(text)
 
 
 if __name__ == "__main__":

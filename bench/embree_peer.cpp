@@ -5,7 +5,7 @@
 // Embree's single rays (peer/tracer.h), in turns, and prints for each scene a line of JSON: the seconds of
 // both, on the clock and of all processors, and how far the pictures are apart. --seconds: fewer rounds where
 // they would take longer, but two at least. --series: as one of many pictures, for which glint takes
-// kernels that trace faster and begin later (docs/lab/whole-pictures.md). -o: writes both pictures, as PFM.
+// kernels that trace faster and begin later (docs/lab/speed.md). -o: writes both pictures, as PFM.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

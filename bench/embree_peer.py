@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Whole pictures beside a plain Whitted tracer over Embree's single rays, and secondary rays beside Embree's.
 
-    bench/embree_peer.py [--page docs/lab/embree-peer.md] [--programs build/bin] [--only pictures|secondary] [--shrink 1] [--seconds 3]
+    bench/embree_peer.py [--programs build/bin] [--only pictures|secondary] [--shrink 1] [--seconds 3]
                          [--assets ../shared/assets/meshes] [--quick] [--same] [SCENE...]
 
 The programs embree_peer and secondary_rays (-DGLINT_BENCH=ON, Debian package libembree-dev) let both contestants take turns within one process; this
-makes tables of what they say, with quartiles, and puts them into the page. Ratios are of processor time, which a busy machine spoils least, and of the
+prints tables with quartiles. Ratios are of processor time, which a busy machine spoils least, and of the
 clock. Without SCENE, every scene of scenes/. About four minutes on two idle cores.
 """
 import json
@@ -136,9 +136,9 @@ def main():
                                 if s.name != "scene.schema.json"]
     load = os.getloadavg()[0]
     if options.only != "secondary":
-        measure.publish(options.page, "embree_peer", f"Load of the machine {load:.1f}.\n\n" + pictures(options, scenes))
+        print(f"Load of the machine {load:.1f}.\n\n" + pictures(options, scenes))
     if options.only != "pictures":
-        measure.publish(options.page, "secondary_rays", secondary(options))
+        print(secondary(options))
 
 
 if __name__ == "__main__":

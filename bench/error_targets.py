@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `glint render --error` asks for and gets: realised error over asked error, for scenes, errors and seeds.
 
-    bench/error_targets.py [--page docs/lab/error-targets.md] [--scenes a,b] [--errors 0.01,0.003] [--seeds N] [--size WxH] [--keep FILE] [--images docs/images] [--quick]
+    bench/error_targets.py [--scenes a,b] [--errors 0.01,0.003] [--seeds N] [--size WxH] [--keep FILE] [--images docs/images] [--quick]
 
 The truth of each scene is drawn by --error too, to a fifth of the least error asked for, with another seed, and its own bound is part of the table.
 It is independent of what it judges, so its mean square, as its replicates show it, is taken off: otherwise 2 % of the error asked for would be its.
@@ -143,7 +143,7 @@ def judge_pixels(options):
             f"{100 * (1 - least_share(declared - wrong, declared)):.2g} % of pixels have.\n\n"
             + measure.table(["scene", "asked", "pixels", "declared", "of them wrong", "greatest error / asked", "samples, median",
                              "truth's own bound (rmse)"], rows))
-    measure.publish(options.page, "error_targets_pixel", text)
+    print(text)
 
 
 def draw(found, path):
@@ -188,7 +188,7 @@ def main():
             f"{statistics.median([over[id(f)][0] for f in more] or [0]):.2f}, median processor time over that of the fewest "
             f"{statistics.median([over[id(f)][1] for f in more] or [0]):.2f}.\n\n"
             + measure.table(["scene", "asked", "kept", "realised / asked", "samples", "fewest", "ratio", "of time", "truth's own bound"], rows))
-    measure.publish(options.page, "error_targets", text)
+    print(text)
     if options.images:
         draw(found, options.images / "error-targets.svg")
 

@@ -1,15 +1,13 @@
 #!/usr/bin/env python3
 """What it costs to draw a picture in parts, and how equal they are: processor seconds, which a busy machine spoils least.
 
-    bench/farm.py [--glint build/bin/glint] [--parts 8] [--page docs/lab/farm.md] SCENE...
+    bench/farm.py [--glint build/bin/glint] [--parts 8] SCENE...
 
-For each scene a picture at once, its parts one after the other, and their merging; medians of three rounds. With --page the table is
-written between the comments <!-- farm --> of the page.
+For each scene a picture at once, its parts one after the other, and their merging; medians of three rounds.
 """
 import argparse
 import json
 import pathlib
-import re
 import resource
 import statistics
 import subprocess
@@ -50,7 +48,6 @@ def main():
     parser.add_argument("--parts", type=int, default=8)
     parser.add_argument("--size", default="1280x960")
     parser.add_argument("--spp", default="1")
-    parser.add_argument("--page")
     parser.add_argument("scenes", nargs="+")
     arguments = parser.parse_args()
     lines = [f"| {arguments.size}, {arguments.spp} samples, {arguments.parts} parts | at once | all parts | to start one | merging | parts of once, "
@@ -61,12 +58,7 @@ def main():
         work = [seconds - start for seconds in each]
         lines.append(f"| {pathlib.Path(scene).stem} | {whole:.2f} | {sum(each):.2f} | {start:.2f} | {merge:.2f} | "
                      f"{sum(work) / (whole - start):.3f} | {max(work) / statistics.mean(work):.2f} |")
-    table = "\n".join(lines)
-    print(table)
-    if arguments.page:
-        page = pathlib.Path(arguments.page)
-        mark = "<!-- farm -->"
-        page.write_text(re.sub(f"{mark}.*{mark}", f"{mark}\n{table}\n{mark}", page.read_text(), flags=re.DOTALL))
+    print("\n".join(lines))
 
 
 main()

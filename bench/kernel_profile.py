@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Where a picture's time goes within its kernel: samples of the processor laid over the machine code, part by part of the shader.
 
-    bench/kernel_profile.py [--page docs/lab/whole-pictures.md] [--samples 10000] [--rate 10000] [--quick] [SCENE...]
+    bench/kernel_profile.py [--samples 10000] [--rate 10000] [--quick] [SCENE...]
 
 Runs `perf record -e cpu-clock` over `glint render` with the shader cache filled, until the kernel has so many samples. lavapipe gives its code no
 lines of the source, so parts are told by loops: the machine code has those of whole.comp, nested and in order as there. A loop that all lanes leave
@@ -254,7 +254,7 @@ def main():
     text += measure.table(["scene", "part", "samples", "instructions", "ns a ray"], [row for f in found for row in details(f, 0.04)])
     if without:
         text += f"\nNot drawn by `whole.comp` alone: {', '.join(without)}.\n"
-    measure.publish(options.page, "kernel_profile", text)
+    print(text)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the code of each feature costs a scene that does not use it: code, compile time, rays a second, memory.
 
-    bench/leaving_out.py [--page docs/lab/leaving-out.md] [--traversal lane|packet|bvh4|cwbvh] [--only FEATURE,...] [--quick]
+    bench/leaving_out.py [--traversal lane|packet|bvh4|cwbvh] [--only FEATURE,...] [--quick]
 
 The scene is 100,000 triangles under one light, matte: it needs nothing but triangles and pointLights. `glint bench --with FEATURE` draws it with
 a pipeline that holds the code of one feature more, `--full` with that of all. SPIR-V is what the driver is given, machine instructions what
@@ -142,7 +142,7 @@ def main():
                f"{median(lambda r: rate(r, 'primary')) / 1e6:.3g}, shadow {median(lambda r: rate(r, 'shadow')) / 1e6:.3g} Mrays/s, "
                f"{median(processors) * 1e3:.3g} ms of processor time a picture; all else against it, in turns: median (quartiles).\n\n"
                + measure.table(header, rows))
-    measure.publish(options.page, "leaving_out_only" if options.only else "leaving_out", publish)
+    print(publish)
 
 
 if __name__ == "__main__":

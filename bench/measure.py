@@ -1,4 +1,4 @@
-"""What the measuring scripts share: running glint, log-log fits and diagrams, and tables that they put into a page themselves."""
+"""What the measuring scripts share: running glint, log-log fits and diagrams."""
 import argparse
 import json
 import math
@@ -20,7 +20,6 @@ COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 def arguments(description):
     parser = argparse.ArgumentParser(description=description.split("\n")[0])
     parser.add_argument("--glint", default=str(ROOT / "build/bin/glint"), help="the program (default: build/bin/glint)")
-    parser.add_argument("--page", type=pathlib.Path, help="page whose block of this script's name gets the table, such as docs/lab/scaling.md")
     parser.add_argument("--quick", action="store_true", help="few and small measurements, to see that everything runs")
     return parser
 
@@ -83,19 +82,6 @@ def machine(result):
     model = next((line.split(":", 1)[1].strip() for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")),
                  platform.machine())
     return f"{result['driver']}, {result['threads']} threads of {model}, commit {result['commit']}"
-
-
-def publish(page, name, text):
-    """Prints the text; puts it between the marks <!-- name --> and <!-- /name --> of the page."""
-    print(text)
-    if page is None:
-        return
-    begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->"
-    old = page.read_text()
-    if begin not in old or end not in old:
-        sys.exit(f"{page}: has no block {begin.strip()} ... {end}")
-    head, rest = old.split(begin, 1)
-    page.write_text(head + begin + text.rstrip("\n") + "\n" + end + rest.split(end, 1)[1])
 
 
 def diagram(path, title, x_name, y_name, curves):

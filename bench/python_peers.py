@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Rays from Python: glint beside Open3D's RaycastingScene and trimesh's ray_triangle, numpy in and numpy out.
 
-    bench/python_peers.py [--repeat N] [--size N] [--page docs/lab/python.md] [--assets FOLDER] [--only answers|rates] [--quick]
+    bench/python_peers.py [--repeat N] [--size N] [--assets FOLDER] [--only answers|rates] [--quick]
 
 Rates: million rays a second of wall clock and of all processors' time, runs in turns, medians and quartiles over N (default 9), and of each
 turn's ratio. Answers: rays aimed at vertices and edges of closed meshes, from inside, where every one must hit and cross an odd number of
@@ -302,7 +302,6 @@ def main():
     parser.add_argument("--repeat", type=int, default=9)
     parser.add_argument("--size", type=int, default=1024, help="of the camera's picture; as many random rays")
     parser.add_argument("--assets", type=pathlib.Path, default=measure.ROOT / "../shared/assets")
-    parser.add_argument("--page", type=pathlib.Path)
     parser.add_argument("--only", choices=["answers", "rates"])
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
@@ -319,7 +318,7 @@ def main():
     text += f"{os.getloadavg()[0]:.1f} at the end" + "".join(
         f"; {m.__name__} {m.__version__}" for m in map(globals().get, ("open3d", "trimesh")) if getattr(m, "__version__", None))
     for name, result in results.items():
-        measure.publish(options.page, name, result + "\n" + text + ".\n")
+        print(result + "\n" + text + ".\n")
 
 
 if __name__ == "__main__":

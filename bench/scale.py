@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Great scenes, from the shell to the PNG: 10^7 triangles, 10^8 by instances, 10^6 spheres, 1,000 lights, and a tenth of each.
 
-    bench/scale.py [--page docs/lab/scaling.md] [--rounds 3] [--only triangles,instances,spheres,lights] [--quick]
+    bench/scale.py [--rounds 3] [--only triangles,instances,spheres,lights] [--quick]
 
 Writes the scenes itself (300 MB in a temporary folder) and prints a table in Markdown: medians of the rounds, in which a scene and its tenth take
 turns, and the exponent of the processor time's growth from one to the other. About four minutes on two idle cores and 4 GiB of memory.
@@ -107,7 +107,7 @@ def main():
         make, greatest, size = CASES[name]
         rows += measure_case(options.glint, name, make, max(20, greatest // 1000) if options.quick else greatest, size, 1 if options.quick else options.rounds)
     header = ["scene", "pixels", "shell to PNG", "processors", "exponent", "load", "pack and build", "upload", "trace", "memory"]
-    measure.publish(options.page, "scale", f"Load of the machine {load:.1f}.\n\n" + measure.table(header, rows))
+    print(f"Load of the machine {load:.1f}.\n\n" + measure.table(header, rows))
 
 
 if __name__ == "__main__":

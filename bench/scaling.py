@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """How time grows: triangles, pixels, lights, depth and threads, each with the exponent fitted to it.
 
-    bench/scaling.py [--page docs/lab/scaling.md] [--images FOLDER] [--quick]
+    bench/scaling.py [--images FOLDER] [--quick]
 
-Runs `glint bench` on scenes it makes itself and prints a table in Markdown (--page: puts it there). With --images, or --page, whose folder is then
-docs/images, it writes a diagram scaling-NAME.svg for each curve. About five minutes on two idle cores, --quick one.
+Runs `glint bench` on scenes it makes itself and prints a table in Markdown. With --images FOLDER it writes a
+diagram scaling-NAME.svg for each curve. It takes about five minutes on two idle cores; --quick takes one.
 """
 import array
 import json
@@ -105,8 +105,6 @@ def main():
     parser = measure.arguments(__doc__)
     parser.add_argument("--images", type=pathlib.Path, help="folder for the diagrams")
     options = parser.parse_args()
-    if options.page and not options.images:
-        options.images = measure.ROOT / "docs/images"
     bench = lambda *more, **how: measure.bench(options.glint, "--repeat", REPEAT, *map(str, more), **how)
     curves = Curves(options.images)
     with tempfile.TemporaryDirectory() as name:
@@ -143,7 +141,7 @@ def main():
         curves.add("threads", "Time against threads (LP_NUM_THREADS)", "threads",
                    [(n, bench(scene, "--size", "512x512", environment={"LP_NUM_THREADS": str(n)})) for n in threads], parts)
     text = measure.table(["against", "time of", "from .. to", "first", "last", "exponent"], curves.rows)
-    measure.publish(options.page, "scaling", measure.machine(curves.last) + ":\n\n" + text)
+    print(measure.machine(curves.last) + ":\n\n" + text)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ uvec2 owenScrambled(uvec2 x, uvec2 seed) {
 }
 
 // Seeds for that. Its first digits are the seed's lowest bits, and pcg4d's results are good in their highest:
-// with them as they are, places in neighbouring pixels correlate (docs/lab/sampling.md).
+// with them as they are, places in neighbouring pixels correlate (docs/lab/accuracy.md).
 uvec4 scrambleSeeds(uvec4 v) {
     v = pcg4d(v);
     return v ^ (v >> 16u);

@@ -10,7 +10,7 @@
 // get the same products with the same roundings, so no ray slips between them. The weights are formed before
 // t: the paper's sum of products of three lengths overflows at 1e15. PBRT's bound on t's error (4th ed.,
 // sec. 6.8.7) is left out: it cost 12 to 15 % of the time, refused true grazing hits, and spared no self-hit
-// that the moved origin and the source primitive do not (docs/lab/measurements.md). The corners across the
+// that the moved origin and the source primitive do not (docs/lab/building.md). The corners across the
 // ray, and of each edge on which side of it the ray passes.
 struct SeenTriangle {
     vec2 a, b, c;

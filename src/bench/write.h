@@ -17,7 +17,7 @@ struct Program {
 std::string table(const Result& result, const Program& program);
 std::string walkTable(const std::vector<Result>& walks);
 
-// One document for all scenes (docs/lab/measurements.md).
+// One document for all scenes (docs/lab/building.md).
 std::string json(const std::vector<Result>& results, const Program& program);
 
 }  // namespace glint::bench

@@ -9,7 +9,7 @@ namespace glint::gpu {
 
 // The module with the bodies of functions in place of the calls, and values in place of local variables that
 // no index known at run time alone looks into. What it computes stays the same to the bit. Drivers do the
-// same, but lavapipe takes five times as long for it (docs/lab/cold-start.md). Calls of functions that return
+// same, but lavapipe takes five times as long for it (docs/lab/speed.md). Calls of functions that return
 // from within a loop or a branch stay. `spirv` must be valid. Throws std::invalid_argument for what is no
 // SPIR-V, and std::domain_error for an instruction that no kernel of glint has.
 std::vector<uint32_t> flatten(std::span<const uint32_t> spirv);

@@ -7,7 +7,7 @@
 namespace glint {
 namespace {
 
-// Further entries that splitting may add, in triangles. Measured on a hall of arches (docs/lab/trees.md):
+// Further entries that splitting may add, in triangles. Measured on a hall of arches (docs/lab/building.md):
 // box and triangle tests of a camera ray 187 without, 99 with 0.3, 77 with 1, 76 with 3.
 constexpr double kSplitBudget = 1;
 // Of a random ray that meets the scene, the triangles tested only because their boxes are too large for them.
@@ -21,7 +21,7 @@ constexpr double kMuchOfAll = 0.2;
 
 // By default, subtrees are reinserted in trees of so many nodes at most, which takes some milliseconds, and
 // where nothing was split only a tree so much cheaper is kept: gains of less in the expected cost were none
-// in counted tests (docs/lab/trees.md).
+// in counted tests (docs/lab/building.md).
 constexpr size_t kQuickNodes = 1u << 15;
 constexpr double kWorthReinserting = 0.95;
 

@@ -21,7 +21,7 @@ namespace glint {
 namespace {
 
 // Boxes of a prototype's top that each instance's box encloses after the transform. Measured,
-// docs/lab/measurements.md.
+// docs/lab/building.md.
 constexpr size_t kTopBoxes = 64;
 
 glm::dmat3 magnitudes(const glm::dmat3& m) {

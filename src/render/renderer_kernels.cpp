@@ -56,7 +56,7 @@ gpu::Kernel Renderer::State::translated(KernelId id, const TraceModes& modes) {
 
 // The first dispatch compiles on some drivers (lavapipe), so each kernel runs once over no tile at all. Each
 // has a thread: drivers translate SPIR-V on the caller's, and lavapipe then makes machine code of one kernel
-// after the other on a thread of its own (docs/lab/cold-start.md).
+// after the other on a thread of its own (docs/lab/speed.md).
 void Renderer::State::compile(const TraceModes& modes, const std::vector<KernelId>& ids) {
     std::vector<KernelId> fresh;
     for (KernelId id : ids) {

@@ -43,7 +43,7 @@ struct WholePathsWork {
 
 // On llvmpipe, where the rows that the other kernels hand each other cost as much as tracing a few
 // primitives. Where packets trace all the rays there are they win, but by three kernels more, whose
-// translation only many rays pay (docs/lab/whole-pictures.md has the figures). Not where so many rays may
+// translation only many rays pay (docs/lab/speed.md has the figures). Not where so many rays may
 // come that few trips are left for each. Not measured on other devices.
 bool wholePathsPay(const gpu::DeviceInfo& device, const TraversalChoice& choice, const WholePathsWork& work);
 

@@ -3,7 +3,7 @@
 
     mutation.py run JUDGE [--seed N] [--count N] [--jobs N] [--minutes N] [--results FILE] [--require SHARE] [--files NAMES] [--of FILE | --again [--cases NAMES]]
     mutation.py suite JUDGE PROGRAM [--filter TESTS] [--results FILE] [--minutes N] [--files NAMES]
-    mutation.py table [--results FILE] [--output docs/lab/mutation.md]
+    mutation.py table [--results FILE] --output PAGE.md
 
 run: draws mutants by the seed, compiles the kernels that include the broken file, and has JUDGE (mutation_judge) compare their pictures
 with the reference's. Mutants whose kernels are the same after optimisation are equivalent; those whose kernels are the same once rays and
@@ -371,7 +371,7 @@ def main():
         command.set_defaults(function=function)
         command.add_argument("--results", default="mutation.jsonl")
         if name == "table":
-            command.add_argument("--output", default=SOURCE / "docs/lab/mutation.md")
+            command.add_argument("--output", required=True)
             continue
         command.add_argument("judge" if name == "suite" else "program")
         if name == "suite":

@@ -262,8 +262,8 @@ def refuses_what_it_cannot_say():
 
 
 def run(options):
-    """The rows of the table; says what is wrong as it goes."""
-    rows, wrong, refused = [], 0, 0
+    """Compares all cases, prints a line for each, and returns the number of disagreements."""
+    wrong, refused = 0, 0
     threads = concurrent.futures.ThreadPoolExecutor
     with threads(8) as pov_pool, threads(2) as glint_pool:  # most of POV-Ray's half second it sleeps
         cases = [(path, translate.load(path)) for path in CASES if not options.only or path.stem in options.only]
@@ -272,14 +272,12 @@ def run(options):
         for path, scene, theirs, ours in drawn:
             refused += len(theirs.broken)
             for backend in options.backend:
-                problems, (objects, may_objects, shadows, may_shadows, left, colours, may_colours, worst, error) = compare(
+                problems, (*_, error) = compare(
                     scene, path.parent, theirs, ours[backend], backend)
-                rows.append([path.stem, backend, f"{objects} of {may_objects}", f"{shadows} of {may_shadows}", left, f"{colours} of {may_colours}",
-                             f"{error:.1e}", f"{worst:.2f}"])
                 print(f"{path.stem}, {backend}: " + ("; ".join(problems) or f"agrees, colours within {error:.1e}"), flush=True)
                 wrong += bool(problems)
     print(f"{len(drawn)} scenes, {refused} broken translations")
-    return rows, wrong
+    return wrong
 
 
 def main():
@@ -287,20 +285,13 @@ def main():
     parser.add_argument("glint", type=pathlib.Path)
     parser.add_argument("--backend", action="append", choices=("gpu", "cpu"))
     parser.add_argument("--only", action="append", help="a scene's name")
-    parser.add_argument("--page", type=pathlib.Path, help="write the table into this page")
     options = parser.parse_args()
     options.glint, options.backend = options.glint.resolve(), options.backend or ["cpu", "gpu"]
     if shutil.which("povray") is None:
         raise SystemExit("povray is not installed (Debian package povray)")
     judge_finds_faults()
     refuses_what_it_cannot_say()
-    rows, wrong = run(options)
-    if options.page:
-        sys.path.insert(0, str(HERE.parent.parent / "bench"))
-        import measure
-        header = ["scene", "backend", "objects apart", "shadows apart", "left out", "colours apart", "greatest error", "of its bound"]
-        measure.publish(options.page, "povray_agreement", measure.table(header, rows))
-    return bool(wrong)
+    return bool(run(options))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What two pictures may differ by, derived; docs/lab/povray.md tells the derivations in words.
+"""What two pictures may differ by, derived; docs/lab/agreement.md tells the derivations in words.
 
 U is half a unit in the last place of fp32. Of the two programs one or both compute in double, whose roundings (2^-53) lie 2^29 below all that
 is judged here and count as nothing: an edge then moves past no centre of a pixel at all.

@@ -1,5 +1,5 @@
 // How fast the error of an edge falls with the samples, by the dimensions that it lies across: film alone, or
-// film and lens (docs/lab/sampling.md#through-a-lens).
+// film and lens (docs/lab/accuracy.md).
 #include <gtest/gtest.h>
 
 #include <array>
