@@ -5,7 +5,7 @@
     check_citations.py --self-test    checks that each kind of fault is found
 
 Checked are: links and images of Markdown pages, with their anchors; repository paths in backquotes on pages; paths of pages, sources and
-scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers and cases (T01 ...) of docs/numerics.md; pages in docs/ that no other page links to.
+scenes in comments of code; tests (Suite.WhatHolds, Suite.*) in backquotes on pages; section numbers of docs/numerics.md and cases (T01 ...) of tests/stability/cases.md; pages in docs/ that no other page links to.
 """
 import fnmatch
 import pathlib
@@ -18,6 +18,7 @@ CODE_FOLDERS = ("src", "shaders", "tests", "tools", "bench", "cmake", "scenes")
 CODE_SUFFIXES = (".h", ".cpp", ".glsl", ".comp", ".py", ".cmake", ".json", ".txt", ".sh", "")
 ROOT_PAGES = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")
 NUMERICS = "docs/numerics.md"
+CASES = "tests/stability/cases.md"
 SOURCE_PATH = re.compile(r"(?<![\w/.<>-])((?:docs|src|shaders|tests|tools|bench|cmake|scenes)/[\w./-]*\w)(#[\w-]+)?")
 
 TEST_NAME = re.compile(r"([A-Z]\w*[a-z]\w*)\.([A-Z]\w*\*?|\*)")
@@ -77,11 +78,11 @@ class Checker:
         self.files = tracked(root)
         self.faults = []
         self.pages = {str(f): (root / f).read_text() for f in self.files
-                      if f.suffix == ".md" and (f.parts[0] == "docs" or str(f) in ROOT_PAGES)}
+                      if f.suffix == ".md" and (f.parts[0] == "docs" or str(f) in (*ROOT_PAGES, CASES))}
         self.anchors = {name: slugs(text) for name, text in self.pages.items()}
         numerics = self.pages.get(NUMERICS, "")
         self.sections = set(re.findall(r"(?m)^#+ (\d+(?:\.\d+)?)\.? ", numerics))
-        self.cases = set(re.findall(r"(?m)^\| (T\d\d) \|", numerics))
+        self.cases = set(re.findall(r"(?m)^\| (T\d\d) \|", self.pages.get(CASES, "")))
 
         self.tests = {f"{suite}.{name}" for f in self.files if f.parts[0] == "tests" and f.suffix == ".cpp" for suite, name in
                       re.findall(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\s*\)", (root / f).read_text(errors="replace"))}
@@ -109,7 +110,7 @@ class Checker:
                 self.fault(where, f"{NUMERICS} has no section {number}")
         for case in re.findall(r"\b(T\d\d)\b", text):
             if case not in self.cases:
-                self.fault(where, f"{NUMERICS} has no case {case}")
+                self.fault(where, f"{CASES} has no case {case}")
 
     def check_page(self, name, text):
         folder = pathlib.PurePosixPath(name).parent
@@ -135,7 +136,7 @@ class Checker:
                 match = TEST_NAME.fullmatch(quoted)
                 if match and quoted != "Suite.WhatHolds" and not any(fnmatch.fnmatchcase(test, quoted) for test in self.tests):
                     self.fault(where, f"no test {quoted}")
-            if name != NUMERICS:
+            if name not in (NUMERICS, CASES):
                 self.check_numerics(where, line)
         return linked
 
@@ -154,9 +155,6 @@ class Checker:
         for number, line in enumerate(text.split("\n"), 1):
             for name, anchor in re.findall(r"(?<![\w/.-])(docs/[\w./-]*\w\.md)(#[\w-]+)?", line):
                 self.check_path(f"{path}:{number}", name, anchor)
-        for page in re.findall(r"--page (docs/[\w./-]+\.md)", text):  # a script that writes its table between marks of its name
-            if f"<!-- {path.stem} -->" not in self.pages.get(page, ""):
-                self.fault(str(path), f"{page} has no <!-- {path.stem} -->")
         before = ""  # a citation may go on in the next line
         for number, comment in comments(path, text):
             where = f"{path}:{number}"
@@ -189,7 +187,8 @@ GOOD = {
     "README.md": "# A\n[page](docs/page.md#two-words) `src/a.cpp` `Balls.Are` `Balls.*`\n",
     "tests/a_test.cpp": "TEST_F(Balls,\n       Are) {}\n",
     "docs/page.md": "# Page\n## Two `words`\n[numbers](numerics.md)\n```sh\n[no link](nowhere.md)\n```\n",
-    "docs/numerics.md": "# N\n## 2. Bounds\n### 2.3 Boxes\n| T01 | a |\n",
+    "docs/numerics.md": "# N\n## 2. Bounds\n### 2.3 Boxes\n",
+    "tests/stability/cases.md": "| T01 | a |\n",
     "src/a.cpp": "// docs/numerics.md 2.3, T01 and docs/page.md#page; src/a.cpp\nint a;  // see docs/numerics.md\n// T01\n",
 }
 BAD = {
@@ -208,7 +207,6 @@ BAD = {
     "a source in a comment": ("src/b.cpp", "// src/gone.h", "src/gone.h"),
     "a scene in a comment": ("tests/c.cmake", "# scenes/gone.json", "scenes/gone.json"),
     "a docstring": ("tools/d.py", '"""Writes docs/gone.md."""', "docs/gone.md"),
-    "a table without its marks": ("bench/e.py", '"""e.py --page docs/page.md"""', "<!-- e -->"),
     "the file that never was": ("src/b.cpp", "// NUMERICS section 1", "no file NUMERICS"),
 }
 

@@ -157,7 +157,7 @@ TEST(Oracle, Boxes) {
     EXPECT_FALSE(box({1, 1, 1}, {0, 0, 0}, {{.5, .5, 2}, {0, 0, -1}}));
 }
 
-// docs/numerics.md T50, T51, T54, T55: one root where A = 0, two far apart beside it.
+// tests/stability/cases.md T50, T51, T54, T55: one root where A = 0, two far apart beside it.
 TEST(Oracle, QuadricRoots) {
     const double hyperboloid[10] = {1, 1, -1, 0, 0, 0, 0, 0, 0, -1};
     const Roots one = quadric(hyperboloid, {{-2, 0, 0}, {1, 0, 1}});

@@ -42,7 +42,7 @@ void expectAt(std::vector<vec3> vertices, double x, double y, bool inside) {
     }
 }
 
-// docs/numerics.md T70 and T71: points level with vertices, on either axis.
+// tests/stability/cases.md T70 and T71: points level with vertices, on either axis.
 TEST(ReferencePolygon, LevelWithVertices) {
     expectAt(kL, 1.5, 0.5, true);
     expectAt(kL, 1.5, 1.5, false);

@@ -29,7 +29,7 @@ class PolygonTest : public RenderTest {
     }
 };
 
-// docs/numerics.md T70 and T71 from above and below; T74 is the last polygon, the L with doubled and
+// tests/stability/cases.md T70 and T71 from above and below; T74 is the last polygon, the L with doubled and
 // collinear vertices.
 TEST_F(PolygonTest, LevelWithVertices) {
     struct Point {

@@ -19,7 +19,7 @@ constexpr double kUnit = 0x1p-24;
 constexpr int kSide = 16;  // pixels
 
 // Three mirrors of radius 1 with their centres `side` apart in the plane z = 0, and a ray from (side / 2,
-// 0.2) at `angle`, which stays between them for more than `bounces` (docs/numerics.md T85). growth: what the
+// 0.2) at `angle`, which stays between them for more than `bounces` (tests/stability/cases.md T85). growth: what the
 // catalogue measured for a bounce.
 struct Trap {
     double side, angle;
@@ -180,7 +180,7 @@ TEST_P(GrowthTest, ErrorGrowsAsTheCurvatureSays) {
               << std::pow(measured.back() / measured[first], 1.0 / (trap.bounces - first))
               << " for each bounce, by curvature "
               << std::pow(steps.back().error / steps[first].error, 1.0 / (trap.bounces - first))
-              << ", docs/numerics.md T85 " << trap.growth << '\n';
+              << ", tests/stability/cases.md T85 " << trap.growth << '\n';
 }
 
 INSTANTIATE_TEST_SUITE_P(Traps, GrowthTest,

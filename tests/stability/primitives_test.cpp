@@ -174,7 +174,7 @@ TEST_P(PrimitiveTest, SpheresFarFromTheOrigin) {
     }
 }
 
-// docs/numerics.md T60: at most 2.9e-7.
+// tests/stability/cases.md T60: at most 2.9e-7.
 TEST_P(PrimitiveTest, PlanetUnderTheEye) {
     for (const double height : {100.0, 1.0, 0.0625, 0.01})
         expectRight(judgePlanet(subject(), height, rays(), 706), "planet of 1e6 from " + text(height), 1e-6);

@@ -1,4 +1,4 @@
-// Is the catalogue's table (docs/numerics.md) complete, and does what it names exist?
+// The catalogue (tests/stability/cases.md) has every case, and the tests that it names exist.
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -14,7 +14,7 @@ using glint::test::readText;
 // The last cells of each row of the table by its case.
 std::map<std::string, std::vector<std::string>> tableRows() {
     std::map<std::string, std::vector<std::string>> rows;
-    std::istringstream lines(readText(glint::test::sourcePath("docs/numerics.md")));
+    std::istringstream lines(readText(glint::test::sourcePath("tests/stability/cases.md")));
     for (std::string line; std::getline(lines, line);) {
         if (!std::regex_search(line, std::regex(R"(^\| T\d\d \|)"))) continue;
         std::vector<std::string> cells;
@@ -36,7 +36,7 @@ TEST(Catalogue, EveryCaseHasARow) {
                          48, 49, 50, 51, 54, 55, 56, 58, 59, 60, 61, 62, 64, 65, 66, 67, 68, 69, 70, 71,
                          74, 75, 76, 77, 79, 80, 81, 82, 83, 85, 86, 88, 89, 91, 92, 94, 95, 96, 97, 98}) {
         const std::string name = (id < 10 ? "T0" : "T") + std::to_string(id);
-        EXPECT_TRUE(rows.contains(name)) << name << " is not in docs/numerics.md";
+        EXPECT_TRUE(rows.contains(name)) << name << " is not in tests/stability/cases.md";
     }
 }
 
