@@ -11,12 +11,13 @@ the reference in double precision; none is the best there is.
 from __future__ import annotations
 
 import ctypes
+import errno
 import math
 import os
 import traceback
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Optional, Protocol, Union
+from typing import Any, Literal, Optional, Protocol, Union
 
 import numpy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -31,6 +32,12 @@ Cancelled = Optional[Callable[[], bool]]
 Progress = Optional[Callable[[float], object]]
 Selector = Union["Device", str, int, None]
 Path = Union[str, "os.PathLike[str]"]
+HitField = Literal["hit", "t", "geometry", "primitive", "material", "uv", "point", "normal", "sure", "t_lower", "t_upper"]
+LayerName = Literal["color", "depth", "position", "normal", "geometry", "primitive", "material"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
 
 
 class Hits(Protocol):
@@ -229,7 +236,7 @@ def _real(dtype: DTypeLike) -> Any:
     return kind
 
 
-def _hit_arrays(want: Iterable[str], count: int, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
+def _hit_arrays(want: Iterable[HitField], count: int, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     dtype = _real(dtype)
     for name in _names(want):
@@ -260,15 +267,29 @@ def _record(name: str, arrays: dict[str, NDArray[Any]], shape: tuple[int, ...] |
     return _native.record(name, tuple(arrays))(**arrays)
 
 
-class Scene(_native.Owner):
-    """Geometry that rays are cast at. Geometries are numbered as they are added; hits name them by these numbers.
+def _mesh_arrays(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """Vertices and faces; of a mesh of trimesh (vertices, faces) or Open3D (vertices, triangles; vertex, triangle) its own."""
+    if faces is not None:
+        return vertices, faces
+    if hasattr(vertices, "vertices"):
+        for name in ("faces", "triangles"):
+            if hasattr(vertices, name):
+                return numpy.asarray(vertices.vertices), numpy.asarray(getattr(vertices, name))
+    if hasattr(vertices, "vertex") and hasattr(vertices, "triangle"):
+        return vertices.vertex["positions"].cpu().numpy(), vertices.triangle["indices"].cpu().numpy()
+    return vertices, None
 
-    With `vertices` (n, 3), and `faces` (m, 3) unless every three vertices are a triangle, it is one mesh, committed.
+
+class Scene(_native.Owner):
+    """Geometry that rays are cast at. Geometries are numbered from 0 in the order of the calls that add them.
+
+    vertices: (n, 3), any unit, or a mesh of trimesh or Open3D. faces: (m, 3) vertex indices; without them every three vertices are
+    a triangle. With vertices the scene is one mesh, committed. device: a Device, its number, a part of its name, or "cpu".
     """
 
     _release = "glint_scene_release"
 
-    def __init__(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None, device: Selector = None) -> None:
+    def __init__(self, vertices: Any = None, faces: ArrayLike | None = None, device: Selector = None) -> None:
         super().__init__()
         if isinstance(vertices, (str, bytes, os.PathLike)):
             raise TypeError("vertices is a name; glint.Scene.load reads files")
@@ -280,19 +301,26 @@ class Scene(_native.Owner):
 
     @classmethod
     def load(cls, path: Path, device: Selector = None, *, cancelled: Cancelled = None, progress: Progress = None) -> Scene:
-        """A scene or model from a file, committed. cancelled: asked now and then, ends the call if true; progress: told the part
-        that is done."""
+        """Loads and commits a scene (.json, .gltf, .glb, .nff) or model (.obj, .ply, .stl).
+
+        cancelled: called now and then, ends the call if it returns true. progress: called with the finished part, 0 to 1. Raises
+        FileNotFoundError if there is no such file, and Error if it cannot be read.
+        """
+        name = _native.text(os.fsencode(path))
+        if name and not os.path.exists(name):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
         scene = cls.__new__(cls)
         _native.Owner.__init__(scene)
         scene._device = _device(device)
         options = _Options(cancelled, progress, True)
-        options.call("glint_scene_load_with", scene._device._handle, _native.text(os.fsencode(path)), result=(ctypes.byref(scene._handle),))
+        options.call("glint_scene_load_with", scene._device._handle, name, result=(ctypes.byref(scene._handle),))
         return scene
 
     # ---- what is in it ----
 
-    def add_triangles(self, vertices: ArrayLike, faces: ArrayLike | None = None, material: int = 0) -> int:
-        """A mesh; returns its number."""
+    def add_triangles(self, vertices: Any, faces: ArrayLike | None = None, material: int = 0) -> int:
+        """Adds a mesh: vertices (n, 3) and faces (m, 3), or a mesh of trimesh or Open3D. Returns the geometry's number."""
+        vertices, faces = _mesh_arrays(vertices, faces)
         points = _native.numbers(vertices, 3, "vertices")
         given = _native.make(_native.Triangles)
         given.vertices = _native.view(points)
@@ -401,7 +429,7 @@ class Scene(_native.Owner):
     # ---- rays ----
 
     def cast(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
-             t_max: ArrayLike | None = None, want: Iterable[str] = ("t", "geometry", "primitive", "uv", "normal"),
+             t_max: ArrayLike | None = None, want: Iterable[HitField] = ("t", "geometry", "primitive", "uv", "normal"),
              dtype: DTypeLike = numpy.float64, coherent: bool = False, cancelled: Cancelled = None,
              progress: Progress = None) -> Hits:
         """The nearest hit of each ray, as a named tuple of arrays: those in `want`, nothing else is computed.
@@ -441,7 +469,7 @@ class Scene(_native.Owner):
         return self._flags("glint_query_count", batch, numpy.uint32, cancelled, progress)
 
     def all_hits(self, rays: ArrayLike, directions: ArrayLike | None = None, *, t_min: ArrayLike | None = None,
-                 t_max: ArrayLike | None = None, want: Iterable[str] = ("t", "geometry", "primitive", "uv"),
+                 t_max: ArrayLike | None = None, want: Iterable[HitField] = ("t", "geometry", "primitive", "uv"),
                  dtype: DTypeLike = numpy.float64, cancelled: Cancelled = None,
                  progress: Progress = None) -> tuple[NDArray[numpy.uint64], Hits]:
         """Everything each ray crosses, nearest first: (offsets, hits), those of ray i at offsets[i]:offsets[i + 1]."""
@@ -471,7 +499,7 @@ class Scene(_native.Owner):
 
     # ---- pictures ----
 
-    def render(self, width: int = 0, height: int = 0, samples: int = 0, *, layers: Iterable[str] = ("color",),
+    def render(self, width: int = 0, height: int = 0, samples: int = 0, *, layers: Iterable[LayerName] = ("color",),
                camera: Sequence[Any] | str | None = None, max_depth: int | None = None, dtype: DTypeLike = numpy.float32,
                error: float | None = None, confidence: float = 0.95, max_samples: int = 65536, cancelled: Cancelled = None,
                progress: Progress = None) -> Any:

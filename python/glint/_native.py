@@ -78,7 +78,8 @@ def make(kind: Any) -> Any:
 def _load() -> ctypes.CDLL:
     chosen = os.environ.get("GLINT_LIBRARY")
     problem: Exception | None = None
-    for name in (chosen,) if chosen else ("libglint.so.0", ctypes.util.find_library("glint")):
+    bundled = os.path.join(os.path.dirname(__file__), "libglint.so.0")  # in wheels
+    for name in (chosen,) if chosen else (bundled, "libglint.so.0", ctypes.util.find_library("glint")):
         if name:
             try:
                 return ctypes.CDLL(name)
@@ -248,6 +249,8 @@ def numbers(given: ArrayLike, width: int | None, what: str) -> NDArray[Any]:
         if array.dtype.kind == "c":
             raise ValueError(f"{what} has complex numbers")
         try:
+            if array.dtype == object and any(number is None for number in array.flat):
+                raise ValueError("None")
             array = array.astype(numpy.float64)
         except (TypeError, ValueError) as error:
             raise ValueError(f"{what} has something that is not a number: {error}") from None

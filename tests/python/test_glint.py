@@ -11,10 +11,13 @@ import os
 import pathlib
 import pickle
 import signal
+import subprocess
+import sys
 import threading
 import time
 import tracemalloc
 import typing
+import zipfile
 
 import numpy
 import pytest
@@ -334,8 +337,8 @@ def test_everything_public_has_types_and_a_docstring():
 
 def test_errors(device, cube):
     with pytest.raises(glint.Error) as error:
-        glint.Scene.load("/no/such/file.json", device)
-    assert error.value.status == "scene" and "/no/such/file.json" in str(error.value)
+        glint.Scene.load(__file__, device)
+    assert error.value.status == "scene" and __file__ in str(error.value)
     with pytest.raises(glint.Error):
         glint.Scene(CUBE, FACES + 1, device)
     with pytest.raises(ValueError):
@@ -532,3 +535,56 @@ def test_devices_and_version():
     assert glint.Device("cpu").info["reference"]
     with pytest.raises(glint.Error):
         glint.Device("no such device")
+
+
+class Mesh:
+    """What trimesh's and Open3D's meshes have."""
+
+    def __init__(self, **arrays):
+        self.__dict__.update(arrays)
+
+
+def test_meshes_are_accepted(device):
+    ray = [[0.2, 0.3, 5, 0, 0, -1]]
+    for mesh in (Mesh(vertices=CUBE, faces=FACES), Mesh(vertices=CUBE.tolist(), triangles=FACES.tolist())):
+        assert glint.Scene(mesh, device=device).cast(ray).t == 4
+
+
+def test_a_missing_file_is_a_file_not_found_error(device):
+    with pytest.raises(FileNotFoundError) as caught:
+        glint.Scene.load("nowhere.json", device)
+    assert caught.value.filename == "nowhere.json"
+
+
+def test_none_is_no_number(cube):
+    with pytest.raises(ValueError, match="None"):
+        cube.cast([[0.2, 0.3, 5, 0, 0, None]])
+
+
+def test_dir_shows_the_public_names():
+    assert dir(glint) == sorted(glint.__all__)
+
+
+def test_the_module_prints_version_and_devices():
+    done = subprocess.run([sys.executable, "-m", "glint"], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert lines[0] == "glint " + ".".join(map(str, glint.version()))
+    assert len(lines) == 1 + len(glint.devices()) and "double precision" in lines[-1]
+
+
+def test_a_wheel_holds_module_and_library(tmp_path):
+    backend = pathlib.Path(os.environ["GLINT_SOURCE"]) / "python"
+    library = os.environ["GLINT_LIBRARY"]
+    make = f"import sys; sys.path.insert(0, {str(backend)!r}); import build_backend; print(build_backend.build_wheel({str(tmp_path)!r}))"
+    done = subprocess.run([sys.executable, "-c", make], capture_output=True, text=True, check=True,
+                          env={**os.environ, "GLINT_WHEEL_LIBRARY": library})
+    with zipfile.ZipFile(tmp_path / done.stdout.strip()) as wheel:
+        names = wheel.namelist()
+        recorded = [line.split(",")[0] for line in wheel.read(next(n for n in names if n.endswith("RECORD"))).decode().splitlines()]
+        assert sorted(names) == sorted(recorded)
+        wheel.extractall(tmp_path / "site")
+    where = "import glint; print(glint._native.loaded._name)"
+    environment = {name: value for name, value in os.environ.items() if name != "GLINT_LIBRARY"}
+    done = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, check=True,
+                          env={**environment, "PYTHONPATH": str(tmp_path / "site")})
+    assert done.stdout.strip() == str(tmp_path / "site/glint/libglint.so.0")

@@ -1,0 +1,78 @@
+"""PEP 517 build back end of the Python package: builds libglint with CMake and packs it with the module into a wheel.
+
+Needs CMake, a C++20 compiler and the libraries of tools/packages.sh, and nothing from a package index. The module calls the
+library by ctypes, so one wheel serves every Python from 3.9 on one platform.
+"""
+import base64
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import sysconfig
+import tarfile
+import tempfile
+import zipfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+NAME = "glint_raytracer"
+
+
+def _version():
+    return re.search(r"project\(glint VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+
+
+def _metadata():
+    return "\n".join([
+        "Metadata-Version: 2.1", "Name: glint-raytracer", f"Version: {_version()}",
+        "Summary: Ray queries and images with numpy arrays, on any Vulkan 1.1 device or the processor", "License: MIT",
+        "Requires-Python: >=3.9", "Requires-Dist: numpy", "Description-Content-Type: text/markdown", "",
+        (ROOT / "README.md").read_text()])
+
+
+def _library(folder):
+    """Builds libglint.so into the folder and returns its path."""
+    def run(*command):
+        subprocess.run(list(map(str, command)), check=True)
+    run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DGLINT_TESTS=OFF", "-DGLINT_WINDOW=OFF", "-DGLINT_MPI=OFF")
+    run("cmake", "--build", folder, "--target", "glint_shared", "--parallel", os.cpu_count() or 1)
+    return (folder / "lib" / "libglint.so.0").resolve()
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """Writes glint_raytracer-VERSION-py3-none-PLATFORM.whl. GLINT_WHEEL_LIBRARY names a libglint.so.0 that is built already."""
+    platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
+    info = f"{NAME}-{_version()}.dist-info"
+    name = f"{NAME}-{_version()}-py3-none-{platform}.whl"
+    with tempfile.TemporaryDirectory(prefix="glint-wheel-") as folder:
+        built = os.environ.get("GLINT_WHEEL_LIBRARY")
+        library = pathlib.Path(built).resolve() if built else _library(pathlib.Path(folder))
+        files = {f"glint/{path.name}": path.read_bytes() for path in sorted((ROOT / "python/glint").iterdir()) if path.suffix in (".py", ".typed")}
+        files["glint/libglint.so.0"] = library.read_bytes()
+        files[f"{info}/METADATA"] = _metadata().encode()
+        files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: glint\nRoot-Is-Purelib: false\nTag: py3-none-{platform}\n".encode()
+        files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+        records = []
+        with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+            for path, content in files.items():
+                wheel.writestr(path, content)
+                digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+                records.append(f"{path},sha256={digest},{len(content)}")
+            wheel.writestr(f"{info}/RECORD", "\n".join([*records, f"{info}/RECORD,,", ""]))
+    return name
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """Writes the files of the last commit as glint_raytracer-VERSION.tar.gz. Needs git."""
+    top = f"{NAME}-{_version()}"
+    name = f"{top}.tar.gz"
+    target = pathlib.Path(sdist_directory) / name
+    with tempfile.TemporaryDirectory(prefix="glint-sdist-") as folder:
+        plain = pathlib.Path(folder) / "tree.tar"
+        subprocess.run(["git", "-C", str(ROOT), "archive", f"--prefix={top}/", "-o", str(plain), "HEAD"], check=True)
+        (pathlib.Path(folder) / "PKG-INFO").write_text(_metadata())
+        with tarfile.open(plain) as tree, tarfile.open(target, "w:gz") as packed:
+            for member in tree:
+                packed.addfile(member, tree.extractfile(member) if member.isfile() else None)
+            packed.add(pathlib.Path(folder) / "PKG-INFO", f"{top}/PKG-INFO")
+    return name
