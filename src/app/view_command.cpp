@@ -20,7 +20,6 @@ struct ViewCommand {
     DeviceChoice device;
     ErrorTarget target;
     uint64_t frames = 0;
-    std::filesystem::path script;
     gpu::PresentMode present = gpu::PresentMode::Fifo;
     int pace = 0;  // milliseconds; 0: by the device
     double scale = 0;
@@ -33,9 +32,7 @@ void declare(OptionTable& table, ViewCommand& c) {
     addSceneOverrides(table, c.scene);
     addError(table, c.target);
     addDevice(table, c.device);
-    table.whole("--frames", "N", "close after N frames (and the script's end)", 1, 1'000'000, c.frames);
-    table.path("--script", "FILE", "drive the window without a person, see docs/guide/window.md",
-               "the file name", c.script);
+    table.whole("--frames", "N", "close after N frames", 1, 1'000'000, c.frames);
     table.choice<gpu::PresentMode>(
         "--present", explainedChoices<gpu::PresentMode>() + "; fifo where the screen has no other", c.present,
         "MODE");
@@ -71,7 +68,6 @@ int run(const ViewCommand& command, std::ostream& out, std::ostream& err) {
     options.device = command.device.selector;
     options.validation = command.device.validation;
     options.frames = command.frames;
-    options.script = command.script;
     options.presentMode = command.present;
     options.scale = command.scale;
     options.targetSeconds = command.pace * 1e-3;

@@ -1,4 +1,4 @@
-// What the keyboard, the mouse and the window system tell the viewer; a script makes the same events.
+// What the keyboard, the mouse and the window system tell the viewer.
 #pragma once
 
 #include <string>

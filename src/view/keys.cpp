@@ -1,7 +1,5 @@
 #include "view/keys.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "view/events.h"
@@ -79,12 +77,6 @@ constexpr MouseHelp kMouse[] = {
     {"Q E", "flying: down, up; Shift is faster"},
 };
 
-std::string upper(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    return text;
-}
-
 }  // namespace
 
 std::span<const KeyBinding> keyBindings() {
@@ -103,16 +95,6 @@ std::optional<Action> actionOf(int key, int mods, bool flying) {
     for (const KeyBinding& b : kBindings) {
         if (b.key == key && b.mods == (mods & (kShift | kControl | kAlt))) return b.action;
     }
-    return std::nullopt;
-}
-
-std::optional<KeyPress> keyNamed(const std::string& name) {
-    const std::string wanted = upper(name);
-    if (wanted == "?") return KeyPress{key::kF1, 0};
-    for (const KeyBinding& b : kBindings) {
-        if (wanted == upper(b.name)) return KeyPress{b.key, b.mods};
-    }
-    if (wanted.size() == 1 && isFlyKey(wanted[0])) return KeyPress{wanted[0], 0};
     return std::nullopt;
 }
 

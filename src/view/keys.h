@@ -1,10 +1,9 @@
-// Every key and mouse gesture, once: the window obeys this list, shows it (F1), scripts name keys by it, and
-// a test holds docs/guide/window.md to it.
+// Every key and mouse gesture, once: the window obeys this list, shows it (F1), and a test holds
+// docs/guide/window.md to it.
 #pragma once
 
 #include <optional>
 #include <span>
-#include <string>
 
 namespace glint::view {
 
@@ -81,13 +80,5 @@ std::span<const MouseHelp> mouseHelp();
 bool isFlyKey(int key);
 
 std::optional<Action> actionOf(int key, int mods, bool flying);
-
-struct KeyPress {
-    int key = 0;
-    int mods = 0;
-};
-
-// "S", "shift+s", "Esc", "F1": any case. "W", "A", "D", "Q", "E" too, which only flying knows.
-std::optional<KeyPress> keyNamed(const std::string& name);
 
 }  // namespace glint::view

@@ -34,15 +34,13 @@ struct Options {
     std::string device;          // selector, see gpu::chooseDevice
     bool validation = false;
     uint64_t frames = 0;  // close after so many; 0: when the user does
-    std::filesystem::path script;
     gpu::PresentMode presentMode = gpu::PresentMode::Fifo;
     double targetSeconds = 0;  // of a frame while the camera moves; 0: by the device
     std::function<uint64_t()> memory = [] { return availableMemory(); };  // bytes that may be taken
 };
 
-// Opens the window and returns once it is closed, by the user or by an interrupt (core/interrupt.h). Throws
-// Error: Scene for a scene at fault, Device without a display or a device, Failed where a script's
-// expectation is not met.
+// Opens the window and returns once the user or an interrupt (core/interrupt.h) closes it. Throws Error:
+// Scene for an invalid scene, Device without a display or a device.
 void view(const Options& options, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::view

@@ -46,7 +46,6 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
       recent_(stateFile("recent")),
       hints_(stateFile("hints")),
       seenCamera_(scene_->scene.camera) {
-    if (!options_.script.empty()) script_ = readScript(options_.script);
     fileScene_ = {scene_, &scene_->scene};
     for (const std::string& w : scene_->scene.warnings) err_ << "glint: warning: " << w << '\n';
     for (const std::string& w : scene_->packed.warnings)
@@ -62,7 +61,7 @@ Viewer::Viewer(const Options& options, std::ostream& out, std::ostream& err)
         if (fileCameras()[i].name == options_.loading.camera) model_.camera = i;
     model_.comparison = &comparison_;
     model_.toasts = &toasts_.shown();
-    hinting_ = script_.empty();  // a script knows its way
+    restless_ = options_.frames > 0;
     model_.openFolder = std::filesystem::absolute(options_.scene).parent_path();
     recent_.add(options_.scene);
     files_.watch(sceneFiles(options_.scene));
@@ -138,8 +137,7 @@ bool Viewer::inputWaits() const {
 }
 
 bool Viewer::hasWork() const {
-    const bool driven = !scriptIdles_ && (scripted() || options_.frames > 0);
-    return driven || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || timeline_.playing() ||
+    return restless_ || !queue_.empty() || dirty_ > 0 || moving() || !held_.empty() || timeline_.playing() ||
            !session_->rested();
 }
 
@@ -240,7 +238,6 @@ void Viewer::askToClose() {
 void Viewer::round() {
     if (!hasWork()) window_.wait(restSeconds());
     gatherEvents();
-    runScript();
     handleEvents();
     flyOn(roundWatch_.seconds());
     noteCamera();
@@ -258,14 +255,11 @@ void Viewer::round() {
     if (comparison_.mode == CompareMode::Flicker && comparison_.any() && flash() != shown_.flash)
         dirty_ = std::max(dirty_, 1);
     const bool worked = work();
-    const bool forced = !scriptIdles_ && (options_.frames > 0 || scripted());
     const bool due = moving() || !queue_.empty() || frameWatch_.seconds() > kRestFrameSeconds;
-    const bool draws = forced || (dirty_ > 0 && due);
+    const bool draws = restless_ || (dirty_ > 0 && due);
     if (draws) drawFrame();
     if (!draws && !worked) window_.wait(kBreathSeconds);
-    if (scripted()) return;
-    const bool over = options_.frames > 0 ? frames_ >= options_.frames : !script_.empty() && !scriptStays_;
-    if (over && !closingAsked_) askToClose();
+    if (options_.frames > 0 && frames_ >= options_.frames && !closingAsked_) askToClose();
 }
 
 void Viewer::reportValidation() {
@@ -277,7 +271,7 @@ void Viewer::reportValidation() {
 }
 
 // Who closes the window while a picture is being saved is told if it is lost.
-void Viewer::finish() {
+void Viewer::close() {
     const bool cut = saving_.running();
     saving_.stop();
     verifying_.stop();
@@ -292,23 +286,25 @@ void Viewer::finish() {
     if (closingAsked_ && !lostPicture_.empty()) throw Error(ErrorKind::Failed, lostPicture_);
 }
 
-void Viewer::run() {
+void Viewer::open() {
     installInterruptHandler();
     openDevice();
-    while (!closing_) {
-        try {
-            round();
-        } catch (const gpu::DeviceLost& lost) {
-            recover(lost);
-        }
+}
+
+bool Viewer::step() {
+    try {
+        round();
+    } catch (const gpu::DeviceLost& lost) {
+        recover(lost);
     }
-    finish();
+    return !closing_;
 }
 
 void view(const Options& options, std::ostream& out, std::ostream& err) {
-    if (!options.script.empty()) readScript(options.script);  // its faults are told before a window opens
     Viewer viewer(options, out, err);
-    viewer.run();
+    viewer.open();
+    while (viewer.step()) continue;
+    viewer.close();
 }
 
 }  // namespace glint::view

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deque>
-#include <functional>
 #include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
@@ -16,7 +15,6 @@
 #include "view/camera_control.h"
 #include "view/compare.h"
 #include "view/gui.h"
-#include "view/hand.h"
 #include "view/hints.h"
 #include "view/history.h"
 #include "view/jobs.h"
@@ -25,7 +23,6 @@
 #include "view/panel.h"
 #include "view/recent_files.h"
 #include "view/scene_files.h"
-#include "view/script.h"
 #include "view/session.h"
 #include "view/timeline.h"
 #include "view/toasts.h"
@@ -34,13 +31,29 @@
 
 namespace glint::view {
 
+namespace test {
+class Driver;
+}
+
 class Viewer {
   public:
     Viewer(const Options& options, std::ostream& out, std::ostream& err);
     ~Viewer();
-    void run();
+
+    // Opens the device; then step() until it returns false; then close(), which throws what the user must
+    // know.
+    void open();
+    bool step();
+    void close();
+
+    // Handled in the next step, after the events that came before it.
+    void push(const Event& event) { queue_.push_back(event); }
+    // Draws a frame in every step, even if nothing has changed.
+    void setRestless(bool restless) { restless_ = restless; }
 
   private:
+    friend class test::Driver;  // tests/view, until the model is separate
+
     // viewer.cpp
     void openDevice();
     void checkRoom(PixelSize size) const;
@@ -54,7 +67,6 @@ class Viewer {
     bool work();  // false: there was nothing to trace
     void drawFrame();
     void reportValidation();
-    void finish();
     void askToClose();
     bool covered() const { return gui_.covers(cursorX_ + left_, cursorY_); }  // the mouse, by the panel
     bool flash() const;  // of flicker, whether it is the other picture's turn
@@ -127,25 +139,6 @@ class Viewer {
     void keepCamera();
     void goToCamera(size_t index);  // of the file's, then the bookmarks
     void writeCameras();
-    std::string cameraNames() const;
-
-    // viewer_script.cpp, viewer_expect.cpp
-    void runScript();
-    void start(const ScriptCommand& command);
-    bool startInput(const ScriptCommand& command);
-    bool startExpectation(const ScriptCommand& command);
-    void startFile(const ScriptCommand& command);
-    void startHand(const ScriptCommand& command);
-    void set(const ScriptCommand& command);
-    void startPace(int frames);
-    void startIdling(double seconds);
-    std::string stateOf(const ScriptCommand& command) const;
-    Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;
-    bool scripted() const { return nextCommand_ < script_.size() || scriptWait_; }
-    void push(const Event& event) { queue_.push_back(event); }
-    void waitFrames(int frames);
-    [[noreturn]] static void failScript(const ScriptCommand& command, const std::string& what);
-    bool settled() const;
 
     static constexpr double kRestSeconds = 0.2;   // without motion, after which the picture sharpens
     static constexpr double kFileSeconds = 0.25;  // between looks at the scene's files
@@ -177,7 +170,6 @@ class Viewer {
     FileWatch files_;
     RecentFiles recent_;
     Hints hints_;
-    bool hinting_ = false;  // the window shows what is left of them
     PanelModel model_;
     Toasts toasts_;
     Comparison comparison_;
@@ -216,16 +208,10 @@ class Viewer {
     std::vector<float> frameTimes_;
     Stopwatch motion_, frameWatch_, roundWatch_, fileWatch_;
     int dirty_ = 3;  // frames to draw even if nothing happens
-    bool closing_ = false, closingAsked_ = false, wasLost_ = false, opensAnother_ = false;
+    bool restless_ = false, closing_ = false, closingAsked_ = false, wasLost_ = false, opensAnother_ = false;
     std::string lastSaid_, lostPicture_;
     bool traced_ = false, follows_ = false;  // a new coarse picture in this round; in the one before too
     uint64_t frames_ = 0, reloads_ = 0;
-
-    std::vector<ScriptCommand> script_;
-    size_t nextCommand_ = 0;
-    std::function<bool()> scriptWait_;  // true: go on
-    bool scriptStays_ = false, scriptIdles_ = false;
-    Hand hand_;
 };
 
 }  // namespace glint::view

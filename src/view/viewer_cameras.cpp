@@ -66,11 +66,4 @@ void Viewer::writeCameras() {
     }
 }
 
-std::string Viewer::cameraNames() const {
-    std::string names;
-    for (const auto* list : {&fileCameras(), &bookmarks_})
-        for (const NamedCamera& camera : *list) names += (names.empty() ? "" : ", ") + camera.name;
-    return names.empty() ? "none" : names;
-}
-
 }  // namespace glint::view

@@ -375,7 +375,7 @@ void Viewer::forgetPick(bool evenPinned) {
 }
 
 void Viewer::follow(Hint hint) {
-    if (hinting_ && hints_.done(hint)) say("That is all it takes. F1 lists every key.");
+    if (hints_.done(hint)) say("That is all it takes. F1 lists every key.");
 }
 
 void Viewer::travel(const std::optional<Camera>& camera, const char* otherwise) {

@@ -42,7 +42,7 @@ void Viewer::fillModel() {
     model_.recent = &recent_.list();
     model_.shownTime = time_;
     model_.seconds = clock_.seconds();
-    model_.hints = hinting_ && hints_.any() ? &hints_ : nullptr;
+    model_.hints = hints_.any() ? &hints_ : nullptr;
     model_.targetSeconds = pace_.target();
     const Camera& camera = control_.camera();
     model_.perspective = camera.projection == Projection::Perspective;

@@ -14,7 +14,6 @@ class Cameras : public FolderTest {
     void SetUp() override {
         FolderTest::SetUp();
         size_ = "500x900";  // the whole panel is seen
-        byHand_ = true;
     }
 };
 
@@ -114,10 +113,11 @@ TEST_F(Cameras, OfGltfAreChosen) {
                     {"type": "orthographic", "name": "flat", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}}],
         "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 3]}, {"camera": 1, "translation": [0.2, 0.1, 2]}]})";
     writeText("two.gltf", text);
-    writeText("script.txt",
-              "set samples 1\nprint cameras\nkey n\nkey n\nsettle\nscreenshot flat.png\nhand key m\npress "
-              "camera\nwait 3\nprint control wide\nprint control write_to_file\n");
-    const Ran ran = runGlint({"view", "two.gltf", "--size", size_, "--script", "script.txt"});
+    const Ran ran = runView(
+        {"two.gltf", "--size", size_},
+        parseScript("set samples 1\nprint cameras\nkey n\nkey n\nsettle\nscreenshot flat.png\nkey m\npress "
+                    "camera\nwait 3\nprint control wide\nprint control write_to_file\n",
+                    "script.txt"));
     EXPECT_EQ(ran.code, 1);
     EXPECT_NE(ran.err.find("no control 'write to file' is to be seen"), std::string::npos) << ran.err;
     EXPECT_NE(ran.out.find("cameras wide, flat\n"), std::string::npos) << ran.out;

@@ -6,10 +6,7 @@
 namespace glint::view::test::reload_test {
 namespace {
 
-class Reload : public FolderTest {
-  protected:
-    Reload() { byHand_ = true; }
-};
+class Reload : public FolderTest {};
 
 TEST_F(Reload, ShowsAChangedScene) {
     writeText("changed.json", sceneText(0.1));

@@ -1,4 +1,4 @@
-#include "view/script.h"
+#include "script.h"
 
 #include <set>
 
@@ -6,7 +6,7 @@
 #include "view/events.h"
 #include "view/keys.h"
 
-namespace glint::view::script_test {
+namespace glint::view::test::script_test {
 namespace {
 
 std::string messageOf(const std::string& script) {
@@ -25,7 +25,7 @@ TEST(Script, ReadsCommandsAndComments) {
 
 TEST(Script, RefusesWithThePlace) {
     EXPECT_EQ(messageOf("wait 1\nfly 3\n"),
-              "s.txt:2: unknown command 'fly' (docs/guide/window.md lists all)");
+              "s.txt:2: unknown command 'fly' (tests/view/script.cpp lists all)");
     EXPECT_EQ(messageOf("orbit 3"), "s.txt:1: expected 'orbit DX DY'");
     EXPECT_EQ(messageOf("settle now"), "s.txt:1: expected 'settle'");
 }
@@ -57,4 +57,4 @@ TEST(Keys, FlyingTakesItsKeysFromTheOthers) {
 }
 
 }  // namespace
-}  // namespace glint::view::script_test
+}  // namespace glint::view::test::script_test

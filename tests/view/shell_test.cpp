@@ -15,7 +15,6 @@ namespace {
 
 class Shell : public FolderTest {
   protected:
-    Shell() { byHand_ = true; }
     nlohmann::json scene_ = nlohmann::json::parse(sceneText());
 
     static nlohmann::json cameraIn(const Ran& ran) {
@@ -192,7 +191,6 @@ TEST_F(Shell, ASceneIsOpenedThatWasSeenBefore) {
     nlohmann::json other = scene_;
     other["maxDepth"] = 1;
     writeText("elsewhere/other.json", other.dump());
-    writeText("script.txt", "");
     ASSERT_EQ(runGlint({"view", "elsewhere/other.json", "--size", size_, "--frames", "2"}).code, 0);
     const Ran ran = view(
         "set samples 1\nkey ctrl+O\nwait 3\npress recent_other.json\nsettle\nexpect depth 1\n"
@@ -266,12 +264,11 @@ TEST_F(Shell, LettersAreSharpAtTwiceTheSize) {
 }
 
 TEST_F(Shell, BuildQualityIsUsed) {
-    writeText("script.txt", "print tree\n");
     const std::string knot = glint::test::sourcePath("scenes/knot.json");
     std::set<std::string> costs;
     for (const char* quality : {"default", "high"}) {
         const Ran ran =
-            runGlint({"view", knot, "--size", size_, "--script", "script.txt", "--build-quality", quality});
+            runView({knot, "--size", size_, "--build-quality", quality}, parseScript("print tree", "tree"));
         ASSERT_EQ(ran.code, 0) << ran.err;
         costs.insert(printed(ran, "tree").at(0));
     }

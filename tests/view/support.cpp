@@ -1,12 +1,17 @@
 #include "support.h"
 
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <utility>
 
 #include "app/cli.h"
+#include "app/exit_code.h"
+#include "core/error.h"
 #include "core/quantize.h"
+#include "driver.h"
+#include "view/state_folder.h"
 
 namespace glint::view::test {
 
@@ -14,6 +19,61 @@ Ran runGlint(const std::vector<std::string>& args) {
     std::ostringstream out, err;
     Ran ran;
     ran.code = app::run(args, out, err);
+    ran.out = out.str();
+    ran.err = err.str();
+    return ran;
+}
+
+namespace {
+
+Options optionsOf(const std::vector<std::string>& args) {
+    Options options;
+    options.scene = args.at(0);
+    for (size_t i = 1; i < args.size(); ++i) {
+        const std::string& name = args[i];
+        const auto value = [&]() -> const std::string& { return args.at(++i); };
+        if (name == "--validation")
+            options.validation = true;
+        else if (name == "--within-depth")
+            options.until.withinDepth = true;
+        else if (name == "--size" &&
+                 std::sscanf(value().c_str(), "%dx%d", &options.width, &options.height) == 2)
+            continue;
+        else if (name == "--spp")
+            options.loading.samplesPerPixel = std::stoi(value());
+        else if (name == "--frames")
+            options.frames = std::stoull(value());
+        else if (name == "--scale")
+            options.scale = std::stod(value());
+        else if (name == "--error")
+            options.until.error = std::stod(value());
+        else if (name == "--time")
+            options.time = std::stod(value());
+        else if (name == "--camera")
+            options.loading.camera = value();
+        else if (name == "--present")
+            options.presentMode = named<gpu::PresentMode>(value()).value();
+        else if (name == "--build-quality")
+            options.loading.quality = named<BuildQuality>(value()).value();
+        else
+            throw Error(ErrorKind::Argument, "tests of the window do not use " + name);
+    }
+    return options;
+}
+
+}  // namespace
+
+Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script) {
+    std::ostringstream out, err;
+    Ran ran;
+    try {
+        Viewer viewer(optionsOf(args), out, err);
+        Driver(viewer, script, out).run();
+        ran.code = 0;
+    } catch (const Error& e) {
+        err << "glint: " << e.what() << '\n';
+        ran.code = static_cast<int>(app::exitCodeOf(e.kind()));
+    }
     ran.out = out.str();
     ran.err = err.str();
     return ran;
@@ -88,11 +148,10 @@ void FolderTest::SetUp() {
 }
 
 Ran FolderTest::view(const std::string& script, const std::vector<std::string>& more) {
-    writeText("script.txt", byHand_ ? byHand(script) : script);
-    std::vector<std::string> args = {"view",         "scene.json", "--size",    size_,
-                                     "--validation", "--script",   "script.txt"};
+    if (!newcomer_) writeState(stateFile("hints"), "turn pick save compare");
+    std::vector<std::string> args = {"scene.json", "--size", size_, "--validation"};
     args.insert(args.end(), more.begin(), more.end());
-    const Ran ran = runGlint(args);
+    const Ran ran = runView(args, parseScript(byHand_ ? byHand(script) : script, "script.txt"));
     EXPECT_EQ(ran.err.find("validation"), std::string::npos) << ran.err;
     return ran;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "script.h"
 #include "support/environment.h"
 #include "support/support.h"
 
@@ -23,6 +24,10 @@ std::string byHand(const std::string& script);
 // A command line, inside this process.
 Ran runGlint(const std::vector<std::string>& args);
 
+// `glint view ARGS` driven by a script. ARGS starts with the scene; of the options those that tests of the
+// window use.
+Ran runView(const std::vector<std::string>& args, const std::vector<ScriptCommand>& script);
+
 using glint::test::readBytes;
 using glint::test::writeText;
 
@@ -35,8 +40,7 @@ class FolderTest : public glint::test::WorkingFolderTest {
   protected:
     void SetUp() override;
 
-    // `glint view scene.json --size SIZE --validation --script ...` with `script`; fails on a validation
-    // message.
+    // runView("scene.json --size SIZE --validation ...") with `script`; fails on a validation message.
     Ran view(const std::string& script, const std::vector<std::string>& more = {});
     // What the script's `print WHAT` printed, one for each time.
     static std::vector<std::string> printed(const Ran& ran, const std::string& what);
@@ -50,6 +54,8 @@ class FolderTest : public glint::test::WorkingFolderTest {
     std::string size_ = "240x180";  // of the window and of rendered pictures
     // Keys, clicks, drags and presses of scripts are made by the real mouse and keyboard.
     bool byHand_ = false;
+    // The window shows the first steps, as to a new user. Off: they are done already.
+    bool newcomer_ = false;
 };
 
 // The bytes of a colour picture's pixel, as a PNG holds them.

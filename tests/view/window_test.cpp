@@ -1,4 +1,4 @@
-// The window itself, on a screen in memory: what `glint view --script` does is what hands would do.
+// The window on a screen in memory, driven by scripts.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,11 +9,11 @@
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
+#include "driver.h"
 #include "support.h"
 #include "support/environment.h"
 #include "view/layers.h"
 #include "view/session.h"
-#include "view/view.h"
 
 namespace glint::view::test::window_test {
 namespace {
@@ -263,11 +263,13 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
     options.height = 480;
     options.frames = 1;
     const uint64_t needed = 640 * 480 * Session::bytesPerPixel();
+    std::string script;
     const auto answer = [&](uint64_t free) -> std::string {
         options.memory = [free] { return free; };
         std::ostringstream out, err;
         try {
-            glint::view::view(options, out, err);
+            Viewer viewer(options, out, err);
+            Driver(viewer, parseScript(script, "grow.txt"), out).run();
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::Failed);
             return error.what();
@@ -282,8 +284,7 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
     options.frames = 0;
     options.width = 64;
     options.height = 48;
-    writeText("grow.txt", "wait 2\nresize 640 480\nwait 2\n");
-    options.script = "grow.txt";
+    script = "wait 2\nresize 640 480\nwait 2\n";
     EXPECT_EQ(answer(needed / 4).rfind("a picture of 640x480 pixels takes ", 0), 0u);
     EXPECT_EQ(answer(needed - 64 * 48 * Session::bytesPerPixel()), "opened");
 }

@@ -1,16 +1,25 @@
-#include "view/script.h"
+#include "script.h"
 
+#include <cctype>
 #include <cmath>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "view/keys.h"
 
-namespace glint::view {
+namespace glint::view::test {
 
 namespace {
 
 constexpr size_t kAny = 100;
+
+struct ScriptWord {
+    const char* name;
+    const char* form;  // of the arguments
+    size_t least, most;
+    const char* help;
+};
 
 constexpr ScriptWord kWords[] = {
     {"wait", "N", 1, 1, "let N frames pass"},
@@ -46,7 +55,6 @@ constexpr ScriptWord kWords[] = {
     {"pace", "N", 1, 1, "turn the camera by one degree a frame for N frames, and print how fast that went"},
     {"idle", "SECONDS", 1, 1,
      "do nothing for a while, and print how many frames and how much processor time that took"},
-    {"hints", "", 0, 0, "show a newcomer's hints, which a script does without otherwise"},
     {"lose-device", "", 0, 0, "behave as if the device had been lost"},
     {"stay", "", 0, 0, "leave the window open at the end of the script"},
     {"print", "WHAT", 1, 2,
@@ -78,10 +86,6 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
-std::span<const ScriptWord> scriptWords() {
-    return kWords;
-}
-
 std::vector<ScriptCommand> parseScript(const std::string& text, const std::string& name) {
     std::vector<ScriptCommand> commands;
     std::istringstream lines(text);
@@ -99,7 +103,7 @@ std::vector<ScriptCommand> parseScript(const std::string& text, const std::strin
         const ScriptWord* known = wordNamed(command.name);
         if (known == nullptr)
             throw Error(ErrorKind::Argument, command.place + ": unknown command '" + command.name +
-                                                 "' (docs/guide/window.md lists all)");
+                                                 "' (tests/view/script.cpp lists all)");
         const size_t given = command.arguments.size();
         if (given < known->least || given > known->most)
             throw Error(ErrorKind::Argument, command.place + ": expected '" +
@@ -133,4 +137,16 @@ int wholeOf(const ScriptCommand& command, size_t argument) {
     return static_cast<int>(value);
 }
 
-}  // namespace glint::view
+std::optional<KeyPress> keyNamed(const std::string& name) {
+    const auto upper = [](std::string text) {
+        for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+        return text;
+    };
+    const std::string wanted = upper(name);
+    for (const KeyBinding& b : keyBindings())
+        if (wanted == upper(b.name)) return KeyPress{b.key, b.mods};
+    if (wanted.size() == 1 && isFlyKey(wanted[0])) return KeyPress{wanted[0], 0};
+    return std::nullopt;
+}
+
+}  // namespace glint::view::test

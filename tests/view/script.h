@@ -1,20 +1,14 @@
-// The language of `glint view --script`: one command a line, `#` begins a comment (docs/guide/window.md).
+// The language of scripts that drive the window in tests: one command a line, `#` starts a comment.
+// script.cpp lists the commands. A script makes the same events as a user; coordinates are pixels of the
+// image.
 #pragma once
 
 #include <filesystem>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
-namespace glint::view {
-
-struct ScriptWord {
-    const char* name;
-    const char* form;  // of its arguments
-    size_t least, most;
-    const char* help;
-};
-std::span<const ScriptWord> scriptWords();
+namespace glint::view::test {
 
 struct ScriptCommand {
     std::string name;
@@ -31,4 +25,12 @@ std::vector<ScriptCommand> readScript(const std::filesystem::path& file);
 double numberOf(const ScriptCommand& command, size_t argument);
 int wholeOf(const ScriptCommand& command, size_t argument);
 
-}  // namespace glint::view
+struct KeyPress {
+    int key = 0;
+    int mods = 0;
+};
+
+// A key by its name in keyBindings(), in any case, and those of flying ("W"). Empty for an unknown name.
+std::optional<KeyPress> keyNamed(const std::string& name);
+
+}  // namespace glint::view::test

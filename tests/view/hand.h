@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace glint::view {
+namespace glint::view::test {
 
 class Hand {
   public:
@@ -19,4 +19,4 @@ class Hand {
     std::future<int> ended_;
 };
 
-}  // namespace glint::view
+}  // namespace glint::view::test

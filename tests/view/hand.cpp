@@ -1,4 +1,4 @@
-#include "view/hand.h"
+#include "hand.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace glint::view {
+namespace glint::view::test {
 
 namespace {
 
@@ -53,4 +53,4 @@ bool Hand::done() {
     return true;
 }
 
-}  // namespace glint::view
+}  // namespace glint::view::test
