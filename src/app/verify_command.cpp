@@ -1,17 +1,22 @@
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
+#include <sstream>
 
 #include "app/commands.h"
 #include "app/common.h"
 #include "app/exit_code.h"
 #include "app/output_check.h"
+#include "app/verify_files.h"
 #include "app/verify_report.h"
 #include "core/available_memory.h"
 #include "core/error.h"
 #include "core/image_io.h"
 #include "core/interrupt.h"
+#include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "verify/film.h"
 #include "verify/verify.h"
@@ -24,15 +29,32 @@ struct VerifyCommand {
     std::vector<std::filesystem::path> scenes;
     SceneOptions common;
     DeviceChoice device;
-    std::filesystem::path folder = ".";  // of the difference pictures
-    bool json = false;                   // --stats
+    std::optional<std::filesystem::path> folder;  // of the difference images
+    std::filesystem::path artifacts, jsonFile, junitFile;
+    uint64_t allow = 0;
+    bool brief = false;
+    bool json = false;  // --stats
     ProgressMode progress = ProgressMode::Auto;
+
+    bool writesDifference() const { return folder || artifacts.empty(); }
+    bool wantsText() const { return !json && !brief; }
 };
 
 void declare(OptionTable& table, VerifyCommand& c) {
     addScenes(table, c.scenes, c.common.allowOutside);
-    table.path("-o,--output", "FOLDER", "for the difference pictures NAME.verify.png (default: here)",
+    table.path("-o,--output", "FOLDER",
+               "write the difference images NAME.verify.png here, creates the folder (default: the current "
+               "folder; none with --artifacts)",
                "the folder's name", c.folder);
+    table.path("--artifacts", "FOLDER",
+               "write NAME.device.png, NAME.reference.png and NAME.difference.png of each scene that fails",
+               "the folder's name", c.artifacts);
+    table.path("--json", "FILE", "write verdicts, figures and differing pixels as JSON", "the file name",
+               c.jsonFile);
+    table.path("--junit", "FILE", "write one JUnit test case a scene", "the file name", c.junitFile);
+    table.whole("--allow", "N", "pass scenes with at most N unexplained pixels (default 0)", 0,
+                std::numeric_limits<int>::max(), c.allow);
+    table.flag("--brief", "print one line a scene, and a summary", c.brief);
     addSceneOverrides(table, c.common);
     addCamera(table, c.common);
     addTime(table, c.common);
@@ -45,68 +67,145 @@ void declare(OptionTable& table, VerifyCommand& c) {
     addProgress(table, c.progress);
 }
 
-// Both pictures, the differences by rows and together, and the difference picture; without the sums of
+// Both images, the differences by rows and together, and the images of the report; without the sums of
 // samples.
-constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 12;
+constexpr uint64_t kBytesPerPixel = sizeof(PixelData) + 17 + 4 + 4 + 3 * 12;
 
-// STEM.verify.png for each scene; STEM-2.verify.png for the second scene of the same stem.
-std::vector<std::filesystem::path> pictureNames(const VerifyCommand& command) {
+// STEM for each scene, STEM-2 for the second scene of the same stem.
+std::vector<std::string> stemsOf(const VerifyCommand& command) {
     std::map<std::string, int> uses;
-    std::vector<std::filesystem::path> names;
+    std::vector<std::string> stems;
     for (const std::filesystem::path& scene : command.scenes) {
         const std::string stem = scene.stem().string();
         const int use = ++uses[stem];
-        const std::string name = stem + (use > 1 ? "-" + std::to_string(use) : "") + ".verify.png";
-        names.push_back((command.folder / name).lexically_normal());
+        stems.push_back(stem + (use > 1 ? "-" + std::to_string(use) : ""));
     }
-    return names;
+    return stems;
 }
 
-bool verifyScene(const VerifyCommand& command, const std::filesystem::path& path,
-                 const std::filesystem::path& picture, const gpu::Device& device, nlohmann::json& results,
-                 std::ostream& out, std::ostream& err) {
-    SceneOptions sceneOptions = command.common;
-    sceneOptions.scene = path;
-    const LoadedScene loaded = loadAndPack(sceneOptions, err);
-    verify::Options options;
-    static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
-    options.cancelled = interrupted;
-    checkMemory(options.width, options.height, kBytesPerPixel + verify::Film::bytesPerPixel(options.samples),
-                availableMemory(), "");
-    render::Options tracing;
-    tracing.traversal = command.device.traversal;
-    tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
-    render::Renderer renderer(device, loaded.packed, tracing);
-    verify::Report report;
-    {
-        Progress progress("verify " + path.filename().string(), command.progress, err, isTerminal(err));
+// Schemas may lie beside scenes (scenes/*.json).
+bool isSchema(const std::filesystem::path& path) {
+    return path.filename().string().ends_with(".schema.json");
+}
+
+class SceneVerifier {
+  public:
+    SceneVerifier(const VerifyCommand& command, const gpu::Device& device, std::ostream& out,
+                  std::ostream& err)
+        : command_(command), device_(device), out_(out), err_(err) {}
+
+    // A scene that cannot be read has the status Error; other errors are thrown.
+    SceneResult verify(const std::filesystem::path& path, const std::string& stem) const {
+        SceneResult result;
+        result.scene = path.string();
+        const Stopwatch watch;
+        if (isSchema(path)) {
+            result.status = SceneStatus::Skipped;
+            result.message = "a JSON schema, not a scene";
+        } else {
+            try {
+                examine(path, stem, result);
+            } catch (const Error& error) {
+                if (error.kind() != ErrorKind::Scene) throw;
+                result.status = SceneStatus::Error;
+                result.message = error.what();
+                err_ << "glint: " << error.what() << '\n';
+            }
+        }
+        result.seconds = watch.seconds();
+        if (command_.brief) printBrief(path, result);
+        return result;
+    }
+
+  private:
+    void examine(const std::filesystem::path& path, const std::string& stem, SceneResult& result) const {
+        SceneOptions sceneOptions = command_.common;
+        sceneOptions.scene = path;
+        const LoadedScene loaded = loadAndPack(sceneOptions, err_);
+        verify::Options options;
+        static_cast<Request&>(options) = requestOf(loaded, sceneOptions);
+        options.cancelled = interrupted;
+        options.allowedUnexplained = command_.allow;
+        if (!command_.jsonFile.empty()) options.worstCount = kListedPixels;
+        checkMemory(options.width, options.height,
+                    kBytesPerPixel + verify::Film::bytesPerPixel(options.samples), availableMemory(), "");
+        const verify::Report report = reportOf(path, loaded, options);
+        if (report.interrupted)
+            throw Error(ErrorKind::Interrupted, "interrupted while verifying " + path.string());
+        result.status = report.passed() ? SceneStatus::Passed : SceneStatus::Failed;
+        result.message = verdict(report);
+        result.facts = reportJson(path.string(), report);
+        std::ostringstream details;
+        printReport(shown(path), report, options, loaded.packed.origin, details);
+        result.details = details.str();
+        if (command_.wantsText()) out_ << result.details;
+        writeImages(stem, report);
+        out_.flush();
+    }
+
+    verify::Report reportOf(const std::filesystem::path& path, const LoadedScene& loaded,
+                            verify::Options& options) const {
+        render::Options tracing;
+        tracing.traversal = command_.device.traversal;
+        tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
+        render::Renderer renderer(device_, loaded.packed, tracing);
+        Progress progress("verify " + path.filename().string(), command_.progress, err_, isTerminal(err_));
         options.progress = [&](double fraction) { progress.update(fraction); };
-        report = verify::verify(renderer, loaded.packed, cameraOf(loaded), options, &loaded.scene);
+        return verify::verify(renderer, loaded.packed, cameraOf(loaded), options, &loaded.scene);
     }
-    if (report.interrupted)
-        throw Error(ErrorKind::Interrupted, "interrupted while verifying " + path.string());
-    writeImage(picture, report.difference);
-    if (command.json) {
-        results.push_back(reportJson(path.string(), report));
-        return report.passed();
+
+    void writeImages(const std::string& stem, const verify::Report& report) const {
+        if (command_.writesDifference()) {
+            const std::filesystem::path image =
+                (command_.folder.value_or(".") / (stem + ".verify.png")).lexically_normal();
+            writeImage(image, report.difference);
+            if (command_.wantsText()) out_ << "    wrote " << shown(image) << '\n';
+        }
+        if (command_.artifacts.empty() || report.passed()) return;
+        writeArtifacts(command_.artifacts, stem, report);
     }
-    printReport(shown(path), report, options, loaded.packed.origin, out);
-    out << "    wrote " << shown(picture) << '\n';
-    out.flush();
-    return report.passed();
+
+    void printBrief(const std::filesystem::path& path, const SceneResult& result) const {
+        out_ << shown(path) << ": ";
+        if (result.status == SceneStatus::Error || result.status == SceneStatus::Skipped)
+            out_ << nameOf(result.status)
+                 << (result.status == SceneStatus::Skipped ? ": " + result.message : "");
+        else
+            out_ << result.message << ", " << briefFigures(result.facts) << ", "
+                 << formatSeconds(result.seconds);
+        out_ << '\n';
+        out_.flush();
+    }
+
+    const VerifyCommand& command_;
+    const gpu::Device& device_;
+    std::ostream& out_;
+    std::ostream& err_;
+};
+
+void prepareFolder(const std::filesystem::path& folder) {
+    std::error_code ignored;  // the check below gives the reason
+    std::filesystem::create_directories(folder, ignored);
+    checkOutputFolder(folder);
 }
 
 int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
-    checkOutputFolder(command.folder);
     for (const auto& scene : command.scenes) checkFile(scene);  // the last one's name may be misspelt
+    if (command.writesDifference()) prepareFolder(command.folder.value_or("."));
+    if (!command.artifacts.empty()) prepareFolder(command.artifacts);
+    for (const auto& file : {command.jsonFile, command.junitFile})
+        if (!file.empty()) checkOutputPath(file);
     const gpu::Device device = openDevice(command.device, false);
     installInterruptHandler();
     if (!command.json) out << "device: " << device.info().name << ", " << device.info().driver << '\n';
+    VerifyFiles files(command.jsonFile, command.junitFile, device.info().name, device.info().driver);
+    const SceneVerifier verifier(command, device, out, err);
     nlohmann::json results = nlohmann::json::array();
-    const auto pictures = pictureNames(command);
-    size_t failed = 0;
-    for (size_t i = 0; i < pictures.size(); ++i) {
-        if (!verifyScene(command, command.scenes[i], pictures[i], device, results, out, err)) ++failed;
+    const auto stems = stemsOf(command);
+    for (size_t i = 0; i < stems.size(); ++i) {
+        SceneResult result = verifier.verify(command.scenes[i], stems[i]);
+        if (command.json && result.facts.is_object()) results.push_back(withoutPixels(result.facts));
+        files.add(std::move(result));
     }
     if (command.json)
         out << nlohmann::json{{"device", device.info().name},
@@ -114,10 +213,16 @@ int run(const VerifyCommand& command, std::ostream& out, std::ostream& err) {
                               {"scenes", std::move(results)}}
                    .dump(2)
             << '\n';
+    const size_t failed = files.count(SceneStatus::Failed), unread = files.count(SceneStatus::Error);
+    if (command.brief)
+        out << counted(stems.size(), "scene") << ": " << files.count(SceneStatus::Passed) << " passed, "
+            << failed << " failed, " << unread << " unreadable, " << files.count(SceneStatus::Skipped)
+            << " skipped, " << formatSeconds(files.seconds()) << '\n';
     reportValidation(device, command.device, err);
-    if (failed == 0) return static_cast<int>(ExitCode::Done);
-    err << "glint: verify: " << failed << " of " << counted(command.scenes.size(), "scene") << " failed\n";
-    return static_cast<int>(ExitCode::Difference);
+    if (failed > 0)
+        err << "glint: verify: " << failed << " of " << counted(stems.size(), "scene") << " failed\n";
+    if (unread > 0) return static_cast<int>(ExitCode::Scene);
+    return static_cast<int>(failed > 0 ? ExitCode::Difference : ExitCode::Done);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "app/verify_report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -7,6 +8,8 @@
 namespace glint::app {
 
 namespace {
+
+constexpr size_t kPrintedPixels = 10;
 
 // What one side has seen in a pixel.
 struct Seen {
@@ -96,11 +99,43 @@ void printRepresentation(const verify::Representation& r, const glm::dvec3& orig
     }
 }
 
+nlohmann::json seenJson(const Seen& s) {
+    nlohmann::json json = {{"color", {s.color.x, s.color.y, s.color.z}},
+                           {"hit", s.hit},
+                           {"bounces", s.bounces},
+                           {"path", s.pathHash}};
+    if (s.hit) {
+        json["object"] = s.object;
+        json["primitive"] = s.primitive;
+        json["t"] = s.t;
+    }
+    return json;
+}
+
+nlohmann::json pixelsJson(const verify::Report& report) {
+    nlohmann::json pixels = nlohmann::json::array();
+    for (const verify::DifferingPixel& pixel : report.worst)
+        pixels.push_back({{"x", pixel.x},
+                          {"y", pixel.y},
+                          {"sample", pixel.sample},
+                          {"reason", std::string(nameOf(pixel.reason))},
+                          {"difference", pixel.difference},
+                          {"device", seenJson(seenBy(pixel))},
+                          {"reference", seenJson(seenBy("", pixel.reference, glm::dvec3(0)))}});
+    return pixels;
+}
+
+}  // namespace
+
 std::string verdict(const verify::Report& report) {
     if (report.passed()) {
+        if (report.unexplained > 0)
+            return "ok: " + std::to_string(report.unexplained) + " unexplained, " +
+                   std::to_string(report.allowedUnexplained) + " allowed";
         return report.ties > report.allowedOthers() ? "ok; surfaces tie, as the scene demands" : "ok";
     }
-    if (report.unexplained > 0) return "FAILED: pixels differ for no reason that rounding explains";
+    if (report.unexplained > report.allowedUnexplained)
+        return "FAILED: pixels differ for no reason that rounding explains";
     if (report.plainDiffers > 0)
         return "FAILED: the picture that glint render draws, without layers, has other bits";
     if (report.filmDiffers > 0) return "FAILED: the picture of all samples is not what they add up to";
@@ -115,8 +150,6 @@ std::string verdict(const verify::Report& report) {
         return "FAILED: rounding the scene changes too many pixels, though it explains each";
     return "FAILED: the picture errs by more than its condition allows, though rounding explains each pixel";
 }
-
-}  // namespace
 
 void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
                  const glm::dvec3& origin, std::ostream& out) {
@@ -152,8 +185,8 @@ void printReport(const std::string& scene, const verify::Report& report, const v
                   s.kappa * verify::kFloatUnit, report.p99, report.allowedP99());
     out << line;
     if (report.representation) printRepresentation(*report.representation, origin, out);
-    for (const verify::DifferingPixel& pixel : report.worst) {
-        printPixel(pixel, options.samples.round > 1, origin, out);
+    for (size_t i = 0; i < std::min(report.worst.size(), kPrintedPixels); ++i) {
+        printPixel(report.worst[i], options.samples.round > 1, origin, out);
     }
 }
 
@@ -180,6 +213,9 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
         {"plainDiffers", report.plainDiffers},
         {"filmDiffers", report.filmDiffers},
         {"lossesDiffer", report.lossesDiffer},
+        {"allowedUnexplained", report.allowedUnexplained},
+        {"differing", report.explained() + report.unexplained},
+        {"differingPixels", pixelsJson(report)},
     };
     if (!report.representation) return json;
     const verify::Representation& r = *report.representation;
@@ -188,6 +224,22 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
         {"max", r.greatest},           {"explained", r.explained}, {"allowed", r.allowed},
         {"unexplained", r.unexplained}};
     return json;
+}
+
+nlohmann::json withoutPixels(nlohmann::json report) {
+    report.erase("differingPixels");
+    return report;
+}
+
+std::string briefFigures(const nlohmann::json& report) {
+    const nlohmann::json& arithmetic = report["arithmetic"];
+    const uint64_t explained = arithmetic["edge"].get<uint64_t>() + arithmetic["rounding"].get<uint64_t>() +
+                               arithmetic["tie"].get<uint64_t>();
+    char rmse[32];
+    std::snprintf(rmse, sizeof(rmse), "%.3g", arithmetic["rmse"].get<double>());
+    return std::to_string(report["pixels"].get<uint64_t>()) + " pixels, " + std::to_string(explained) +
+           " explained, " + std::to_string(arithmetic["unexplained"].get<uint64_t>()) +
+           " unexplained, RMSE " + rmse;
 }
 
 }  // namespace glint::app

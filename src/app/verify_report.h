@@ -15,7 +15,14 @@ namespace glint::app {
 void printReport(const std::string& scene, const verify::Report& report, const verify::Options& options,
                  const glm::dvec3& origin, std::ostream& out);
 
-// The same verdict and numbers, without the pixels.
+// In one line: "ok", or "FAILED: " and why.
+std::string verdict(const verify::Report& report);
+
+// The same verdict and numbers, and the differing pixels that the report keeps.
 nlohmann::json reportJson(const std::string& scene, const verify::Report& report);
+nlohmann::json withoutPixels(nlohmann::json report);
+
+// The figures of one line, of what reportJson gives.
+std::string briefFigures(const nlohmann::json& report);
 
 }  // namespace glint::app

@@ -26,8 +26,9 @@ struct RowSums {
     double squares = 0, squaresSamePath = 0, maxSamePath = 0;
     uint64_t samePath = 0, idsDiffer = 0;
     std::vector<DifferingPixel> differing;
-    std::vector<float> differences;  // by pixel, infinite where the device's colour is not finite
-    std::vector<float> floors;       // by pixel, greatest channel of PixelRecord::rounding
+    std::vector<glm::vec3> device, reference;  // colours by pixel
+    std::vector<float> differences;            // by pixel, infinite where the device's colour is not finite
+    std::vector<float> floors;                 // by pixel, greatest channel of PixelRecord::rounding
 };
 
 constexpr float kDifferenceGain = 64;
@@ -96,6 +97,8 @@ class Comparison {
         const double difference =
             finite ? std::max({d.x, d.y, d.z}) : std::numeric_limits<double>::infinity();
         const bool samePath = data.pathHash == expected.pathHash;
+        sums.device.push_back(color);
+        sums.reference.push_back(glm::vec3(expected.color));
         sums.differences.push_back(static_cast<float>(difference));
         if (finite) {
             sums.squares += glm::dot(d, d);
@@ -198,7 +201,11 @@ uint64_t& countOf(Report& report, Reason reason) {
 void addRow(RowSums& row, int y, Report& report, size_t sample) {
     for (int x = 0; sample == 0 && x < static_cast<int>(row.differences.size()); ++x) {
         const float grey = std::min(row.differences[x] * kDifferenceGain, 1.0f);
-        for (int c = 0; c < 3; ++c) report.difference.at(x, y, c) = grey;
+        for (int c = 0; c < 3; ++c) {
+            report.difference.at(x, y, c) = grey;
+            report.device.at(x, y, c) = row.device[x][c];
+            report.reference.at(x, y, c) = row.reference[x][c];
+        }
     }
     for (DifferingPixel& pixel : row.differing) {
         ++countOf(report, pixel.reason);
@@ -337,7 +344,9 @@ uint64_t filmDifferences(render::Renderer& renderer, const shared::Camera& camer
 Report verify(render::Renderer& renderer, const PackedScene& scene, const shared::Camera& camera,
               const Options& options, const Scene* read) {
     Report report;
-    report.difference = Image(options.width, options.height, 3);
+    for (Image* image : {&report.device, &report.reference, &report.difference})
+        *image = Image(options.width, options.height, 3);
+    report.allowedUnexplained = options.allowedUnexplained;
     const PackedSamples& samples = options.samples;
     report.pixels = static_cast<uint64_t>(options.width) * options.height * samples.round;
     const reference::Tracer tracer(scene, options);

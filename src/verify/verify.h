@@ -41,6 +41,8 @@ constexpr auto entriesOf(Reason) {
 struct Options : Request {
     Options() { width = 640, height = 480; }
     size_t worstCount = 10;
+    // Unexplained pixels that a scene may have and pass, for devices with a known defect.
+    uint64_t allowedUnexplained = 0;
     // Once more pixels are unexplained than a longer search is made for, the verdict is no whatever the
     // others are: they are left out, and the report's figures are of those before.
     bool verdictAlone = false;
@@ -86,9 +88,11 @@ struct Report {
     // Of the reference alone, so that no defect of the device can change it: see stiffness.h.
     Sensitivity sensitivity;
     std::vector<DifferingPixel> worst;  // unexplained first, then by difference
+    Image device, reference;            // 3 channels, linear; of the first sample
     Image difference;  // 3 channels: grey |difference| * 64; red unexplained, yellow edge, blue tie, green
                        // rounding; of the first sample
     bool interrupted = false;
+    uint64_t allowedUnexplained = 0;  // Options'
     // Of the rounding of the scene; absent if nobody said what it was made from.
     std::optional<Representation> representation;
 
@@ -99,7 +103,7 @@ struct Report {
     // What the 99th percentile may be.
     double allowedP99() const;
     bool passed() const {
-        return !interrupted && unexplained == 0 && plainDiffers == 0 && filmDiffers == 0 &&
+        return !interrupted && unexplained <= allowedUnexplained && plainDiffers == 0 && filmDiffers == 0 &&
                lossesDiffer == 0 && ties <= allowedTies() && edges + roundings <= allowedOthers() &&
                p99 <= allowedP99() && (!representation || representation->passed());
     }

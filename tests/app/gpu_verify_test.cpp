@@ -1,4 +1,7 @@
 // `glint verify` as a command; what makes a pixel explained is tested with the module itself.
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "core/image_io.h"
 #include "gpu/device.h"
 #include "support.h"
@@ -29,7 +32,6 @@ TEST_F(GpuVerify, PassesAndWritesADifferencePicture) {
 
 TEST_F(GpuVerify, OptionsReplaceTheScenes) {
     writeSmallScene("a.json");
-    std::filesystem::create_directory("out");
     const Ran ran =
         runGlint({"verify", "a.json", "--size", "20x10", "--spp", "4", "--max-depth", "1", "-o", "out"});
     EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
@@ -93,14 +95,66 @@ TEST_F(GpuVerify, TiesAreAsTheSceneDemandsAndAMethodThatLosesDigitsFails) {
     EXPECT_TRUE(tie);
 }
 
-TEST_F(GpuVerify, SceneAtFaultEndsTheRunWithItsOwnCode) {
+TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
     writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
     writeText("b.json", "{\"objekts\": []}");
-    const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json"});
+    const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json", "--json", "r.json"});
     EXPECT_EQ(ran.code, 3);
     EXPECT_EQ(ran.err, "glint: b.json: /objekts: unknown key (did you mean \"objects\"?)\n");
     EXPECT_NE(ran.out.find("\na.json: ok\n"), std::string::npos);
-    EXPECT_EQ(names(), (std::set<std::string>{"a.json", "b.json", "a.verify.png"}));
+    EXPECT_EQ(names(),
+              (std::set<std::string>{"a.json", "b.json", "a.verify.png", "a-2.verify.png", "r.json"}));
+    const nlohmann::json report = nlohmann::json::parse(std::ifstream("r.json"));
+    EXPECT_EQ(report["summary"],
+              (nlohmann::json{{"passed", 2}, {"failed", 0}, {"error", 1}, {"skipped", 0}}));
+    EXPECT_EQ(report["scenes"][1]["status"], "error");
+    EXPECT_EQ(report["scenes"][2]["status"], "passed");
+}
+
+TEST_F(GpuVerify, SchemasBesideScenesAreSkipped) {
+    writeText("a.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    writeText("scene.schema.json", "{}");
+    const Ran ran = runGlint({"verify", "a.json", "scene.schema.json", "--brief", "-o", "x/y"});
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("\na.json: ok, 63 pixels, 0 explained, 0 unexplained, RMSE 0, "),
+              std::string::npos)
+        << ran.out;
+    EXPECT_NE(ran.out.find("\nscene.schema.json: skipped: a JSON schema, not a scene\n"
+                           "2 scenes: 1 passed, 0 failed, 0 unreadable, 1 skipped, "),
+              std::string::npos)
+        << ran.out;
+    EXPECT_TRUE(std::filesystem::exists("x/y/a.verify.png"));
+}
+
+// A textbook's sphere test on a planet fails, an empty image passes: only the first leaves images.
+TEST_F(GpuVerify, FilesAndImagesForOtherPrograms) {
+    writeText("empty.json", "{\"image\": {\"width\": 9, \"height\": 7}}");
+    writeText("planet.json",
+              R"({"image": {"width": 64, "height": 48}, "ambient": 0.1, "camera": {"eye": [0, 2, 5]},
+        "lights": [{"type": "directional", "direction": [-1, -1, -1]}],
+        "objects": [{"type": "sphere", "center": [0, -1000000, 0], "radius": 1000000}]})");
+    const Ran ran = runGlint({"verify", "--sphere", "algebraic", "planet.json", "empty.json", "--json",
+                              "r.json", "--junit", "r.xml", "--artifacts", "art"});
+    EXPECT_EQ(ran.code, 5);
+    EXPECT_EQ(names(), (std::set<std::string>{"empty.json", "planet.json", "r.json", "r.xml", "art"}));
+    std::set<std::string> images;
+    for (const auto& entry : std::filesystem::directory_iterator("art"))
+        images.insert(entry.path().filename().string());
+    EXPECT_EQ(images,
+              (std::set<std::string>{"planet.device.png", "planet.difference.png", "planet.reference.png"}));
+    const nlohmann::json report = nlohmann::json::parse(std::ifstream("r.json"));
+    EXPECT_EQ(report["format"], "glint.verify");
+    EXPECT_EQ(report["version"], 1);
+    const nlohmann::json& planet = report["scenes"][0];
+    EXPECT_EQ(planet["status"], "failed");
+    ASSERT_GT(planet["differing"], 0);
+    EXPECT_EQ(planet["differingPixels"].size(), std::min(planet["differing"].get<size_t>(), size_t{1000}));
+    for (const char* key : {"x", "y", "sample", "reason", "difference", "device", "reference"})
+        EXPECT_TRUE(planet["differingPixels"][0].contains(key)) << key;
+    std::ifstream junit("r.xml");
+    const std::string xml{std::istreambuf_iterator<char>(junit), {}};
+    EXPECT_NE(xml.find("tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"0\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("<failure message=\"FAILED: "), std::string::npos) << xml;
 }
 
 // Before the device is opened and hours are spent on the others.

@@ -172,6 +172,15 @@ TEST(VerifyReport, RoundingOfTheSceneHasFiguresOfItsOwn) {
     EXPECT_EQ(reportJson("a.json", report)["passed"], false);
 }
 
+TEST(VerifyReport, UnexplainedPixelsThatAreAllowedPass) {
+    verify::Report report = cleanReport();
+    report.unexplained = report.allowedUnexplained = 2;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: ok: 2 unexplained, 2 allowed\n"));
+    ++report.unexplained;
+    EXPECT_TRUE(reportText(report).starts_with("a.json: FAILED: pixels differ"));
+    EXPECT_EQ(reportJson("a.json", report)["differing"], 3);
+}
+
 TEST(VerifyReport, WithoutPixels) {
     EXPECT_NE(reportText({}).find("0 pixels; beyond their predicted error"), std::string::npos);
 }
