@@ -1,7 +1,7 @@
 # Sourced by tools/demo, tools/test and tools/package: installs the Debian packages that are missing, and says so.
 
 glint_build_packages="g++ cmake ninja-build pkg-config libglm-dev libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
-  mesa-vulkan-drivers libstb-dev libopenexr-dev libjpeg62-turbo-dev libpng-dev zlib1g-dev libgmp-dev nlohmann-json3-dev libcli11-dev libtinyobjloader-dev libxxhash-dev"
+  mesa-vulkan-drivers libstb-dev libopenexr-dev libjpeg62-turbo-dev libpng-dev zlib1g-dev libgmp-dev nlohmann-json3-dev libcli11-dev libxxhash-dev"
 glint_window_packages="libglfw3-dev libimgui-dev"
 glint_mpi_packages="libopenmpi-dev"
 glint_test_packages="python3 libgtest-dev vulkan-validationlayers clang-format-14 clang python3-numpy python3-pytest xvfb xauth xdotool parallel libopenmpi-dev openmpi-bin fonts-dejavu-core povray"

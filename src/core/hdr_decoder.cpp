@@ -1,7 +1,7 @@
 // Radiance pictures (G. Ward, "Real Pixels", Graphics Gems II, 1991; the Radiance reference manual, "File
-// Formats"): a text header that an empty line ends, a line with the size, then scanlines from the top of RGBE
-// pixels, plain or with each byte of the four in runs of its own. The older runs, of whole pixels, are not
-// read: no program of this century writes them, and plain pixels may look like them.
+// Formats"): a text header that an empty line ends, a line with the size, then scanlines of RGBE pixels,
+// either with each byte of the four in runs of its own, or plain with runs of whole pixels.
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -13,6 +13,7 @@ namespace glint {
 namespace {
 
 constexpr size_t kLeastRunWidth = 8, kMostRunWidth = 32767;
+constexpr double kMostExposure = 1e30, kMostUnit = 1e36;  // 256 of the latter are a float
 
 class HdrReader {
   public:
@@ -20,9 +21,12 @@ class HdrReader {
 
     Image read() {
         readHeader();
+        makeUnits();
         readSize();
-        // A run of 127 bytes takes two, and a pixel has four.
-        checkDeclaredSize(width_, height_, file_.size(), 127.0 / 8, mostPixels_);
+        // A run of 127 bytes takes two, and a pixel has four. Of a row in older runs two pixels are stored at
+        // least; beyond 1024, of any other format, no file is believed.
+        const double perByte = std::clamp(static_cast<double>(width_) / 8, 127.0 / 8, 1024.0);
+        checkDeclaredSize(width_, height_, file_.size(), perByte, mostPixels_);
         RowCollector rows(static_cast<int>(width_), static_cast<int>(height_), 3);
         std::vector<uint8_t> pixels(4 * width_);
         for (size_t y = 0; y < height_; ++y) {
@@ -32,7 +36,7 @@ class HdrReader {
                 readPlain(pixels);
             convert(pixels, rows.next());
         }
-        return rows.take();
+        return upright(rows.take());
     }
 
   private:
@@ -49,28 +53,65 @@ class HdrReader {
         const std::string_view magic = line();
         if (magic != "#?RADIANCE" && magic != "#?RGBE")
             throw CodecError("the file is damaged or of a kind that is not supported (not HDR)");
-        bool known = false;
-        for (std::string_view text = line(); !text.empty(); text = line())
-            known = known || text == "FORMAT=32-bit_rle_rgbe";
-        if (!known)
-            throw CodecError("the file is damaged or of a kind that is not supported (unsupported format)");
+        for (std::string_view text = line(); !text.empty(); text = line()) {
+            if (text.starts_with("FORMAT=") && text.substr(7) != "32-bit_rle_rgbe")
+                throw CodecError(
+                    "the file is damaged or of a kind that is not supported (unsupported format)");
+            // What the samples were multiplied with; several count together.
+            if (text.starts_with("EXPOSURE=")) exposure_ *= numberAt(text.substr(9));
+        }
+        if (!(exposure_ > 0 && exposure_ < kMostExposure && 1 / exposure_ < kMostExposure))
+            throw CodecError("the file is damaged (EXPOSURE is no number or out of range)");
     }
 
-    // Left to right, from the top; pictures that are stored turned or mirrored are refused.
+    static double numberAt(std::string_view text) {
+        const size_t start = text.find_first_not_of(" \t");
+        double value = 0;
+        if (start != text.npos) std::from_chars(text.data() + start, text.data() + text.size(), value);
+        return value;
+    }
+
+    // "-Y HEIGHT +X WIDTH" is left to right from the top. The axis that comes first is that of the scanlines;
+    // X counts to the right, Y upwards.
     void readSize() {
         const std::string_view text = line();
         const char* at = text.data();
         const char* const end = at + text.size();
-        const auto number = [&](std::string_view axis, size_t& value) {
-            if (std::string_view(at, static_cast<size_t>(end - at)).substr(0, axis.size()) != axis)
-                return false;
-            const auto [stop, error] = std::from_chars(at + axis.size(), end, value);
+        size_t sizes[2] = {};
+        char axes[2] = {}, signs[2] = {};
+        bool good = true;
+        for (int i = 0; i < 2; i++) {
+            while (at < end && *at == ' ') at++;
+            good = good && end - at > 3 && (*at == '+' || *at == '-') && at[2] == ' ';
+            if (!good) break;
+            signs[i] = *at;
+            axes[i] = at[1];
+            const auto [stop, error] = std::from_chars(at + 3, end, sizes[i]);
+            good = error == std::errc{};
             at = stop;
-            return error == std::errc{};
-        };
-        if (!number("-Y ", height_) || !number(" +X ", width_) || at != end)
+        }
+        turned_ = axes[0] == 'X';
+        if (!good || at != end || axes[turned_ ? 1 : 0] != 'Y' || axes[turned_ ? 0 : 1] != 'X')
             throw CodecError(
                 "the file is damaged or of a kind that is not supported (unsupported data layout)");
+        height_ = sizes[0];
+        width_ = sizes[1];
+        upwards_ = signs[turned_ ? 1 : 0] == '+';
+        leftwards_ = signs[turned_ ? 0 : 1] == '-';
+    }
+
+    Image upright(Image stored) const {
+        if (!turned_ && !upwards_ && !leftwards_) return stored;
+        Image image(turned_ ? stored.height : stored.width, turned_ ? stored.width : stored.height, 3);
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) {
+                const int column = leftwards_ ? image.width - 1 - x : x;
+                const int row = upwards_ ? image.height - 1 - y : y;
+                for (int c = 0; c < 3; ++c)
+                    image.at(x, y, c) = turned_ ? stored.at(row, column, c) : stored.at(column, row, c);
+            }
+        }
+        return image;
     }
 
     void need(size_t bytes) const {
@@ -85,11 +126,23 @@ class HdrReader {
         return head[0] == 2 && head[1] == 2 && (head[2] & 0x80) == 0;
     }
 
+    // The pixel (1, 1, 1, n), which is not normalised, stands for n more of the one before it; of several in
+    // a row each counts 256 times as much as the one before.
     void readPlain(std::vector<uint8_t>& pixels) {
-        need(pixels.size());
-        const auto begin = file_.begin() + static_cast<std::ptrdiff_t>(position_);
-        std::copy(begin, begin + static_cast<std::ptrdiff_t>(pixels.size()), pixels.begin());
-        position_ += pixels.size();
+        constexpr uint8_t kRun[] = {1, 1, 1};
+        size_t scale = 1;
+        for (size_t x = 0; x < width_;) {
+            need(4);
+            const uint8_t* pixel = file_.data() + position_;
+            position_ += 4;
+            const bool run = std::equal(kRun, kRun + 3, pixel);
+            const size_t count = run ? pixel[3] * scale : 1;
+            if (count > width_ - x || (run && x == 0))
+                throw CodecError("the file is damaged or of a kind that is not supported (bad RLE data)");
+            for (size_t i = 0; i < count; ++i, ++x)
+                std::copy_n(run ? &pixels[4 * (x - 1)] : pixel, 4, &pixels[4 * x]);
+            scale = run ? std::min<size_t>(scale * 256, 1 << 24) : 1;
+        }
     }
 
     void readRuns(std::vector<uint8_t>& pixels) {
@@ -122,17 +175,19 @@ class HdrReader {
         }
     }
 
-    static std::array<float, 256> makeUnits() {
-        std::array<float, 256> units{};  // exponent 0 is black
-        for (int e = 1; e < 256; ++e) units[static_cast<size_t>(e)] = std::ldexp(1.0f, e - 136);
-        return units;
+    void makeUnits() {
+        for (int e = 1; e < 256; ++e)  // exponent 0 is black
+            units_[static_cast<size_t>(e)] =
+                static_cast<float>(std::min(std::ldexp(1 / exposure_, e - 136), kMostUnit));
     }
 
     ByteView file_;
     uint64_t mostPixels_;
     size_t position_ = 0;
     size_t width_ = 0, height_ = 0;
-    std::array<float, 256> units_ = makeUnits();
+    double exposure_ = 1;
+    bool turned_ = false, upwards_ = false, leftwards_ = false;
+    std::array<float, 256> units_{};
 };
 
 }  // namespace

@@ -27,16 +27,8 @@ inline constexpr const char* kNoMeshFile = "a mesh file must end in .obj, .ply, 
 // glTF: all meshes of the default scene as one, where their nodes place them; cameras and lights are left
 // out.
 //
-// STL: equal vertices become one; stored normals are not used.
-//
-// OBJ: v (with linear r g b), vn, vt, f with positive and negative indices; o, g and all else are ignored.
-// MTL: Ka Kd Ks Ns illum (illum 3 and above: Ks is the mirror colour too; illum 0: Kd alone; Ka missing or
-// black: the diffuse colour), map_Kd map_Ks map_Ka map_d; transparency (d, Tr), other maps and maps that
-// cannot be read are warned about.
-//
-// PLY: x y z, nx ny nz, texture coordinates (u v, s t, texture_u texture_v), colours (red green blue:
-// integers are sRGB codes, floats linear), face lists under either customary name; other elements and
-// properties are skipped.
+// What is read of each format, and how: docs/reference/file-formats.md. What is not understood is named in
+// one warning; a number that is none is an error.
 //
 // Vertices that are not finite are kept (see validateScene). Throws Error(Scene), e.g.
 // "bunny.obj:88: face uses vertex 9, the file has 8".

@@ -5,6 +5,8 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/quantize.h"
+#include "core/text_file.h"
 #include "import/polygon_split.h"
 
 namespace glint {
@@ -89,6 +91,32 @@ void MeshBuilder::addPolygon(const Corners& polygon, uint32_t material) {
     polygons_++;
 }
 
+void MeshBuilder::decodeColors(const std::string& file, std::vector<std::string>& warnings) {
+    const auto isBad = [](const Color& c) { return !(c.x >= 0 && c.y >= 0 && c.z >= 0); };
+    double greatest = 0;
+    size_t bad = 0;
+    for (Color& color : colors) {
+        bad += isBad(color);
+        if (isBad(color)) color = kNoColor;
+        if (color != kNoColor) greatest = std::max({greatest, color.x, color.y, color.z});
+    }
+    if (bad > 0)
+        warnings.push_back(file + ": " + counted(bad, "vertex colour is", "vertex colours are") +
+                           " negative or no number; white is used");
+    const bool integers = colorCodes == ColorCodes::Integers;
+    const bool codes = integers || greatest > 2;
+    if (codes && !integers)
+        warnings.push_back(file + ": colours up to " + describe(greatest) +
+                           " are taken as codes, not fractions");
+    const double white = !codes ? 1 : greatest <= 255 ? 255 : greatest <= 65535 ? 65535 : 4294967295.0;
+    for (Color& color : colors) {
+        if (color == kNoColor)
+            color = Color(1);
+        else if (codes || colorCodes == ColorCodes::Srgb)
+            for (int i = 0; i < 3; i++) color[i] = linearFromSrgb(color[i] / white);
+    }
+}
+
 // A normal that is not finite would spread through the shading; the triangle is flat without it.
 void MeshBuilder::dropBadNormals() {
     const auto bad = [this](uint32_t index) {
@@ -135,6 +163,7 @@ ImportedMesh MeshBuilder::finish(const std::string& file, std::vector<Material> 
         throw Error(ErrorKind::Scene, file + ": holds no faces; points and lines cannot be rendered");
     if (mesh_.corners.empty()) throw Error(ErrorKind::Scene, file + ": no face has three different vertices");
     dropBadNormals();
+    decodeColors(file, warnings);
     finishAttributes();
     assignDefaultMaterial(materials);
     if (degenerate_ > 0)

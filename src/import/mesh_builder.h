@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,11 @@ class MeshBuilder {
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;
     std::vector<glm::dvec2> uvs;
-    std::vector<Color> colors;  // linear
+    std::vector<Color> colors;  // as they stand in the file, kNoColor for white
+    // Integers and Srgb are sRGB codes, the former of 255, 65535 or 2^32 - 1, whichever holds the greatest.
+    // Fractions beyond 2 are no fractions, but codes of 255 too.
+    enum class ColorCodes { Linear, Srgb, Integers } colorCodes = ColorCodes::Linear;
+    static constexpr Color kNoColor{std::numeric_limits<double>::infinity()};
 
     // The corners of a polygon: indices of positions, and of normals, texture coordinates and colours, each
     // empty or as long; all in range.
@@ -41,6 +46,7 @@ class MeshBuilder {
     void addTriangle(uint32_t a, uint32_t b, uint32_t c, uint32_t material);
     void keepFace(size_t triangle);
     void keepMaterial(size_t triangle, uint32_t material);
+    void decodeColors(const std::string& file, std::vector<std::string>& warnings);
     void dropBadNormals();
     void finishAttributes();
     void assignDefaultMaterial(std::vector<Material>& materials);

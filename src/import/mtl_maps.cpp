@@ -36,28 +36,24 @@ Image withAlpha(const Image* color, const Image& cover) {
 
 }  // namespace
 
-std::optional<Texture> MtlMaps::load(const std::string& name, const tinyobj::texture_option_t& options) {
-    // Files written on Windows spell folders with a backslash.
-    std::string path = name;
-    std::replace(path.begin(), path.end(), '\\', '/');
+std::optional<Texture> MtlMaps::load(const MtlMap& map) {
     ImageTexture image;
-    image.file = name;
+    image.file = map.file;
     try {
-        image.image = files_.image(files_.resolve(file_.parent_path(), path));
+        image.image = files_.image(files_.findOrBeside(file_.parent_path(), map.file));
     } catch (const Error& e) {
         const std::string warning = file_.string() + ": " + e.what() + "; drawn without it";
         if (warned_.insert(warning).second) warnings_.push_back(warning);
         return std::nullopt;
     }
-    image.wrapU = image.wrapV = options.clamp ? Wrap::Clamp : Wrap::Repeat;
-    return Texture{std::move(image),
-                   {options.scale[0], options.scale[1]},
-                   {options.origin_offset[0], options.origin_offset[1]}};
+    image.wrapU = image.wrapV = map.clamp ? Wrap::Clamp : Wrap::Repeat;
+    return Texture{std::move(image), map.scale, map.offset};
 }
 
-uint32_t MtlMaps::add(const std::string& name, const tinyobj::texture_option_t& options) {
-    if (name.empty()) return Material::kNoTexture;
-    auto texture = load(name, options);
+uint32_t MtlMaps::add(const MtlMapTable& maps, const char* key) {
+    const auto map = maps.find(key);
+    if (map == maps.end()) return Material::kNoTexture;
+    auto texture = load(map->second);
     if (!texture) return Material::kNoTexture;
     textures_.push_back(std::move(*texture));
     return static_cast<uint32_t>(textures_.size() - 1);
@@ -77,15 +73,14 @@ std::shared_ptr<const Image> MtlMaps::combined(const Image* color,
     return made;
 }
 
-void MtlMaps::applyAlpha(const tinyobj::material_t& from, Material& material) {
-    if (from.alpha_texname.empty()) return;
+void MtlMaps::applyAlpha(const MtlMap& map, const std::string& diffuseFile, Material& material) {
     const uint32_t diffuse = material.diffuseTexture;
     const Image* color = diffuse == Material::kNoTexture
                              ? nullptr
                              : std::get<ImageTexture>(textures_[diffuse].source).image.get();
-    const bool own = color && from.alpha_texname == from.diffuse_texname;
+    const bool own = color && map.file == diffuseFile;
     if (!(own && color->channels == 4)) {
-        auto cover = load(from.alpha_texname, from.alpha_texopt);
+        auto cover = load(map);
         if (!cover) return;
         auto& image = std::get<ImageTexture>(cover->source);
         if (color) {
@@ -101,21 +96,26 @@ void MtlMaps::applyAlpha(const tinyobj::material_t& from, Material& material) {
     material.alphaCutoff = 0.5;
 }
 
-void MtlMaps::apply(const tinyobj::material_t& from, Material& material) {
-    material.diffuseTexture = add(from.diffuse_texname, from.diffuse_texopt);
+void MtlMaps::apply(const MtlMapTable& maps, Material& material) {
+    const auto fileOf = [&](const char* key) {
+        const auto map = maps.find(key);
+        return map == maps.end() ? std::string() : map->second.file;
+    };
+    const std::string diffuse = fileOf("map_kd"), ambient = fileOf("map_ka");
+    material.diffuseTexture = add(maps, "map_kd");
     const bool ambientIsDiffuse = material.ambient == material.diffuse;
     tint(material.diffuse, material.diffuseTexture);
-    if (from.ambient_texname.empty() || from.ambient_texname == from.diffuse_texname) {
+    if (ambient.empty() || ambient == diffuse) {
         if (ambientIsDiffuse) material.ambient = material.diffuse;
         material.ambientTexture = material.diffuseTexture;
     } else {
-        material.ambientTexture = add(from.ambient_texname, from.ambient_texopt);
+        material.ambientTexture = add(maps, "map_ka");
         tint(material.ambient, material.ambientTexture);
     }
-    if (material.specular != Color(0))
-        material.specularTexture = add(from.specular_texname, from.specular_texopt);
+    if (material.specular != Color(0)) material.specularTexture = add(maps, "map_ks");
     if (material.mirror != Color(0)) material.mirrorTexture = material.specularTexture;
-    applyAlpha(from, material);
+    if (const auto cover = maps.find("map_d"); cover != maps.end())
+        applyAlpha(cover->second, diffuse, material);
 }
 
 }  // namespace glint

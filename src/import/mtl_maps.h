@@ -1,8 +1,6 @@
 // The image maps of MTL files.
 #pragma once
 
-#include <tiny_obj_loader.h>
-
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -17,6 +15,14 @@
 
 namespace glint {
 
+// An image as a material names it.
+struct MtlMap {
+    std::string file;
+    glm::dvec2 scale{1}, offset{0};
+    bool clamp = false;
+};
+using MtlMapTable = std::map<std::string, MtlMap>;  // by key, in lower case: "map_kd"
+
 // Loads the maps of one file's materials. Models often come without their images: one that is missing or
 // broken is warned of once, and its material drawn without.
 class MtlMaps {
@@ -25,13 +31,13 @@ class MtlMaps {
             std::vector<std::string>& warnings)
         : file_(file), files_(files), textures_(textures), warnings_(warnings) {}
 
-    // map_Ka, map_Kd, map_Ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
-    void apply(const tinyobj::material_t& from, Material& material);
+    // map_ka, map_kd, map_ks as textures; map_d as the diffuse texture's alpha, which is cut at one half.
+    void apply(const MtlMapTable& maps, Material& material);
 
   private:
-    std::optional<Texture> load(const std::string& name, const tinyobj::texture_option_t& options);
-    uint32_t add(const std::string& name, const tinyobj::texture_option_t& options);
-    void applyAlpha(const tinyobj::material_t& from, Material& material);
+    std::optional<Texture> load(const MtlMap& map);
+    uint32_t add(const MtlMapTable& maps, const char* key);
+    void applyAlpha(const MtlMap& cover, const std::string& diffuseFile, Material& material);
     std::shared_ptr<const Image> combined(const Image* color, const std::shared_ptr<const Image>& cover);
 
     std::filesystem::path file_;

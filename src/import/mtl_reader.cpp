@@ -1,108 +1,220 @@
-// MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, B1), parsed by tinyobjloader.
-#include <tiny_obj_loader.h>
-
+// MTL, the materials of OBJ files (Wavefront, Advanced Visualizer manual, B1; P. Bourke's transcript).
 #include <algorithm>
-#include <sstream>
-#include <type_traits>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <set>
 
 #include "core/text_file.h"
 #include "import/mtl_maps.h"
 #include "import/readers.h"
+#include "import/text_scanner.h"
+#include "scene/limits.h"
 #include "scene/validate.h"
-
-static_assert(std::is_same_v<tinyobj::real_t, double>, "link tinyobjloader's double build");
 
 namespace glint {
 
 namespace {
 
-Color color(const double (&rgb)[3]) {
-    return {rgb[0], rgb[1], rgb[2]};
+// A material as the file describes it.
+struct MtlMaterial {
+    std::string name;
+    std::map<std::string, Color> colors;    // ka, kd, ks, tf
+    std::map<std::string, double> numbers;  // ns, ni, d, tr, illum
+    MtlMapTable maps;
+
+    Color color(const char* key) const { return colors.count(key) ? colors.at(key) : Color(0); }
+    double number(const char* key, double missing) const {
+        return numbers.count(key) ? numbers.at(key) : missing;
+    }
+};
+
+struct ValueRange {
+    const char* key;
+    double least, most, otherwise;  // `otherwise` replaces what is not a number
+};
+constexpr ValueRange kNumbers[] = {{"ns", 0, kMaxShininess, 0},
+                                   {"ni", kMinIor, kMaxIor, 1},
+                                   {"d", 0, 1, 1},
+                                   {"tr", 0, 1, 0},
+                                   {"illum", 0, 10, 2}};
+constexpr ValueRange kColors[] = {
+    {"ka", 0, kMaxColor, 0}, {"kd", 0, kMaxColor, 0.8}, {"ks", 0, kMaxColor, 0}, {"tf", 0, kMaxColor, 0}};
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
 }
 
-// The maps that are named and have no use here, as the file spells them.
-std::vector<const char*> ignoredMaps(const tinyobj::material_t& m) {
-    const std::pair<const std::string&, const char*> maps[] = {{m.specular_highlight_texname, "map_Ns"},
-                                                               {m.bump_texname, "map_bump"},
-                                                               {m.displacement_texname, "disp"},
-                                                               {m.reflection_texname, "refl"},
-                                                               {m.roughness_texname, "map_Pr"},
-                                                               {m.metallic_texname, "map_Pm"},
-                                                               {m.sheen_texname, "map_Ps"},
-                                                               {m.emissive_texname, "map_Ke"},
-                                                               {m.normal_texname, "norm"}};
-    std::vector<const char*> named;
-    for (const auto& [file, key] : maps)
-        if (!file.empty()) named.push_back(key);
-    return named;
+bool readNumber(std::string_view word, double& value) {
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return !word.empty() && error == std::errc() && stop == word.data() + word.size();
 }
 
-Material convert(const tinyobj::material_t& m) {
+class MtlReader {
+  public:
+    MtlReader(const std::string& text, const std::filesystem::path& path, std::vector<std::string>& warnings)
+        : file_(path.string()), scanner_(text, file_, 1, true), warnings_(warnings) {}
+
+    std::vector<MtlMaterial> read() {
+        while (scanner_.nextLine()) readLine(std::string(scanner_.word()));
+        ignored_.warn(file_, warnings_);
+        return std::move(materials_);
+    }
+
+    // Once, of as many materials as it may be said of.
+    void warnOnce(const std::string& about, const std::string& what) {
+        if (said_.insert(about).second) warnings_.push_back(printable(file_ + ": " + what));
+    }
+
+  private:
+    void readLine(const std::string& word) {
+        if (word.empty()) return;
+        const std::string key = lower(word);
+        if (key == "newmtl") {
+            materials_.push_back({std::string(scanner_.restOfLine()), {}, {}, {}});
+            return;
+        }
+        if (materials_.empty() || scanner_.lineDone()) return ignored_.add(word);
+        MtlMaterial& material = materials_.back();
+        for (const ValueRange& range : kColors)
+            if (key == range.key) return readColor(word, range, material.colors);
+        for (const ValueRange& range : kNumbers)
+            if (key == range.key) {
+                if (nextWordIs("-halo")) ignored_.add(word + " -halo");
+                material.numbers[key] = number(word, range);
+                return;
+            }
+        if (key == "map_ka" || key == "map_kd" || key == "map_ks" || key == "map_d")
+            material.maps[key] = readMap(word);
+        else if (key != "ke" || readTriple(word, {"ke", 0, kMaxColor, 0}) != Color(0))
+            ignored_.add(word);  // surfaces do not glow, and exporters write black
+    }
+
+    bool nextWordIs(std::string_view word) {
+        TextScanner ahead = scanner_;
+        if (ahead.word() != word) return false;
+        scanner_ = ahead;
+        return true;
+    }
+
+    double number(const std::string& key, const ValueRange& range) {
+        const double value = scanner_.number(key.c_str());
+        const bool none = std::isnan(value) || (range.least > 0 && value <= 0);
+        const double used = none ? range.otherwise : std::clamp(value, range.least, range.most);
+        if (used != value)
+            warnOnce(key, key + " " + describe(value) + " in line " + std::to_string(scanner_.line()) +
+                              " is out of range, " + describe(used) + " is used");
+        return used;
+    }
+
+    // The second and third number are the first where they are missing.
+    Color readTriple(const std::string& key, const ValueRange& range) {
+        Color color(number(key, range));
+        for (int i = 1; i < 3 && !scanner_.lineDone(); i++) color[i] = number(key, range);
+        return color;
+    }
+
+    void readColor(const std::string& key, const ValueRange& range, std::map<std::string, Color>& colors) {
+        for (const char* other : {"spectral", "xyz"})
+            if (nextWordIs(other)) return ignored_.add(key + " " + other);
+        colors[range.key] = readTriple(key, range);
+    }
+
+    // -s and -o with one to three numbers, -clamp; other options with their values are named, not used.
+    MtlMap readMap(const std::string& key) {
+        MtlMap map;
+        for (TextScanner ahead = scanner_;; scanner_ = ahead) {
+            const std::string option(ahead.word());
+            if (option.size() < 2 || option[0] != '-') break;
+            const bool moves = option == "-s" || option == "-o";
+            double numbers[3] = {};
+            int count = 0;
+            for (TextScanner next = ahead; count < 3 && readNumber(next.word(), numbers[count]); count++)
+                ahead = next;
+            if (count == 0 && moves) ahead.number(option.c_str());  // says what stands there
+            const std::string_view word = count == 0 ? ahead.word() : "";
+            for (int i = 0; moves && i < std::min(count, 2); i++)
+                (option == "-s" ? map.scale : map.offset)[i] = numbers[i];
+            if (option == "-clamp") map.clamp = word == "on";
+            if (!moves && option != "-clamp") ignored_.add(key + " " + option);
+        }
+        map.file = scanner_.restOfLine();
+        return map;
+    }
+
+    std::string file_;
+    TextScanner scanner_;
+    std::vector<std::string>& warnings_;
+    std::vector<MtlMaterial> materials_;
+    std::set<std::string> said_;
+    IgnoredNames ignored_;
+};
+
+Material convert(const MtlMaterial& m) {
     Material material;
     material.name = m.name;
-    material.diffuse = color(m.diffuse);
+    // A material that gives no colour at all is grey.
+    material.diffuse = m.colors.empty() ? Color(0.8) : m.color("kd");
     // Exporters without an ambient term write Ka 0 0 0 or leave it out; taken at its word the unlit side of
     // nearly every model would be black, so both mean what a missing "ambient" means in a scene file: the
     // diffuse colour.
-    const Color ambient = color(m.ambient);
-    material.ambient = m.illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
-    material.shininess = m.shininess;
-    const Color specular = m.illum == 0 ? Color(0) : color(m.specular);
+    const double illum = m.number("illum", 2);
+    const Color ambient = m.color("ka");
+    material.ambient = illum == 0 || ambient == Color(0) ? material.diffuse : ambient;
+    material.shininess = m.number("ns", 1);
+    const Color specular = illum == 0 ? Color(0) : m.color("ks");
     // An exponent of 0 would add Ks to every lit point; exporters mean "no highlight" by Ns 0.
-    if (m.shininess > 0) material.specular = specular;
+    if (material.shininess > 0) material.specular = specular;
     // Illumination models from 3 up trace rays (3: mirror, 4 to 7: glass and Fresnel, 8 and 9: without rays).
-    if (m.illum >= 3) material.mirror = glm::min(specular, Color(1));
+    if (illum >= 3) material.mirror = glm::min(specular, Color(1));
     return material;
 }
 
-// What shines through: 1 - d of the light, filtered by Tf; or all of it, where the illumination model is one
-// of clear things and Tf says so. Tf black stands for no Tf: the parser knows no difference, and exporters
-// write both. The models 6 and 7 refract, with Fresnel's law in the place of the mirror colour; all others
-// let light go straight on. What shines through is not there to reflect.
-void letThrough(const tinyobj::material_t& m, Material& material) {
-    const bool refracts = m.illum == 6 || m.illum == 7;
-    const bool clear = refracts || m.illum == 4 || m.illum == 9;
-    const Color filter = color(m.transmittance);
-    const double through = 1 - std::clamp(m.dissolve, 0.0, 1.0);
+// The light that passes through: 1 - d, filtered by Tf; or all of it, where the illumination model is one of
+// clear things and Tf says so. Tf black stands for no Tf: exporters write both. The models 6 and 7 refract,
+// with Fresnel's law in the place of the mirror colour; all others let light go straight on. What passes is
+// not there to reflect. False: nothing of the surface would be seen, so it stays opaque. MeshLab, openMVS
+// and others write Tr 1 of opaque materials.
+bool letThrough(const MtlMaterial& m, Material& material) {
+    const double illum = m.number("illum", 2);
+    const bool refracts = illum == 6 || illum == 7;
+    const bool clear = refracts || illum == 4 || illum == 9;
+    const Color filter = glm::min(m.color("tf"), Color(1));
+    const double through = 1 - m.number("d", 1 - m.number("tr", 0));
+    const double ior = refracts ? m.number("ni", 1) : 1;
+    Color transmission(0);
     if (through > 0)
-        material.transmission = through * (filter == Color(0) ? Color(1) : glm::min(filter, Color(1)));
+        transmission = through * (filter == Color(0) ? Color(1) : filter);
     else if (clear)
-        material.transmission = glm::min(filter, Color(1));
-    if (material.transmission == Color(0)) return;
-    material.ior = refracts ? m.ior : 1;
+        transmission = filter;
+    if (transmission == Color(0)) return true;
+    if (transmission == Color(1) && ior == 1) return false;
+    material.transmission = transmission;
+    material.ior = ior;
     for (Color* part : {&material.ambient, &material.diffuse, &material.specular, &material.mirror})
         *part *= 1 - through;
     if (refracts) material.mirror = Color(0);
+    return true;
 }
 
 }  // namespace
 
-void readMtl(const std::filesystem::path& path, SceneFiles& files, std::vector<Material>& materials,
-             std::vector<Texture>& textures, std::vector<std::string>& warnings) {
-    const std::string file = path.string();
-    std::istringstream stream(files.read(path));
-    std::map<std::string, int> indices;
-    std::vector<tinyobj::material_t> parsed;
-    std::string parserWarnings, errors;
-    tinyobj::LoadMtl(&indices, &parsed, &stream, &parserWarnings, &errors);
-
+void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
+             std::vector<Material>& materials, std::vector<Texture>& textures,
+             std::vector<std::string>& warnings) {
+    MtlReader reader(text, path, warnings);
     MtlMaps maps(path, files, textures, warnings);
-    std::vector<std::string> ignored;  // each map once, in order
-    for (const tinyobj::material_t& m : parsed) {
-        if (m.name.empty()) continue;  // what stands before the first newmtl
-        for (const char* map : ignoredMaps(m))
-            if (std::find(ignored.begin(), ignored.end(), map) == ignored.end()) ignored.emplace_back(map);
-        if (color(m.emission) != Color(0))
-            warnings.push_back(file + ": material \"" + m.name +
-                               "\": Ke is ignored, surfaces that glow are not supported");
+    for (const MtlMaterial& m : reader.read()) {
         Material material = convert(m);
-        maps.apply(m, material);
-        letThrough(m, material);
-        validateMaterial(material, {file, "material \"" + m.name + "\""});
+        maps.apply(m.maps, material);
+        if (!letThrough(m, material))
+            reader.warnOnce("invisible",
+                            "material \"" + m.name + "\": d, Tr or Tf would make it invisible; drawn opaque");
+        validateMaterial(material, {path.string(), "material \"" + m.name + "\""});
         materials.push_back(material);
     }
-    for (const std::string& map : ignored)
-        warnings.push_back(file + ": " + map + " is ignored, such maps are not supported by this version");
 }
 
 }  // namespace glint

@@ -1,7 +1,6 @@
-// OBJ polygons (Wavefront, Advanced Visualizer manual, appendix B1). Not by tinyobjloader, although it is at
-// hand: it reads "x" as the coordinate 0, lets indices run past the end of the arrays, tells no line numbers,
-// and its numbers are off by some last bits. This reader is exact and takes 30 ms for 4 MB; MTL files, where
-// none of this hurts, go through tinyobjloader.
+// OBJ polygons (Wavefront, Advanced Visualizer manual, appendix B1). Not by tinyobjloader: it reads "x" and
+// "0,8" as 0, lets indices run past the end of the arrays, tells no line numbers, and its numbers are off by
+// some last bits.
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -20,6 +19,8 @@ namespace glint {
 namespace {
 
 constexpr int64_t kNone = -1;
+constexpr int64_t kMissing = int64_t{1} << 40;  // of a list that has no items so far
+constexpr Color kWhite = MeshBuilder::kNoColor;
 
 // A face corner; indices count from 0 and may be out of range, as a face may come before its vertices.
 struct Corner {
@@ -43,8 +44,11 @@ class ObjReader {
     ImportedMesh read() {
         readLines();
         checkIndices();
-        if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), Color(1));
+        resolveMaterials();
+        builder_.colorCodes = MeshBuilder::ColorCodes::Srgb;  // as MeshLab, Blender and others mean them
+        if (!builder_.colors.empty()) builder_.colors.resize(builder_.positions.size(), kWhite);
         addFaces();
+        ignored_.warn(path_.string(), warnings_);
         ImportedMesh imported = builder_.finish(path_.string(), std::move(materials_), std::move(warnings_));
         imported.textures = std::move(textures_);
         return imported;
@@ -85,8 +89,9 @@ class ObjReader {
             useMaterial(std::string(scanner_.restOfLine()));
         } else if (keyword == "mtllib") {
             readLibraries(std::string(scanner_.restOfLine()));
+        } else if (!keyword.empty() && keyword != "o" && keyword != "g" && keyword != "s") {
+            ignored_.add(keyword);  // lines, curves, and what is no OBJ
         }
-        // All else (groups, lines, curves) does not change the triangles.
     }
 
     // Three numbers or more behind a vertex are its colour (ZBrush, MeshLab); a single one is a weight.
@@ -99,7 +104,7 @@ class ObjReader {
             count++;
         }
         if (count < 3) return;
-        builder_.colors.resize(builder_.positions.size() - 1, Color(1));
+        builder_.colors.resize(builder_.positions.size() - 1, kWhite);
         builder_.colors.emplace_back(rgb[0], rgb[1], rgb[2]);
     }
 
@@ -136,13 +141,14 @@ class ObjReader {
         const auto [stop, error] = std::from_chars(at, end, index);
         if (error != std::errc() || (stop != end && *stop != '/')) badCorner(word);
         at = stop;
-        const std::string uses = std::string("face uses ") + what + " " + std::to_string(index);
-        if (index == 0) scanner_.fail(uses + ", indices start at 1");
         if (index > 0) return index - 1;
         const auto have =
             static_cast<int64_t>(count);  // negative indices count back from the last one so far
-        if (index < -have) scanner_.fail(uses + ", there are " + std::to_string(have) + " so far");
-        return have + index;
+        if (index < 0 && index >= -have) return have + index;
+        if (index < 0 && have == 0 && !builder_.positions.empty()) return kMissing;
+        scanner_.fail(
+            std::string("face uses ") + what + " " + std::to_string(index) +
+            (index == 0 ? ", indices start at 1" : ", there are " + std::to_string(have) + " so far"));
     }
 
     [[noreturn]] void badCorner(std::string_view word) const {
@@ -150,50 +156,77 @@ class ObjReader {
                       "\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     }
 
+    // A library may follow the first use of its materials, so names become indices at the end.
     void useMaterial(const std::string& name) {
-        const auto known = materialIndices_.find(name);
-        if (known != materialIndices_.end()) {
-            material_ = known->second;
-            return;
+        const auto [use, isNew] = useOf_.try_emplace(name, static_cast<uint32_t>(uses_.size()));
+        if (isNew) uses_.emplace_back(scanner_.line(), name);
+        material_ = use->second;
+    }
+
+    void resolveMaterials() {
+        std::vector<uint32_t> indices(uses_.size(), Mesh::kNoIndex);
+        for (size_t i = 0; i < uses_.size(); i++) {
+            const auto& [line, name] = uses_[i];
+            const auto known = materialIndices_.find(name);
+            if (known != materialIndices_.end())
+                indices[i] = known->second;
+            else
+                warn(line, "material \"" + name + "\" is not defined in a material file; grey is used");
         }
-        material_ = Mesh::kNoIndex;
-        materialIndices_[name] = Mesh::kNoIndex;  // so that the warning comes once
-        warnings_.push_back(printable(path_.string() + ":" + std::to_string(scanner_.line()) +
-                                      ": material \"" + name +
-                                      "\" is not defined in a material file; grey is used"));
+        for (Face& face : faces_)
+            if (face.material != Mesh::kNoIndex) face.material = indices[face.material];
+    }
+
+    void warn(size_t line, const std::string& what) {
+        warnings_.push_back(printable(path_.string() + ":" + std::to_string(line) + ": " + what));
     }
 
     // The name may hold blanks; several names may be listed.
     void readLibraries(const std::string& names) {
-        if (files_.exists(path_.parent_path() / names)) return readLibrary(names);
+        if (readLibrary(names, names.find_first_of(" \t") == names.npos)) return;
         TextScanner words(names, path_.string());
         words.nextLine();
         for (std::string_view name = words.word(); !name.empty(); name = words.word())
-            readLibrary(std::string(name));
+            readLibrary(std::string(name), true);
     }
 
-    void readLibrary(const std::string& name) {
-        if (!libraryNames_.insert(name).second) return;
+    // False if there is none, of which `warns` says whether to warn.
+    bool readLibrary(const std::string& name, bool warns) {
+        if (libraryNames_.count(name)) return true;
+        std::string text;
         std::filesystem::path file;
         try {
-            file = files_.resolve(path_.parent_path(), name);
+            file = files_.findOrBeside(path_.parent_path(), name);
+            if (libraries_.count(file.lexically_normal())) return true;
+            text = files_.read(file);
         } catch (const Error& error) {
-            scanner_.fail(error.what());
+            if (!warns && !file.empty() && !files_.isFile(file)) return false;
+            libraryNames_.insert(name);
+            warn(scanner_.line(), error.what() + std::string("; drawn without these materials"));
+            return true;
         }
-        if (!libraries_.insert(file.lexically_normal()).second) return;
-        if (!files_.isFile(file)) {
-            warnings_.push_back(printable(path_.string() + ":" + std::to_string(scanner_.line()) +
-                                          ": no material file \"" + name + "\""));
-            return;
-        }
+        libraryNames_.insert(name);
+        libraries_.insert(file.lexically_normal());
         const size_t first = materials_.size();
-        readMtl(file, files_, materials_, textures_, warnings_);
+        readMtl(text, file, files_, materials_, textures_, warnings_);
         for (size_t i = first; i < materials_.size(); i++)
             materialIndices_.emplace(materials_[i].name,
                                      static_cast<uint32_t>(i));  // the first definition counts
+        return true;
     }
 
-    void checkIndices() const {
+    // Faces may name texture vertices and normals that the file leaves out altogether.
+    void dropMissing(int64_t Corner::*index, const char* what) {
+        const auto names = [&](const Corner& corner) { return corner.*index != kNone; };
+        if (std::none_of(corners_.begin(), corners_.end(), names)) return;
+        for (Corner& corner : corners_) corner.*index = kNone;
+        warnings_.push_back(path_.string() + ": faces name " + what +
+                            ", but the file has none; drawn without them");
+    }
+
+    void checkIndices() {
+        if (builder_.uvs.empty()) dropMissing(&Corner::uv, "texture vertices (vt)");
+        if (builder_.normals.empty()) dropMissing(&Corner::normal, "normals (vn)");
         const auto vertexCount = static_cast<int64_t>(builder_.positions.size());
         const auto uvCount = static_cast<int64_t>(builder_.uvs.size());
         const auto normalCount = static_cast<int64_t>(builder_.normals.size());
@@ -245,6 +278,9 @@ class ObjReader {
     std::set<std::string> libraryNames_;         // each is looked for once
     std::set<std::filesystem::path> libraries_;  // and read once, under whatever name
     std::map<std::string, uint32_t> materialIndices_;
+    std::vector<std::pair<size_t, std::string>> uses_;  // of materials: line of the first one, and name
+    std::map<std::string, uint32_t> useOf_;
+    IgnoredNames ignored_;
     std::vector<std::string> warnings_;
     uint32_t material_ = Mesh::kNoIndex;
     std::vector<uint32_t> vertexScratch_, normalScratch_, uvScratch_;

@@ -117,7 +117,9 @@ PlyHeader readPlyHeader(std::string_view bytes, const std::string& file) {
         } else if (keyword == "property") {
             if (header.elements.empty()) lines.fail("a property before the first element");
             header.elements.back().properties.push_back(readProperty(lines));
-        } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
+        } else if (keyword == "comment") {
+            if (lines.word() == "TextureFile") header.textures.emplace_back(lines.restOfLine());
+        } else if (!keyword.empty() && keyword != "obj_info") {
             lines.fail("unknown header word \"" + std::string(keyword.substr(0, 40)) + "\"");
         }
     }

@@ -33,8 +33,9 @@ enum class PlyFormat { Ascii, LittleEndian, BigEndian };
 struct PlyHeader {
     PlyFormat format = PlyFormat::Ascii;
     std::vector<PlyElement> elements;
-    size_t bodyOffset = 0;  // the first byte after the header
-    size_t bodyLine = 1;    // the number of the first line after it
+    std::vector<std::string> textures;  // "comment TextureFile NAME", as MeshLab writes it
+    size_t bodyOffset = 0;              // the first byte after the header
+    size_t bodyLine = 1;                // the number of the first line after it
 };
 
 // Throws Error(Scene) "FILE:LINE: ..." for anything unsupported.

@@ -6,12 +6,14 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <numeric>
 
 #include "core/call_terms.h"
 #include "core/error.h"
-#include "core/quantize.h"
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
+#include "import/mtl_maps.h"
 #include "import/ply_header.h"
 #include "import/readers.h"
 #include "import/text_scanner.h"
@@ -133,14 +135,18 @@ class PlyBody {
     static constexpr double kRead = 0.9;  // of the time; the rest is for faces that had to wait
 
   public:
-    PlyBody(SourceT& source, const PlyHeader& header, const std::string& file)
-        : source_(source), header_(header), file_(file) {}
+    // `materials` is empty or holds the one that all faces have.
+    PlyBody(SourceT& source, const PlyHeader& header, const std::string& file,
+            std::vector<Material> materials)
+        : source_(source), header_(header), file_(file), materials_(std::move(materials)) {}
 
     ImportedMesh read() {
         readElements();
         const ProgressPart part(kRead, 1);
         addFaces();
-        return builder_.finish(file_, {}, {});
+        std::vector<std::string> warnings;
+        ignored_.warn(file_, warnings);
+        return builder_.finish(file_, std::move(materials_), std::move(warnings));
     }
 
   private:
@@ -157,6 +163,7 @@ class PlyBody {
                 faces += element.count;
                 readStrips(element);
             } else {
+                ignored_.add("element " + element.name);
                 skip(element);
             }
         }
@@ -188,56 +195,80 @@ class PlyBody {
         }
     }
 
-    // The place of each property's value among those of a vertex, kOther for none, and which are there.
+    // The place of each property's value among those of an element, kOther for none, and which are there.
     static constexpr size_t kOther = 11;
-    struct VertexSlots {
+    struct Slots {
         std::vector<size_t> ofProperty;
-        bool found[kOther] = {};
-        double colorScale = 0;  // of integer colours: 1 / their greatest value; 0: floats, linear
+        bool positions = false, normals = false, uvs = false, colors = false;
     };
 
-    static VertexSlots findSlots(const PlyElement& element) {
+    // Of the groups of properties that stand in an element whole; the rest is ignored.
+    Slots findSlots(const PlyElement& element, size_t firstWanted) {
         // Texture coordinates go by several names: Blender s t, MeshLab texture_u texture_v, others u v.
-        constexpr std::pair<std::string_view, size_t> kNames[] = {
-            {"x", 0},         {"y", 1},         {"z", 2},   {"nx", 3},    {"ny", 4},
-            {"nz", 5},        {"s", 6},         {"t", 7},   {"u", 6},     {"v", 7},
-            {"texture_u", 6}, {"texture_v", 7}, {"red", 8}, {"green", 9}, {"blue", 10}};
-        VertexSlots slots;
+        constexpr std::pair<std::string_view, size_t> kNames[] = {{"x", 0},
+                                                                  {"y", 1},
+                                                                  {"z", 2},
+                                                                  {"nx", 3},
+                                                                  {"ny", 4},
+                                                                  {"nz", 5},
+                                                                  {"s", 6},
+                                                                  {"t", 7},
+                                                                  {"u", 6},
+                                                                  {"v", 7},
+                                                                  {"texture_u", 6},
+                                                                  {"texture_v", 7},
+                                                                  {"red", 8},
+                                                                  {"green", 9},
+                                                                  {"blue", 10},
+                                                                  {"diffuse_red", 8},
+                                                                  {"diffuse_green", 9},
+                                                                  {"diffuse_blue", 10}};
+        Slots slots;
         slots.ofProperty.assign(element.properties.size(), kOther);
+        bool found[kOther + 1] = {};
         for (const auto& [name, slot] : kNames) {
-            const int at = element.find(name);
-            if (at < 0 || element.properties[static_cast<size_t>(at)].isList || slots.found[slot]) continue;
+            const int at = slot < firstWanted ? -1 : element.find(name);
+            if (at < 0 || element.properties[static_cast<size_t>(at)].isList || found[slot]) continue;
             slots.ofProperty[static_cast<size_t>(at)] = slot;
-            slots.found[slot] = true;
-            const PlyType type = element.properties[static_cast<size_t>(at)].type;
-            if (slot == 8 && isInteger(type))
-                slots.colorScale = 1 / (std::pow(2.0, 8.0 * static_cast<double>(sizeOf(type))) - 1);
+            found[slot] = true;
+        }
+        slots.positions = found[0] && found[1] && found[2];
+        slots.normals = found[3] && found[4] && found[5];
+        slots.uvs = found[6] && found[7];
+        slots.colors = found[8] && found[9] && found[10];
+        for (size_t p = 0; p < slots.ofProperty.size(); p++) {
+            size_t& slot = slots.ofProperty[p];
+            const bool used = slot < 3 || (slot < 6 ? slots.normals : slot < 8 ? slots.uvs : slots.colors);
+            if (used && slot != kOther) continue;
+            slot = kOther;
+            if (!isFaceList(element.properties[p]))
+                ignored_.add(element.name + " " + element.properties[p].name);
         }
         return slots;
     }
 
+    // Of faces: vertices, and a pair of texture coordinates for each.
+    static bool isFaceList(const PlyProperty& p) {
+        return p.isList && (p.name == "vertex_indices" || p.name == "vertex_index" || p.name == "texcoord");
+    }
+
     // Integers are codes as an image has them, floats linear.
-    static Color colorOf(const double (&values)[kOther + 1], double scale) {
-        const Color color(values[8], values[9], values[10]);
-        if (scale == 0) return color;
-        return {linearFromSrgb(color.x * scale), linearFromSrgb(color.y * scale),
-                linearFromSrgb(color.z * scale)};
+    void setColorCodes(const PlyElement& element) {
+        const int red = std::max(element.find("red"), element.find("diffuse_red"));
+        if (isInteger(element.properties[static_cast<size_t>(red)].type))
+            builder_.colorCodes = MeshBuilder::ColorCodes::Integers;
     }
 
     void readVertices(const PlyElement& element) {
-        const VertexSlots slots = findSlots(element);
-        const auto& found = slots.found;
-        if (!found[0] || !found[1] || !found[2]) fail("the vertices lack one of the properties x, y, z");
+        const Slots slots = findSlots(element, 0);
+        if (!slots.positions) fail("the vertices lack one of the properties x, y, z");
         if (element.count >= Mesh::kNoIndex) fail("more than 2^32 - 2 vertices");
-        const bool normals = found[3] && found[4] && found[5];
-        const bool uvs = found[6] && found[7];
-        const bool colors = found[8] && found[9] && found[10];
-
+        if (slots.colors) setColorCodes(element);
         const uint64_t expected = std::min(element.count, source_.atMost(element));
         builder_.positions.reserve(expected);
-        if (normals) builder_.normals.reserve(expected);
-        if (uvs) builder_.uvs.reserve(expected);
-        if (colors) builder_.colors.reserve(expected);
+        if (slots.normals) builder_.normals.reserve(expected);
+        if (slots.uvs) builder_.uvs.reserve(expected);
+        if (slots.colors) builder_.colors.reserve(expected);
         for (uint64_t i = 0; i < element.count; i++) {
             double values[kOther + 1] = {};
             source_.beginElement(element, i);
@@ -249,10 +280,12 @@ class PlyBody {
             }
             source_.endElement();
             builder_.positions.emplace_back(values[0], values[1], values[2]);
-            if (normals) builder_.normals.emplace_back(values[3], values[4], values[5]);
-            if (uvs) builder_.uvs.emplace_back(values[6], values[7]);
-            if (colors) builder_.colors.push_back(colorOf(values, slots.colorScale));
+            if (slots.normals) builder_.normals.emplace_back(values[3], values[4], values[5]);
+            if (slots.uvs) builder_.uvs.emplace_back(values[6], values[7]);
+            if (slots.colors) builder_.colors.emplace_back(values[8], values[9], values[10]);
         }
+        vertexUvs_ = slots.uvs;
+        vertexColors_ = slots.colors;
     }
 
     // Of the faces, or the strips: the list of their vertices.
@@ -266,41 +299,57 @@ class PlyBody {
         return indices;
     }
 
-    // Calls read(indices) where the list of vertices stands, and skips all other properties.
-    template <typename Read>
-    void readLists(const PlyElement& element, const PlyProperty& indices, const Read& read) {
-        for (uint64_t i = 0; i < element.count; i++) {
-            source_.beginElement(element, i);
-            for (const PlyProperty& property : element.properties) {
-                if (&property == &indices)
-                    read(property);
-                else
-                    skipProperty(property);
-            }
-            source_.endElement();
-        }
-    }
-
     void readFaces(const PlyElement& element) {
         const PlyProperty& indices = indicesOf(element, "faces");
         vertexCount_ = countOfVertices();
-        const uint64_t expected = std::min(element.count, source_.atMost(element));
-        if (haveVertices()) {
-            builder_.reserve(expected);
-        } else {
-            faceEnds_.reserve(faceEnds_.size() + expected);
-            corners_.reserve(corners_.size() + 3 * expected);
-        }
-        readLists(element, indices, [&](const PlyProperty& property) {
-            readCorners(property);
+        const Slots slots = findSlots(element, 8);
+        if (slots.colors && !vertexColors_) setColorCodes(element);
+        if (slots.colors && vertexColors_) ignored_.add("face red, green, blue");
+        if (haveVertices()) builder_.reserve(std::min(element.count, source_.atMost(element)));
+        for (uint64_t i = 0; i < element.count; i++) {
+            double values[kOther + 1] = {};
+            source_.beginElement(element, i);
+            for (size_t p = 0; p < slots.ofProperty.size(); p++) {
+                const PlyProperty& property = element.properties[p];
+                if (&property == &indices)
+                    readCorners(property);
+                else if (property.isList && property.name == "texcoord")
+                    readTextureCoordinates(property);
+                else if (property.isList)
+                    skipProperty(property);
+                else
+                    values[slots.ofProperty[p]] = source_.nextNumber(property.type);
+            }
+            source_.endElement();
+            if (slots.colors) faceColors_.resize(faceEnds_.size(), MeshBuilder::kNoColor);
+            if (slots.colors) faceColors_.emplace_back(values[8], values[9], values[10]);
             endFace();
-        });
+        }
+    }
+
+    // Two for each corner; too few or too many are none.
+    void readTextureCoordinates(const PlyProperty& property) {
+        const int64_t count = readCount(property);
+        faceUvs_.resize(faceEnds_.empty() ? 0 : faceEnds_.back(), kNoUv);
+        double u = 0;
+        for (int64_t i = 0; i < count; i++) {
+            const double number = source_.nextNumber(property.type);
+            if (i % 2 != 0 && i < 2 * static_cast<int64_t>(kMaxPolygonCorners))
+                faceUvs_.emplace_back(u, number);
+            u = number;
+        }
     }
 
     void readStrips(const PlyElement& element) {
         const PlyProperty& indices = indicesOf(element, "triangle strips");
         vertexCount_ = countOfVertices();
-        readLists(element, indices, [&](const PlyProperty& property) { readStrip(property); });
+        findSlots(element, kOther);
+        for (uint64_t i = 0; i < element.count; i++) {
+            source_.beginElement(element, i);
+            for (const PlyProperty& property : element.properties)
+                &property == &indices ? readStrip(property) : skipProperty(property);
+            source_.endElement();
+        }
     }
 
     // As scanners write them (Cyberware, Stanford): each vertex makes a triangle with the two before it,
@@ -351,47 +400,86 @@ class PlyBody {
         fail("holds no vertices");
     }
 
-    // Faces that stand behind the vertices, as in nearly every file, need not wait for them; unless others do
-    // already, so that the order stays.
-    bool haveVertices() const {
-        return faceEnds_.empty() && builder_.positions.size() == static_cast<size_t>(vertexCount_);
-    }
+    bool haveVertices() const { return builder_.positions.size() == static_cast<size_t>(vertexCount_); }
 
-    // Its corners are the last of corners_.
+    // Its corners are the last of corners_. Faces before the vertices wait for them.
     void endFace() {
-        if (!haveVertices()) return faceEnds_.push_back(corners_.size());
-        add(corners_);
-        corners_.clear();
-    }
-
-    void add(std::span<const uint32_t> corners) {
-        const auto given = [&](const auto& list) {
-            return list.empty() ? std::span<const uint32_t>() : corners;
-        };
-        builder_.addPolygon({corners, given(builder_.normals), given(builder_.uvs), given(builder_.colors)});
-    }
-
-    // Those that stood before the vertices.
-    void addFaces() {
-        builder_.reserve(faceEnds_.size());
-        const std::span<const uint32_t> all(corners_);
-        size_t begin = 0;
-        for (size_t i = 0; i < faceEnds_.size(); i++) {
-            paceLoop(i, faceEnds_.size());
-            const size_t end = faceEnds_[i];
-            add(all.subspan(begin, end - begin));
-            begin = end;
+        const size_t begin = faceEnds_.empty() ? 0 : faceEnds_.back();
+        if (!faceUvs_.empty() && faceUvs_.size() != corners_.size()) {
+            faceUvs_.resize(begin, kNoUv);
+            faceUvs_.resize(corners_.size(), kNoUv);
         }
+        faceEnds_.push_back(corners_.size());
+        if (haveVertices()) addFaces();
+    }
+
+    void addFaces() {
+        size_t begin = 0;
+        for (size_t i = 0; i < faceEnds_.size(); begin = faceEnds_[i++]) {
+            paceLoop(i, faceEnds_.size());
+            addFace(i, begin, faceEnds_[i] - begin);
+        }
+        corners_.clear();
+        faceEnds_.clear();
+        faceUvs_.clear();
+        faceColors_.clear();
+    }
+
+    // What the faces have of their own goes behind what the vertices have.
+    void addFace(size_t face, size_t begin, size_t count) {
+        const auto corners = std::span<const uint32_t>(corners_).subspan(begin, count);
+        MeshBuilder::Corners polygon{corners};
+        if (!builder_.normals.empty()) polygon.normals = corners;
+        if (vertexUvs_) polygon.uvs = corners;
+        if (vertexColors_) polygon.colors = corners;
+        if (builder_.uvs.size() + count >= Mesh::kNoIndex) fail("more than 2^32 - 2 texture coordinates");
+        if (count > 0 && !faceUvs_.empty() && !std::isnan(faceUvs_[begin].x)) {
+            ownUvs_.resize(count);
+            std::iota(ownUvs_.begin(), ownUvs_.end(), static_cast<uint32_t>(builder_.uvs.size()));
+            builder_.uvs.insert(builder_.uvs.end(), faceUvs_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                faceUvs_.begin() + static_cast<std::ptrdiff_t>(begin + count));
+            polygon.uvs = ownUvs_;
+        }
+        if (!faceColors_.empty() && !vertexColors_) {
+            ownColors_.assign(count, static_cast<uint32_t>(builder_.colors.size()));
+            builder_.colors.push_back(face < faceColors_.size() ? faceColors_[face] : MeshBuilder::kNoColor);
+            polygon.colors = ownColors_;
+        }
+        builder_.addPolygon(polygon, materials_.empty() ? Mesh::kNoIndex : 0);
     }
 
     SourceT& source_;
     const PlyHeader& header_;
     const std::string& file_;
     MeshBuilder builder_;
+    std::vector<Material> materials_;
+    IgnoredNames ignored_;
     int64_t vertexCount_ = 0;
+    bool vertexUvs_ = false, vertexColors_ = false;
+    // Of the faces that wait: corners, where those of each face end, and what faces have of their own, each
+    // empty or as long (colours may be fewer).
+    static constexpr glm::dvec2 kNoUv{std::numeric_limits<double>::quiet_NaN()};
     std::vector<uint32_t> corners_;
     std::vector<size_t> faceEnds_;
+    std::vector<glm::dvec2> faceUvs_;
+    std::vector<Color> faceColors_;
+    std::vector<uint32_t> ownUvs_, ownColors_;
 };
+
+// The material of the file's texture, if it has one.
+std::vector<Material> textured(const PlyHeader& header, const std::filesystem::path& path, SceneFiles& files,
+                               std::vector<Texture>& textures, std::vector<std::string>& warnings) {
+    if (header.textures.empty()) return {};
+    Material material;
+    material.name = header.textures.front();
+    material.ambient = material.diffuse = Color(1);
+    MtlMaps(path, files, textures, warnings).apply({{"map_kd", {header.textures.front()}}}, material);
+    for (size_t i = 1; i < std::min<size_t>(header.textures.size(), 9); i++)
+        warnings.push_back(printable(path.string() + ": TextureFile " + header.textures[i] +
+                                     " is ignored, all faces have the first one"));
+    if (material.diffuseTexture == Material::kNoTexture) return {};
+    return {material};
+}
 
 }  // namespace
 
@@ -400,13 +488,18 @@ ImportedMesh readPly(const std::filesystem::path& path, SceneFiles& files) {
     const std::string bytes = files.read(path);
     const PlyHeader header = readPlyHeader(bytes, file);
     const std::string_view body = std::string_view(bytes).substr(header.bodyOffset);
-    if (header.format == PlyFormat::Ascii) {
-        AsciiSource source(body, file, header.bodyLine);
-        return PlyBody(source, header, file).read();
-    }
+    std::vector<Texture> textures;
+    std::vector<std::string> warnings;
+    std::vector<Material> materials = textured(header, path, files, textures, warnings);
+    const auto read = [&](auto source) {
+        ImportedMesh imported = PlyBody(source, header, file, std::move(materials)).read();
+        imported.textures = std::move(textures);
+        imported.warnings.insert(imported.warnings.end(), warnings.begin(), warnings.end());
+        return imported;
+    };
+    if (header.format == PlyFormat::Ascii) return read(AsciiSource(body, file, header.bodyLine));
     const bool fileIsLittle = header.format == PlyFormat::LittleEndian;
-    BinarySource source(body, file, fileIsLittle != (std::endian::native == std::endian::little));
-    return PlyBody(source, header, file).read();
+    return read(BinarySource(body, file, fileIsLittle != (std::endian::native == std::endian::little)));
 }
 
 }  // namespace glint

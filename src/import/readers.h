@@ -36,9 +36,10 @@ void settleCamera(Scene& scene, const std::filesystem::path& path, const std::st
 // The mesh objects of `scene` as one mesh in world space, with the scene's materials and warnings.
 ImportedMesh flattened(Scene scene);
 
-// Appends the materials of an MTL file, and the textures that they index. What is read and what is only
-// warned about: importers.h. Throws Error(Scene) if it cannot be read or a value is out of range.
-void readMtl(const std::filesystem::path& path, SceneFiles& files, std::vector<Material>& materials,
-             std::vector<Texture>& textures, std::vector<std::string>& warnings);
+// Appends the materials of an MTL file with this text, and the textures that they index. What is read and
+// what is only warned about: docs/reference/file-formats.md. Throws Error(Scene) for a number that is none.
+void readMtl(const std::string& text, const std::filesystem::path& path, SceneFiles& files,
+             std::vector<Material>& materials, std::vector<Texture>& textures,
+             std::vector<std::string>& warnings);
 
 }  // namespace glint

@@ -50,6 +50,21 @@ fs::path SceneFiles::resolve(const fs::path& folder, const std::string& name) co
     return path;
 }
 
+fs::path SceneFiles::findOrBeside(const fs::path& folder, const std::string& name) const {
+    std::string slashed;
+    for (const char c : name)
+        if (c != '\\' || !slashed.ends_with('/')) slashed += c == '\\' ? '/' : c;
+    const std::string own = fs::path(slashed).filename().string();
+    const bool beside = !own.empty() && own.find('\0') == own.npos && isFile(folder / own);
+    try {
+        const fs::path path = resolve(folder, slashed);
+        if (!beside || isFile(path)) return path;
+    } catch (const Error&) {
+        if (!beside) throw;
+    }
+    return resolve(folder, own);
+}
+
 std::string SceneFiles::read(const fs::path& path) {
     const uint64_t size = source_->status(path).size;
     if (size > options_.memory - std::min(options_.memory, read_ + pictures_ + taken_))

@@ -37,8 +37,13 @@ class SceneFiles {
     // be read.
     std::filesystem::path resolve(const std::filesystem::path& folder, const std::string& name) const;
 
+    // The same for materials and pictures of a model, whose names often come from another machine: a
+    // backslash is a slash, and where there is no such file that may be read, the one of that name in
+    // `folder` is taken.
+    std::filesystem::path findOrBeside(const std::filesystem::path& folder, const std::string& name) const;
+
     bool exists(const std::filesystem::path& path) { return source_->status(path).exists; }
-    bool isFile(const std::filesystem::path& path) { return source_->status(path).regular; }
+    bool isFile(const std::filesystem::path& path) const { return source_->status(path).regular; }
     // Absolute, with links followed as far as there are files.
     std::filesystem::path real(const std::filesystem::path& path) const { return source_->real(path); }
 

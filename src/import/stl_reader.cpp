@@ -1,11 +1,14 @@
 // STL (3D Systems, Stereolithography Interface Specification, 1988), ascii and binary. Not by assimp (5.2.5):
 // it makes floats of ascii coordinates, keeps the stored normals, which modelling programs often leave wrong
 // or zero, and tells no line numbers.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <unordered_map>
 
@@ -21,7 +24,8 @@ namespace glint {
 namespace {
 
 constexpr size_t kHeaderSize = 84;  // 80 bytes of anything and the number of triangles
-constexpr size_t kFacetSize = 50;   // normal, three vertices, two attribute bytes
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr size_t kFacetSize = 50;  // normal, three vertices, two attribute bytes
 
 // Begins otherwise in each process, so that nobody can write a file whose points all have the same hash.
 // Mixed as by splitmix64 (Steele et al. 2014).
@@ -94,11 +98,14 @@ class AsciiStl {
     AsciiStl(std::string_view text, const std::string& file) : file_(file), scanner_(text, file) {}
 
     ImportedMesh read() {
-        while (scanner_.skipToWord()) {
-            expect("solid");
+        // Some programs sign their files before the first solid.
+        while (nextWord("solid") != "solid") scanner_.restOfLine();
+        for (;;) {
             scanner_.restOfLine();
             while (!keywordIs("endsolid")) readFacet();
             scanner_.restOfLine();
+            if (!scanner_.skipToWord()) break;
+            expect("solid");
         }
         return facets_.finish(file_, {});
     }
@@ -136,9 +143,20 @@ class AsciiStl {
         return vector;
     }
 
+    // Only compared with the winding, so what is no number (-1.#IND) is let pass.
+    glm::dvec3 readNormal() {
+        glm::dvec3 normal(0);
+        for (int i = 0; i < 3; i++) {
+            const std::string word = nextWord("a normal");
+            const char* const end = word.data() + word.size();
+            if (std::from_chars(word.data(), end, normal[i]).ptr != end) normal[i] = kNaN;
+        }
+        return normal;
+    }
+
     void readFacet() {
         expect("normal");
-        const glm::dvec3 normal = readVector("a normal");
+        const glm::dvec3 normal = readNormal();
         expect("outer");
         expect("loop");
         std::array<glm::dvec3, 3> vertices;
@@ -189,18 +207,26 @@ ImportedMesh readBinary(std::string_view bytes, const std::string& file) {
 }
 
 // Binary files may start with "solid" too, so their size is asked first: read as a number, four characters
-// of an ascii file stand for half a billion triangles or more.
-bool isAscii(std::string_view bytes) {
+// of an ascii file stand for half a billion triangles or more. `text` is what may be text of it.
+bool isAscii(std::string_view bytes, std::string_view text) {
+    using namespace std::string_view_literals;
     if (bytes.size() >= kHeaderSize) {
         const uint64_t count = littleEndian<uint32_t>(bytes.data() + kHeaderSize - 4);
         if (bytes.size() == kHeaderSize + count * kFacetSize) return false;
     }
-    const size_t start = bytes.find_first_not_of(" \t\r\n");
-    if (start == std::string_view::npos || bytes.size() < start + 5) return false;
-    for (size_t i = 0; i < 5; i++)
-        if (std::tolower(static_cast<unsigned char>(bytes[start + i])) != "solid"[i]) return false;
+    for (const std::string_view utf16 : {"\xff\xfe"sv, "\xfe\xff"sv, "s\0o\0"sv})
+        if (text.starts_with(utf16)) return true;  // which the reader of text refuses by name
     // A binary file of another size is a damaged one; its counts and numbers hold zero bytes.
-    return bytes.substr(0, 1024).find('\0') == std::string_view::npos;
+    std::string_view head = text.substr(0, 1024);
+    if (head.find('\0') != head.npos) return false;
+    if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
+    const auto lower = [](unsigned char c) { return std::tolower(c); };
+    while (!head.empty()) {
+        head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
+        if (std::ranges::equal(head.substr(0, 5), "solid"sv, {}, lower)) return true;
+        head.remove_prefix(std::min(head.find_first_of("\r\n"), head.size()));
+    }
+    return false;
 }
 
 }  // namespace
@@ -208,7 +234,9 @@ bool isAscii(std::string_view bytes) {
 ImportedMesh readStl(const std::filesystem::path& path, SceneFiles& files) {
     const std::string file = path.string();
     const std::string bytes = files.read(path);
-    return isAscii(bytes) ? AsciiStl(bytes, file).read() : readBinary(bytes, file);
+    // Some programs fill up with zeros behind the last solid.
+    const std::string_view text = std::string_view(bytes).substr(0, bytes.find_last_not_of('\0') + 1);
+    return isAscii(bytes, text) ? AsciiStl(text, file).read() : readBinary(bytes, file);
 }
 
 }  // namespace glint

@@ -1,5 +1,6 @@
 #include "import/text_scanner.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -8,6 +9,36 @@
 #include "core/text_file.h"
 
 namespace glint {
+
+std::string_view withoutByteOrderMark(std::string_view text, const std::string& file) {
+    const bool wide = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
+    if (wide || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        throw Error(ErrorKind::Scene, printable(file + ": is UTF-16 text, save it as UTF-8"));
+    return text.substr(text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+}
+
+void IgnoredNames::add(std::string_view name) {
+    constexpr size_t kShown = 16, kLongest = 40;
+    if (names_.size() > kShown) return;
+    const std::string shown(names_.size() == kShown ? "..." : name.substr(0, kLongest));
+    if (std::find(names_.begin(), names_.end(), shown) == names_.end()) names_.push_back(shown);
+}
+
+void IgnoredNames::warn(const std::string& file, std::vector<std::string>& warnings) const {
+    std::string list;
+    for (const std::string& name : names_) list += (list.empty() ? "" : ", ") + name;
+    if (!list.empty()) warnings.push_back(printable(file + ": ignored: " + list));
+}
+
+TextScanner::TextScanner(std::string_view text, std::string file, size_t line, bool continuations)
+    : pace_(text.data(), text.data() + text.size()),
+      nextLine_(line),
+      continuations_(continuations),
+      file_(std::move(file)) {
+    if (line == 1) text = withoutByteOrderMark(text, file_);
+    next_ = text.data();
+    end_ = next_ + text.size();
+}
 
 bool TextScanner::nextLine() {
     if (next_ >= end_) return false;

@@ -4,22 +4,31 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/call_terms.h"
 
 namespace glint {
 
+// `text` without a UTF-8 byte order mark. Throws Error(Scene) "FILE: is UTF-16 text ..." for UTF-16.
+std::string_view withoutByteOrderMark(std::string_view text, const std::string& file);
+
+// Names in a file that no reader here understands, for one warning.
+class IgnoredNames {
+  public:
+    void add(std::string_view name);
+    // "FILE: ignored: a, b, c", if there are any.
+    void warn(const std::string& file, std::vector<std::string>& warnings) const;
+
+  private:
+    std::vector<std::string> names_;  // each once, in order
+};
+
 class TextScanner {
   public:
     // `line` is the number of the first line of `text` in `file`. With `continuations` a backslash at the end
-    // of a line that is no comment joins the next one to it.
-    TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false)
-        : next_(text.data()),
-          end_(next_ + text.size()),
-          pace_(next_, end_),
-          nextLine_(line),
-          continuations_(continuations),
-          file_(std::move(file)) {}
+    // of a line that is no comment joins the next one to it. A byte order mark is skipped, UTF-16 refused.
+    TextScanner(std::string_view text, std::string file, size_t line = 1, bool continuations = false);
 
     // Goes to the next line; false at the end of the text. Lines end with LF, CR LF or CR.
     bool nextLine();

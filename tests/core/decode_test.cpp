@@ -206,6 +206,58 @@ TEST(Damaged, ExrWhoseHeaderDoesNotFit) {
     EXPECT_EQ(reasonOf(file, decodeExr), "the file is truncated");
 }
 
+// Two rows of three pixels: exponent 129 makes the mantissa 128 a 1.
+Image hdrOf(const std::string& header, const std::string& size, const std::string& pixels) {
+    return decodeHdr(textBytes("#?RADIANCE\n" + header + "\n" + size + "\n" + pixels));
+}
+std::string hdrPixels(const std::string& reds) {
+    std::string bytes;
+    for (const char red : reds) bytes += {red, '\0', '\0', '\x81'};
+    return bytes;
+}
+
+TEST(Hdr, OrientationsAreTurnedUpright) {
+    const float expected[2][3] = {{0.125f, 0.25f, 0.375f}, {0.5f, 0.625f, 0.75f}};
+    const std::pair<const char*, const char*> kinds[] = {
+        {"-Y 2 +X 3", "\x10\x20\x30\x40\x50\x60"}, {"+Y 2 +X 3", "\x40\x50\x60\x10\x20\x30"},
+        {"-Y 2 -X 3", "\x30\x20\x10\x60\x50\x40"}, {"+Y 2 -X 3", "\x60\x50\x40\x30\x20\x10"},
+        {"+X 3 -Y 2", "\x10\x40\x20\x50\x30\x60"}, {"+X 3 +Y 2", "\x40\x10\x50\x20\x60\x30"},
+        {"-X 3 -Y 2", "\x30\x60\x20\x50\x10\x40"}, {"-X 3 +Y 2", "\x60\x30\x50\x20\x40\x10"}};
+    for (const auto& [size, reds] : kinds) {
+        const Image image = hdrOf("", size, hdrPixels(reds));
+        ASSERT_EQ(image.width, 3) << size;
+        ASSERT_EQ(image.height, 2) << size;
+        for (int y = 0; y < 2; y++)
+            for (int x = 0; x < 3; x++) EXPECT_EQ(image.at(x, y, 0), expected[y][x]) << size << x << y;
+    }
+    for (const char* size : {"-Y 2 +Y 3", "-Z 2 +X 3", "-Y 2", "-Y 2 +X 3 4", "Y 2 X 3"})
+        EXPECT_THROW(hdrOf("", size, hdrPixels("123456")), CodecError) << size;
+}
+
+TEST(Hdr, ExposuresAreDividedOut) {
+    const std::string pixels = hdrPixels("\x40\x40\x40\x40\x40\x40");
+    EXPECT_EQ(hdrOf("EXPOSURE=2\n", "-Y 2 +X 3", pixels).at(0, 0, 0), 0.25f);
+    EXPECT_EQ(hdrOf("EXPOSURE= 2\nEXPOSURE=4e0\n", "-Y 2 +X 3", pixels).at(2, 1, 0), 0.0625f);
+    for (const char* bad :
+         {"EXPOSURE=0\n", "EXPOSURE=x\n", "EXPOSURE=-1\n", "EXPOSURE=1e300\n", "FORMAT=32-bit_rle_xyze\n"})
+        EXPECT_THROW(hdrOf(bad, "-Y 2 +X 3", pixels), CodecError) << bad;
+}
+
+TEST(Hdr, RunsOfWholePixels) {
+    const std::string one = hdrPixels("\x40"), other = hdrPixels("\x20");
+    const auto run = [](int n) { return std::string("\1\1\1") + static_cast<char>(n); };
+    // 1 + 3 and 2 + 2 pixels; then 1 + 1 + 256 * 2.
+    const Image small = hdrOf("", "-Y 2 +X 4", one + run(3) + other + run(1) + one + run(1));
+    EXPECT_EQ(small.at(3, 0, 0), 0.5f);
+    EXPECT_EQ(small.at(1, 1, 0), 0.25f);
+    EXPECT_EQ(small.at(2, 1, 0), 0.5f);
+    const Image wide = hdrOf("", "-Y 1 +X 514", one + run(1) + run(2));
+    EXPECT_EQ(wide.at(513, 0, 0), 0.5f);
+    EXPECT_THROW(hdrOf("", "-Y 1 +X 4", one + run(4)), CodecError) << "beyond the row";
+    EXPECT_THROW(hdrOf("", "-Y 1 +X 4", run(4)), CodecError) << "nothing to repeat";
+    EXPECT_THROW(hdrOf("", "-Y 1 +X 4", one), CodecError) << "truncated";
+}
+
 TEST(Damaged, HdrWithoutPixels) {
     EXPECT_EQ(reasonOf(textBytes("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 0\n"), decodeHdr),
               "the file is damaged or of a kind that is not supported (no pixels)");

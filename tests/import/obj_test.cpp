@@ -26,7 +26,6 @@ std::string importErrorOf(const std::string& text) {
     return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
 }
 
-// tinyobjloader's decimal numbers are off by some last bits.
 void expectNear(const Color& a, const Color& b) {
     for (int i = 0; i < 3; i++) EXPECT_NEAR(a[i], b[i], 1e-15);
 }
@@ -184,7 +183,8 @@ TEST(Obj, ErrorsSayLineAndReason) {
     EXPECT_EQ(importErrorOf(kFour + "f 1 2 -5\n"), "m.obj:5: face uses vertex -5, there are 4 so far");
     EXPECT_EQ(importErrorOf(kFour + "f 1 2 99999999999\n"),
               "m.obj:5: face uses vertex 99999999999, the file has 4");
-    EXPECT_EQ(importErrorOf(kFour + "f 1//1 2//1 3//1\n"), "m.obj:5: face uses normal 1, the file has 0");
+    EXPECT_EQ(importErrorOf(kFour + "vn 0 0 1\nf 1//1 2//1 3//2\n"),
+              "m.obj:6: face uses normal 2, the file has 1");
     EXPECT_EQ(importErrorOf(kFour + "f 1 two 3\n"),
               "m.obj:5: \"two\" is not a face vertex (v, v/vt, v//vn or v/vt/vn)");
     for (const std::string corner : {"1///", "1/1/1/1", "1.5", "/1", "1/x", "99999999999999999999"})
@@ -269,31 +269,28 @@ TEST(Obj, MaterialsLetLightThrough) {
     expectNear(painted.diffuse, Color(0.5));
 }
 
-TEST(Obj, MaterialsThatBendLightNeedAnIndex) {
-    const TemporaryFolder folder;
-    const auto mtl = folder.write("m.mtl", "newmtl a\nTf 1 1 1\nNi 0\nillum 7\n");
-    const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "usemtl a\nf 1 2 3\n");
-    EXPECT_NE(errorOf([&] { importMesh(file); }).find("material \"a\"/ior: must be from"), std::string::npos);
-}
-
 TEST(Obj, MaterialsWarnOfWhatIsNotDrawn) {
     const TemporaryFolder folder;
     const auto mtl = folder.write("m.mtl",
                                   "newmtl a\nKd 1 1 1\nKa 0 0 0\nKs 1 1 1\nNs 0\nKe 2 0 0\nmap_Kd a.png\n"
-                                  "newmtl b\nKd 1 1 1\nmap_Kd b.png\nmap_bump c.png\n");
+                                  "newmtl b\nKd 1 1 1\nKe 0 0 0\nmap_Kd -mm 0 1 b.png\nmap_bump c.png\n"
+                                  "Kd spectral x.rfl\nmap_bump d.png\n");
     const auto file = folder.write(
         "m.obj", "mtllib m.mtl gone.mtl\n" + kFour +
-                     "f 1 2 3\nusemtl a\nf 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl nobody\nf 1 2 3\n");
+                     "f 1 2 3\nusemtl a\nf 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl nobody\nf 1 2 3\nl 1 2\n"
+                     "curv 0 1\nl 3 4\n");
     const ImportedMesh imported = importMesh(file);
-    EXPECT_EQ(
-        imported.warnings,
-        (std::vector<std::string>{
-            mtl.string() + ": material \"a\": Ke is ignored, surfaces that glow are not supported",
-            mtl.string() + ": " + (folder.path() / "a.png").string() + ": no such file; drawn without it",
-            mtl.string() + ": " + (folder.path() / "b.png").string() + ": no such file; drawn without it",
-            mtl.string() + ": map_bump is ignored, such maps are not supported by this version",
-            file.string() + ":1: no material file \"gone.mtl\"",
-            file.string() + ":9: material \"nobody\" is not defined in a material file; grey is used"}));
+    const auto missing = [&](const char* name) {
+        return (folder.path() / name).string() + ": no such file; ";
+    };
+    EXPECT_EQ(imported.warnings,
+              (std::vector<std::string>{
+                  mtl.string() + ": ignored: Ke, map_Kd -mm, map_bump, Kd spectral",
+                  mtl.string() + ": " + missing("a.png") + "drawn without it",
+                  mtl.string() + ": " + missing("b.png") + "drawn without it",
+                  file.string() + ":1: " + missing("gone.mtl") + "drawn without these materials",
+                  file.string() + ":9: material \"nobody\" is not defined in a material file; grey is used",
+                  file.string() + ": ignored: l, curv"}));
     ASSERT_EQ(imported.materials.size(), 3u);
     EXPECT_EQ(imported.materials[0].ambient, Color(1));   // Ka black: as diffuse
     EXPECT_EQ(imported.materials[0].specular, Color(0));  // Ns 0: no highlight
@@ -301,12 +298,136 @@ TEST(Obj, MaterialsWarnOfWhatIsNotDrawn) {
     EXPECT_EQ(imported.mesh.materials, (std::vector<uint32_t>{2, 0, 2, 2}));
 }
 
-TEST(Obj, MaterialValuesOutOfRange) {
+namespace {
+
+// A square with the only material of an MTL file of this text.
+struct Painted {
+    Material material;
+    std::vector<std::string> warnings;  // without the name of the MTL file
+};
+
+ImportedMesh importWith(const TemporaryFolder& folder, const std::string& mtl) {
+    folder.write("m.mtl", mtl);
+    return importMesh(folder.write("m.obj", "mtllib m.mtl\n" + kFour + "usemtl m\nf 1 2 3 4\n"));
+}
+
+Painted paint(const std::string& lines) {
     const TemporaryFolder folder;
-    const auto mtl = folder.write("m.mtl", "newmtl a\nKd -1 0 0\n");
-    const auto file = folder.write("m.obj", "mtllib m.mtl\n" + kFour + "f 1 2 3\n");
-    EXPECT_EQ(errorOf([&] { importMesh(file); }),
-              mtl.string() + ": material \"a\"/diffuse: must be >= 0 (got [-1, 0, 0])");
+    ImportedMesh imported = importWith(folder, "newmtl m\n" + lines);
+    const std::string prefix = (folder.path() / "m.mtl").string() + ": ";
+    for (std::string& line : imported.warnings)
+        if (line.starts_with(prefix)) line = line.substr(prefix.size());
+    return {imported.materials.at(0), imported.warnings};
+}
+
+using Lines = std::vector<std::string>;
+const Lines kInvisible{"material \"m\": d, Tr or Tf would make it invisible; drawn opaque"};
+
+}  // namespace
+
+// Tr 1 and d 0 alone hide a surface altogether; exporters write them of opaque ones.
+TEST(Obj, MaterialsThatWouldBeInvisibleAreOpaque) {
+    for (const char* lines : {"Kd 1 0 0\nTr 1\n", "Kd 1 0 0\nd 0\nillum 9\n", "Kd 1 0 0\nd 0\n",
+                              "Kd 1 0 0\nillum 4\nTf 1 1 1\n", "Kd 1 0 0\nillum 7\nNi 1\nTf 1 1 1\n"}) {
+        const Painted painted = paint(lines);
+        EXPECT_EQ(painted.material.transmission, Color(0)) << lines;
+        EXPECT_EQ(painted.material.diffuse, Color(1, 0, 0)) << lines;
+        EXPECT_EQ(painted.warnings, kInvisible) << lines;
+    }
+    EXPECT_EQ(paint("Kd 1 0 0\nd 1\nTr 1\n").warnings, Lines{}) << "d counts";
+    EXPECT_EQ(paint("Kd 1 0 0\nillum 7\nNi 1.5\nd 0\n").material.transmission, Color(1)) << "glass";
+    const Painted halo = paint("Kd 1 0 0\nd -halo 0.5\n");
+    EXPECT_EQ(halo.material.transmission, Color(0.5));
+    EXPECT_EQ(halo.warnings, Lines{"ignored: d -halo"});
+}
+
+TEST(Obj, MaterialNumbers) {
+    EXPECT_EQ(paint("Kd 0.5\n").material.diffuse, Color(0.5)) << "g and b are r where they are missing";
+    EXPECT_EQ(paint("Kd 0.25 0.75\n").material.diffuse, Color(0.25, 0.75, 0.25));
+    EXPECT_EQ(paint("kd 0.1 0.2 0.3\n").material.diffuse, Color(0.1, 0.2, 0.3));
+    EXPECT_EQ(paint("").material.diffuse, Color(0.8)) << "a material without colours is grey";
+    const Painted negative = paint("Kd -1 0.5 0\nKs 1 1 1\nNs -1.96\nd 2\n");
+    EXPECT_EQ(negative.material.diffuse, Color(0, 0.5, 0));
+    EXPECT_EQ(negative.material.specular, Color(0)) << "an exponent of 0 is no highlight";
+    EXPECT_EQ(negative.material.transmission, Color(0));
+    EXPECT_EQ(negative.warnings, (Lines{"Kd -1 in line 2 is out of range, 0 is used",
+                                        "Ns -1.96 in line 4 is out of range, 0 is used",
+                                        "d 2 in line 5 is out of range, 1 is used"}));
+    const Painted odd = paint("Kd nan nan nan\nNi 0\nTf 1 0 0\nillum 7\n");
+    EXPECT_EQ(odd.material.ior, 1);
+    EXPECT_EQ(odd.material.diffuse, Color(0.8));
+    EXPECT_EQ(odd.warnings, (Lines{"Kd nan in line 2 is out of range, 0.8 is used",
+                                   "Ni 0 in line 3 is out of range, 1 is used"}));
+    const TemporaryFolder folder;
+    for (const auto& [line, what] : {std::pair{"Kd 0,8 0,8 0,8", "\"0,8\" is not a number (Kd needs one)"},
+                                     {"Ns x", "\"x\" is not a number (Ns needs one)"},
+                                     {"map_Kd -s 0,5 1 1 a.png", "\"0,5\" is not a number (-s needs one)"}})
+        EXPECT_EQ(errorOf([&] { importWith(folder, std::string("newmtl m\n") + line + "\n"); }),
+                  (folder.path() / "m.mtl").string() + ":2: " + what);
+}
+
+TEST(Obj, MaterialFilesFromElsewhereAreLookedForBesideTheModel) {
+    const TemporaryFolder folder;
+    folder.write("my m.mtl", "newmtl m\nKd 1 0 0\n");
+    folder.write("m.mtl", "newmtl m\nKd 1 0 0\n");
+    for (const char* name : {"/home/x/m.mtl", "../m.mtl", "C:\\x\\m.mtl", "C:\\\\x\\\\m.mtl", "other/m.mtl",
+                             "D:\\my files\\my m.mtl", "https://example.org/m.mtl"}) {
+        const ImportedMesh imported = importMesh(
+            folder.write("m.obj", std::string("mtllib ") + name + "\n" + kFour + "usemtl m\nf 1 2 3\n"));
+        ASSERT_EQ(imported.materials.size(), 1u) << name;
+        EXPECT_EQ(imported.materials[0].diffuse, Color(1, 0, 0)) << name;
+        EXPECT_EQ(imported.warnings, Lines{}) << name;
+    }
+    const ImportedMesh late = importMesh(folder.write("m.obj", kFour + "usemtl m\nf 1 2 3\nmtllib m.mtl\n"));
+    ASSERT_EQ(late.materials.size(), 1u) << "a material may be used before its file is named";
+    EXPECT_EQ(late.materials[0].diffuse, Color(1, 0, 0));
+    EXPECT_EQ(late.warnings, Lines{});
+    folder.write("empty.mtl", "");
+    const ImportedMesh none = importMesh(folder.write("m.obj", "mtllib empty.mtl\n" + kFour + "f 1 2 3\n"));
+    EXPECT_EQ(none.warnings,
+              Lines{(folder.path() / "m.obj").string() + ":1: " + (folder.path() / "empty.mtl").string() +
+                    ": the file is empty; drawn without these materials"});
+}
+
+TEST(Obj, ByteOrderMarks) {
+    const std::string mark = "\xef\xbb\xbf";
+    EXPECT_EQ(import(mark + "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n").mesh.positions[0],
+              dvec3(-1, 0, 0));
+    const TemporaryFolder folder;
+    EXPECT_EQ(importWith(folder, mark + "newmtl m\nKd 1 0 0\n").materials.at(0).diffuse, Color(1, 0, 0));
+    std::string wide;
+    for (const char c : "v 0 0 0\n") wide += std::string(1, c) + '\0';
+    for (const std::string& text : {"\xff\xfe" + wide, wide, std::string("\xfe\xff\0v", 4)})
+        EXPECT_EQ(importErrorOf(text), "m.obj: is UTF-16 text, save it as UTF-8");
+}
+
+TEST(Obj, FacesThatNameWhatTheFileLeavesOut) {
+    for (const auto& [face, what] : {std::pair{"f 1//1 2//2 3//3", "normals (vn)"},
+                                     {"f 1/1 2/2 3/3", "texture vertices (vt)"},
+                                     {"f 1/-1 2/-2 3/-3", "texture vertices (vt)"}}) {
+        const TemporaryFolder folder;
+        const auto file = folder.write("m.obj", kFour + face + "\n");
+        const ImportedMesh imported = importMesh(file);
+        EXPECT_EQ(imported.mesh.corners, (std::vector<uvec3>{{0, 1, 2}}));
+        EXPECT_TRUE(imported.mesh.normals.empty() && imported.mesh.uvs.empty());
+        EXPECT_EQ(imported.warnings, Lines{file.string() + ": faces name " + what +
+                                           ", but the file has none; drawn without them"});
+    }
+}
+
+TEST(Obj, VertexColours) {
+    const auto colorsOf = [](const std::string& rgb) {
+        const ImportedMesh imported = import("v 0 0 0 " + rgb + "\nv 1 0 0\nv 1 1 0 1 1 1\nf 1 2 3\n");
+        EXPECT_EQ(imported.mesh.colors.at(1), Color(1)) << "without a colour";
+        return std::pair(imported.mesh.colors.at(0), imported.warnings.size());
+    };
+    // IEC 61966-2-1: ((0.5 + 0.055) / 1.055)^2.4
+    EXPECT_NEAR(colorsOf("0.5 0 1").first.x, std::pow(0.555 / 1.055, 2.4), 1e-15);
+    EXPECT_EQ(colorsOf("0.5 0 1").second, 0u);
+    EXPECT_NEAR(colorsOf("128 0 255").first.x, std::pow((128 / 255.0 + 0.055) / 1.055, 2.4), 1e-15);
+    EXPECT_EQ(colorsOf("128 0 255").second, 1u) << "codes, not fractions";
+    EXPECT_EQ(colorsOf("nan 0 0"), std::pair(Color(1), size_t{1}));
+    EXPECT_EQ(colorsOf("0 -1 0"), std::pair(Color(1), size_t{1}));
 }
 
 TEST(Obj, OtherExtensionsAreRefused) {

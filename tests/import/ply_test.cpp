@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/image_io.h"
 #include "import/importers.h"
 #include "support.h"
 
@@ -95,7 +96,70 @@ TEST(Ply, AsciiWithNormalsQuadsAndExtras) {
     EXPECT_EQ(mesh.corners, (std::vector<uvec3>{{0, 1, 2}, {0, 2, 3}, {2, 1, 0}}));
     EXPECT_EQ(mesh.normalCorners, mesh.corners);
     EXPECT_EQ(mesh.faces, (std::vector<uint32_t>{0, 0, 1}));
-    EXPECT_TRUE(imported.warnings.empty());
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_TRUE(imported.warnings[0].ends_with("ignored: vertex s, vertex red, face flag, element edge"))
+        << imported.warnings[0];
+}
+
+TEST(Ply, ColoursOfEveryType) {
+    const auto colorOf = [](const std::string& type, const std::string& prefix, const std::string& rgb) {
+        const std::string three = "property " + type + " " + prefix + "red\nproperty " + type + " " + prefix +
+                                  "green\nproperty " + type + " " + prefix + "blue\n";
+        const ImportedMesh imported =
+            import("\xef\xbb\xbf" +
+                   header("ascii", "element vertex 3\n" + kXyz + three + "element face 1\n" + kList) +
+                   "0 0 0 " + rgb + "\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+        return imported.mesh.colors.at(0);
+    };
+    const double half = std::pow((128 / 255.0 + 0.055) / 1.055, 2.4);  // IEC 61966-2-1
+    for (const char* type : {"uchar", "ushort", "int", "float"}) {
+        EXPECT_NEAR(colorOf(type, "", "255 0 128").x, 1, 1e-15) << type;
+        EXPECT_NEAR(colorOf(type, "", "255 0 128").z, half, 1e-15) << type;
+    }
+    EXPECT_NEAR(colorOf("uchar", "diffuse_", "255 0 128").z, half, 1e-15);
+    EXPECT_NEAR(colorOf("ushort", "", "65535 0 32896").z, half, 1e-15);
+    EXPECT_EQ(colorOf("float", "", "0.25 0.5 1"), Color(0.25, 0.5, 1)) << "fractions are linear";
+}
+
+// MeshLab's way: a list of texture coordinates, and colours, of each face; here around the list of vertices.
+TEST(Ply, FacesWithColoursAndTextureCoordinatesOfTheirOwn) {
+    const std::string wedge = "property list uchar float texcoord\n";
+    const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    const std::string vertices = "element vertex 4\n" + kXyz;
+    for (const bool late : {false, true}) {
+        const std::string faces = "element face 3\n" + rgb + wedge + kList;
+        const std::string facesText =
+            "255 0 0 6 0 0 0.5 0 1 1 3 0 1 2\n0 255 0 0 3 0 2 3\n0 0 255 8 0 0 1 0 1 1 0 1 4 0 1 2 3\n";
+        const Mesh mesh = import(header("ascii", late ? faces + vertices : vertices + faces) +
+                                 (late ? facesText + kSquareVertices : kSquareVertices + facesText))
+                              .mesh;
+        ASSERT_EQ(mesh.corners.size(), 4u);
+        ASSERT_EQ(mesh.uvCorners.size(), 4u);
+        EXPECT_EQ(mesh.uvs[mesh.uvCorners[0].y], glm::dvec2(0.5, 0));
+        EXPECT_EQ(mesh.uvs[mesh.uvCorners[0].z], glm::dvec2(1, 1));
+        EXPECT_EQ(mesh.uvCorners[1], uvec3(Mesh::kNoIndex)) << "an empty list";
+        EXPECT_EQ(mesh.uvs[mesh.uvCorners[3].z], glm::dvec2(0, 1)) << "0 2 3 of the square";
+        const Color colors[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 1}};
+        for (size_t i = 0; i < 4; i++) {
+            ASSERT_EQ(mesh.colorCorners[i].x, mesh.colorCorners[i].z);
+            EXPECT_NEAR(glm::distance(mesh.colors[mesh.colorCorners[i].x], colors[i]), 0, 1e-15);
+        }
+    }
+}
+
+TEST(Ply, TheTextureOfMeshLab) {
+    const TemporaryFolder folder;
+    const std::string text =
+        "ply\nformat ascii 1.0\ncomment TextureFile gone.png\n" + kSquare + "end_header\n" + kSquareVertices;
+    const ImportedMesh imported = importMesh(folder.write("m.ply", text + "3 0 1 2\n3 0 2 3\n"));
+    EXPECT_TRUE(imported.materials.empty());
+    ASSERT_EQ(imported.warnings.size(), 1u);
+    EXPECT_TRUE(imported.warnings[0].ends_with("gone.png: no such file; drawn without it"));
+    writeImage(folder.path() / "gone.png", Image(1, 1, 3, 0.5f));
+    const ImportedMesh textured = importMesh(folder.path() / "m.ply");
+    ASSERT_EQ(textured.textures.size(), 1u);
+    EXPECT_EQ(textured.materials.at(0).diffuseTexture, 0u);
+    EXPECT_EQ(textured.mesh.materials, (std::vector<uint32_t>{0, 0}));
 }
 
 TEST(Ply, AsciiKeepsDoublePrecisionAndBadVertices) {

@@ -115,6 +115,25 @@ TEST(Stl, AsciiLayoutIsFree) {
               1u);
 }
 
+TEST(Stl, OddTextIsRead) {
+    Folder f;
+    const std::string text = "solid a\n" + kFacet + "endsolid a\n";
+    const std::string odd =
+        "solid a\n" + asciiFacet("-1.#IND nan 1,0", "0 0 0", "1 0 0", "0 1 0") + "endsolid\n";
+    for (const std::string& bytes :
+         {"\xef\xbb\xbf" + text, "; made by x\n# y\n" + text, text + std::string(900, '\0'), odd}) {
+        EXPECT_EQ(f.read(bytes).mesh.corners.size(), 1u) << bytes;
+        EXPECT_TRUE(f.warnings(bytes).empty());
+    }
+    for (const bool big : {false, true}) {
+        std::string wide = big ? "\xfe\xff" : "\xff\xfe";
+        for (const char c : text) wide += big ? std::string(1, '\0') + c : c + std::string(1, '\0');
+        EXPECT_EQ(f.errorOfBytes(wide), ": is UTF-16 text, save it as UTF-8");
+    }
+    EXPECT_EQ(f.read(binary(kTetrahedron, "\xff\xfe")).mesh.corners.size(), 4u) << "a title of a binary file";
+    EXPECT_EQ(f.read(binary(kTetrahedron, "a")).mesh.corners.size(), 4u);
+}
+
 TEST(Stl, SeveralSolidsAreOneMesh) {
     Folder f;
     const Mesh mesh = f.read("solid a\n" + kFacet + "endsolid a\nsolid b\n" +
