@@ -1,7 +1,9 @@
-# Sourced by tools/test and tools/test-more: names what is done, and says at the end what each stage took.
+# Sourced by tools/test, tools/test-more and .ci/run: runs stages, each with its output in a log, and prints one line for each.
 
 stage_rows=()
 stage_running=""
+stage_logs=build-logs
+stage_begin=$SECONDS
 
 cpu_seconds() { # of all finished children, into the variable cpu
     local line
@@ -10,28 +12,45 @@ cpu_seconds() { # of all finished children, into the variable cpu
     cpu=$(awk -F'[ms ]' '{ printf "%d", $1 * 60 + $2 + $4 * 60 + $5 }' <<<"$line")
 }
 
-# stage NAME COMMAND...: runs the command; the script ends if it fails.
+# On a terminal: the last line of the output, in place.
+show_progress() {
+    awk '{ printf "\r\033[K%.100s", $0; fflush() } END { printf "\r\033[K" }'
+}
+
+# stage NAME COMMAND...: runs the command, its output in build-logs/NAME. The script ends if it fails.
 stage() {
     local name=$1 begin=$SECONDS cpu before
     shift
-    echo "== $name"
     stage_running=$name
+    mkdir -p "$stage_logs"
     cpu_seconds
     before=$cpu
-    "$@"
+    if [ -t 1 ]; then
+        ("$@") 2>&1 | tee "$stage_logs/$name" | show_progress
+    else
+        ("$@") >"$stage_logs/$name" 2>&1
+    fi
     cpu_seconds
-    stage_rows+=("$(printf '%-40s %6d s %8d s' "$name" $((SECONDS - begin)) $((cpu - before)))")
+    printf '%-14s %5d s elapsed %6d s of processor time   %s\n' "$name" $((SECONDS - begin)) $((cpu - before)) "$(stage_result "$name")"
     stage_running=""
 }
 
-stage_table() {
-    local row cpu
+# What CTest counted, if it ran.
+stage_result() {
+    sed -n 's/^100% tests passed, .* out of \([0-9]*\)$/\1 tests passed/p' "$stage_logs/$1" | tail -n 1
+}
+
+stage_end() {
+    local code=$? cpu
+    if [ -n "$stage_running" ]; then
+        printf '%-14s FAILED\n' "$stage_running"
+        tools/failures "$stage_logs/$stage_running"
+    fi
     cpu_seconds
-    printf '\n%-40s %8s %10s\n' "stage" "elapsed" "processor"
-    for row in ${stage_rows[@]+"${stage_rows[@]}"}; do echo "$row"; done
-    [ -z "$stage_running" ] || printf '%-40s   FAILED\n' "$stage_running"
-    printf '%-40s %6d s %8d s\n' "all" "$SECONDS" "$cpu"
+    printf '%-14s %5d s elapsed %6d s of processor time\n' "all" $((SECONDS - stage_begin)) "$cpu"
     rm -f "$stage_times"
+    [ -z "$stage_running" ] || echo "whole log: $stage_logs/$stage_running"
+    exit "$code"
 }
 stage_times=$(mktemp)
-trap stage_table EXIT
+trap stage_end EXIT

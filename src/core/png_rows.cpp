@@ -14,7 +14,9 @@ constexpr size_t kFillBytes = 1 << 22;   // of the samples that are compressed o
 constexpr uint8_t kFilterUp = 2;
 
 void appendWord(Bytes& bytes, uint32_t value) {
-    for (const int shift : {24, 16, 8, 0}) bytes.push_back(static_cast<uint8_t>(value >> shift));
+    const auto byte = [value](int shift) { return static_cast<uint8_t>(value >> shift); };
+    const std::array<uint8_t, 4> word = {byte(24), byte(16), byte(8), byte(0)};
+    bytes.insert(bytes.end(), word.begin(), word.end());
 }
 
 // By channels: grey, grey and alpha, RGB, RGBA.

@@ -71,7 +71,11 @@ void requireValidationLayer() {
 VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
                                        VkDebugUtilsMessageTypeFlagsEXT /*type*/,
                                        const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
-    static_cast<ValidationLog*>(log)->add(data->pMessage);
+    std::string message = data->pMessage;
+    // Layers since 1.4 leave the name out of the text.
+    const std::string name = data->pMessageIdName ? data->pMessageIdName : "";
+    if (message.find(name) == std::string::npos) message = name + ": " + message;
+    static_cast<ValidationLog*>(log)->add(std::move(message));
     return VK_FALSE;
 }
 

@@ -137,6 +137,12 @@ void drawCommand(Canvas& target, const ImDrawCmd& command, const ImDrawList& lis
     }
 }
 
+#if IMGUI_VERSION_NUM >= 18700
+constexpr ImGuiKey kKeypadEnterKey = ImGuiKey_KeypadEnter;
+#else
+constexpr ImGuiKey_ kKeypadEnterKey = ImGuiKey_KeyPadEnter;
+#endif
+
 void mapKeys(ImGuiIO& io) {
     io.KeyMap[ImGuiKey_Tab] = key::kTab;
     io.KeyMap[ImGuiKey_LeftArrow] = key::kLeft;
@@ -148,7 +154,7 @@ void mapKeys(ImGuiIO& io) {
     io.KeyMap[ImGuiKey_Delete] = key::kDelete;
     io.KeyMap[ImGuiKey_Backspace] = key::kBackspace;
     io.KeyMap[ImGuiKey_Enter] = key::kEnter;
-    io.KeyMap[ImGuiKey_KeyPadEnter] = key::kKeypadEnter;
+    io.KeyMap[kKeypadEnterKey] = key::kKeypadEnter;
     io.KeyMap[ImGuiKey_Escape] = key::kEscape;
     io.KeyMap[ImGuiKey_A] = 'A';
     io.KeyMap[ImGuiKey_C] = 'C';

@@ -117,6 +117,18 @@ bool Child::waitForWork(double seconds) {
     return false;
 }
 
+bool Child::waitForHandler(int signal) {
+    const Stopwatch watch;
+    while (read(20) && watch.seconds() < kPatience) {
+        std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
+        for (std::string line; std::getline(file, line);)
+            if (line.starts_with("SigCgt:") &&
+                (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) == 1)
+                return true;
+    }
+    return false;
+}
+
 void Child::send(int signal) const {
     if (pid_ > 0) kill(pid_, signal);  // -1 would be everybody
 }

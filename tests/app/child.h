@@ -25,6 +25,8 @@ class Child {
     bool waitForPercent(int percent);
     // Until the child has used so much processor time. False if it ends first, or after a minute.
     bool waitForWork(double seconds);
+    // Until the child handles the signal. False if it ends first, or after a minute.
+    bool waitForHandler(int signal);
 
     void send(int signal) const;
     void type(const std::string& keys) const;  // on the terminal

@@ -2,12 +2,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
-#include <functional>
-#include <memory>
 #include <sstream>
-#include <thread>
 
 #include "app/common.h"
 #include "core/error.h"
@@ -24,21 +20,6 @@ uint64_t statusOf(const std::string& key) {
     for (std::string line; std::getline(file, line);)
         if (line.starts_with(key + ":")) return std::stoull(line.substr(key.size() + 1)) * 1024;
     return 0;
-}
-
-// The most address space that the process has while `work` runs, looked at a thousand times a second.
-uint64_t mostWhile(const std::function<void()>& work) {
-    uint64_t most = 0;
-    std::jthread watch([&](const std::stop_token& stop) {
-        while (!stop.stop_requested()) {
-            most = std::max(most, statusOf("VmSize"));
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-    });
-    work();
-    watch.request_stop();
-    watch.join();
-    return most;
 }
 
 // Of address space, as long as it lives.
@@ -94,30 +75,6 @@ class GpuReportMemory : public FolderTest {
     }
     gpu::Device device_;
 };
-
-constexpr int kWidth = 384;
-
-// What is true of lavapipe alone, by which the memory of kernels was measured. SwiftShader takes several
-// times as much address space for them, and keeps it or gives it back.
-class LavapipeReportMemory : public GpuReportMemory {};
-
-// What more pixels take. The rest, the code of kernels, is a constant by measurement.
-TEST_F(LavapipeReportMemory, GrowsWithTheWidthAsEstimated) {
-    const report::Options few = options(16), many = options(kWidth);
-    const uint64_t least = mostWhile([&] { run(few); }), most = mostWhile([&] { run(many); });
-    const report::MemoryNeed small = need(few), large = need(many);
-    const uint64_t estimated = large.kept + large.passing - small.kept - small.passing;
-    EXPECT_LE(most - least, estimated);
-    EXPECT_GE(most - least, estimated / 2);
-}
-
-TEST_F(LavapipeReportMemory, IsEnough) {
-    const report::Options many = options(kWidth);
-    const report::MemoryNeed need = this->need(many);
-    const Limit limit(statusOf("VmSize") + need.kept + need.passing);
-    run(many);
-    EXPECT_TRUE(std::filesystem::exists("out/report.json"));
-}
 
 TEST_F(GpuReportMemory, TooMuchIsRefusedBeforeAnythingIsDrawn) {
     report::Options many = options(4096);

@@ -213,8 +213,7 @@ TEST_F(Process, InterruptedBenchTellsHowFarItCame) {
 // Waiting for rays on standard input is not rendering: there is nothing to save.
 TEST_F(Process, InterruptEndsACommandThatHasNothingToSave) {
     Child child({"trace", "a.json", "--rays", "-", "--backend", "cpu"}, {}, true);
-    const Stopwatch watch;
-    while (watch.seconds() < 1) usleep(10000);
+    ASSERT_TRUE(child.waitForHandler(SIGINT));
     child.type("\x03");  // Ctrl-C
     EXPECT_EQ(child.wait(), 130);
     EXPECT_NE(child.err().find("glint: interrupted"), std::string::npos) << child.err();

@@ -1,8 +1,7 @@
 // Well-known models: triangle counts and boxes as their sources state them.
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cctype>
-#include <chrono>
 #include <cmath>
 
 #include "import/importers.h"
@@ -67,7 +66,7 @@ TEST_P(Asset, HasTheStatedTrianglesAndBox) {
     const std::string warning = scene.warnings.empty() ? "" : scene.warnings[0];
     EXPECT_LE(scene.warnings.size(), 1u);
     EXPECT_EQ(warning.empty(), *GetParam().warning == 0) << warning;
-    EXPECT_THAT(warning, testing::HasSubstr(GetParam().warning));
+    EXPECT_NE(warning.find(GetParam().warning), std::string::npos) << warning;
 }
 
 std::string modelName(const testing::TestParamInfo<Model>& tested) {
@@ -99,19 +98,6 @@ TEST(Assets, SuzanneHasNormalsAndQuads) {
     EXPECT_EQ(mesh.normalCorners, mesh.corners);
     ASSERT_EQ(mesh.faces.size(), 968u);
     EXPECT_EQ(mesh.faces.back(), 499u);  // 500 faces, 468 of them quads
-}
-
-TEST(Assets, LoadingIsFast) {
-    const auto obj = assetPath("meshes/armadillo.obj"), ply = assetPath("meshes/spd_mount_sf9.ply");
-    const auto secondsFor = [](const std::filesystem::path& path) {
-        const auto start = std::chrono::steady_clock::now();
-        importMesh(path);
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    };
-    // Measured 0.04 s and 0.06 s on a 2-core cloud machine; the bounds leave room for a busy one and for
-    // sanitizers.
-    EXPECT_LT(secondsFor(obj), 3.0);
-    EXPECT_LT(secondsFor(ply), 3.0);
 }
 
 }  // namespace glint::test::models_test

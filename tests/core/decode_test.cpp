@@ -1,5 +1,5 @@
 // Files from elsewhere: all the kinds a reader meets, and damaged ones.
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -196,7 +196,8 @@ TEST(Damaged, ExrWhoseHeaderDoesNotFit) {
     const std::vector<uint8_t> whole = encodeExr(2, 2, {{"Y", {1, 2, 3, 4}}});
     std::vector<uint8_t> file = whole;
     file[5] |= 0x02;  // bit 9 of the version: tiled
-    EXPECT_THAT(reasonOf(file, decodeExr), testing::HasSubstr("the EXR file is truncated or damaged"));
+    const std::string tiled = reasonOf(file, decodeExr);
+    EXPECT_NE(tiled.find("the EXR file is truncated or damaged"), std::string::npos) << tiled;
     file[5] = 0x08;  // bit 11: not an image
     EXPECT_EQ(reasonOf(file, decodeExr), "EXR files with deep pixels are not supported");
     // An attribute more, behind magic number and version, whose size is 2^31 - 1: no memory may be taken.

@@ -92,7 +92,7 @@ TEST_F(Fallback, ALostDeviceIsReplaced) {
 }
 
 TEST_F(Fallback, AHungDeviceIsReplaced) {
-    expectEachReplaced("vkWaitForFences", "hangs: a batch of work has not finished after 60 s", 2);
+    expectEachReplaced("vkWaitForFences", "hangs: a batch of work has not finished after ", 2);
 }
 
 TEST_F(Fallback, KernelsThatDoNotCompileAreReplaced) {

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -202,8 +201,8 @@ TEST(PolygonSplit, PolygonsThatCrossThemselvesAreNoticed) {
         }
 }
 
-TEST(PolygonSplit, LargePolygonsTakeLittleMoreThanTheirSize) {
-    const auto start = std::chrono::steady_clock::now();
+// CTest ends a search that takes the square of the time.
+TEST(PolygonSplit, LargePolygonsAreSplit) {
     expectTiling(spiral(2500));
     Points rays;  // every other corner is an ear, and those between lie about all of them
     for (int i = 0; i < 10000; i++) {
@@ -217,9 +216,6 @@ TEST(PolygonSplit, LargePolygonsTakeLittleMoreThanTheirSize) {
         star.push_back({std::cos(angle), std::sin(angle), 0});
     }
     EXPECT_EQ(split(star).size(), star.size() - 2);
-    // 20 such faces took 7.5 s when each search for ears looked at every corner, and sanitized minutes; the
-    // bound is loose because machines and sanitizers differ.
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
 }  // namespace glint::polygon_split_test

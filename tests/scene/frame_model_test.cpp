@@ -1,4 +1,5 @@
 // What frameModel promises, checked by projecting the geometry with the camera it made.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
