@@ -48,14 +48,15 @@ int parseAndRun(std::vector<std::string> args, std::ostream& out, std::ostream& 
 int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
     const auto failed = [&](ExitCode code, const std::string& message) {
         out.flush();  // results come before the error, whoever reads both
-        // All processes of mpirun have the same command line, and one says what is wrong with it.
+        // All processes of mpirun have the same command line; rank 0 reports what is wrong with it.
         const auto launched = farm::launchedByMpi();
         if (code == ExitCode::Usage && launched && launched->rank > 0) {
-            // mpirun ends all when the first one leaves; rank 0 must have said it.
+            // mpirun ends all processes when the first one leaves; rank 0 must have printed the error.
             std::this_thread::sleep_for(std::chrono::seconds(2));
             return static_cast<int>(code);
         }
         err << "glint: " << printable(message) << std::endl;
+        farm::abortMpi(static_cast<int>(code));
         return static_cast<int>(code);
     };
     try {

@@ -57,21 +57,13 @@ void declare(OptionTable& table, RenderCommand& c) {
                 "write the picture in bands of so many rows, straight into the file (default: if it does not "
                 "fit into memory)",
                 1, kMaxImageSize, c.bandRows);
-    table.value("--part", "K/N", "draws part K of N of the picture, K from 1, into a file for glint merge",
+    table.value("--part", "K/N", "render part K of N, K from 1, into a file for glint merge",
                 [&](const std::string& t) { c.part = parsePart(t); });
     table.path(
         "--checkpoint", "FILE",
         "keep what is finished in FILE, and go on from it after an interruption; gone once the picture "
         "is written",
         "the file name", c.checkpoint);
-    table.path("--join", "FOLDER",
-               "draw the picture together with all processes that are given the same folder, on any machines "
-               "that see it",
-               "the folder's name", c.join);
-    table.value("--lease", "SECONDS",
-                "how long a process of --join or mpirun may show no life before others take over its work "
-                "(default 15)",
-                [&](const std::string& t) { c.lease = parsePositive(t); });
     table.value(
         "--frames", "A:B",
         "draws frames A to B of the animation, those that are not there yet; -o has # in the place of "
@@ -106,7 +98,6 @@ void checkManner(const RenderCommand& command) {
     std::vector<std::string> given;
     if (command.part) given.emplace_back("--part");
     if (!command.checkpoint.empty()) given.emplace_back("--checkpoint");
-    if (!command.join.empty()) given.emplace_back("--join");
     if (command.frames) given.emplace_back("--frames");
     if (command.bandRows) given.emplace_back("--band-rows");
     if (given.size() > 1)
@@ -182,7 +173,6 @@ int run(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     if (command.frames) return renderFrames(command, out, err);
     if (command.part) return renderPart(command, out, err);
     if (!command.checkpoint.empty()) return renderFromCheckpoint(command, out, err);
-    if (!command.join.empty()) return renderTogether(command, out, err);
     if (forRanks) return renderAmongRanks(command, out, err);
     return renderPicture(command, out, err);
 }

@@ -25,8 +25,7 @@ struct RenderCommand {
     std::optional<int> bandRows;  // of a picture that is written in bands; empty: if it must be
     ErrorTarget target;
     std::optional<PartChoice> part;
-    std::filesystem::path checkpoint, join;  // empty: none
-    double lease = 15;                       // seconds, of --join
+    std::filesystem::path checkpoint;  // empty: none
     std::optional<FrameRange> frames;
     std::optional<double> framesPerSecond;
     bool overwrite = false;  // frames that are there

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <sstream>
-#include <thread>
 
 #include "app/common.h"
 #include "app/exit_code.h"
@@ -24,14 +24,13 @@ namespace glint::app {
 
 namespace {
 
-// So that all come to an end at about the same time.
-constexpr int kUnitsOfRank = 8;
-
-int leastUnits(int ranks) {
-    return std::min(kUnitsOfRank * ranks, farm::kMostParts);
+// Enough units for each rank that all ranks finish at about the same time.
+int leastUnits(const farm::Transport& transport) {
+    constexpr int kUnitsOfRank = 8;
+    return std::min(kUnitsOfRank * transport.size(), farm::kMostParts);
 }
 
-// Units that may be done before one that stands above them in the picture.
+// Finished units that may wait for one above them, if the image goes into the file row by row.
 int windowOf(const farm::UnitHeader& header, uint64_t unit, bool rows) {
     if (!rows) return header.parts;
     return static_cast<int>(std::clamp<uint64_t>(availableMemory() / 2 / unit, 1, header.parts));
@@ -40,147 +39,92 @@ int windowOf(const farm::UnitHeader& header, uint64_t unit, bool rows) {
 // MPI counts the bytes of a message by an int.
 void checkMessage(const UnitRenderer& units, uint64_t bytes) {
     if (bytes <= std::numeric_limits<int>::max()) return;
-    throw Error(ErrorKind::Failed,
-                "mpirun: a unit of this picture has up to " + std::to_string(units.mostPixels()) +
-                    " pixels, more than a message of MPI holds; --join and --part draw it");
+    throw Error(ErrorKind::Failed, "mpirun: a unit of this image has up to " +
+                                       std::to_string(units.mostPixels()) +
+                                       " pixels, more than an MPI message can hold; use --part");
 }
 
-void warnOfLostRanks(const std::vector<std::string>& lost, std::ostream& err) {
-    for (const std::string& rank : lost)
-        err << "glint: warning: " << rank << " has gone; what it had was drawn by others\n";
-}
-
-// What rank 0 does besides drawing: puts the picture together.
-class Writer {
-  public:
-    Writer(farm::FirstRank& ranks, UnitPicture& picture)
-        : thread_([&ranks, &picture] {
-              try {
-                  while (const auto result = ranks.take()) {
-                      picture.add(*result);
-                      ranks.settle(result->unit.part);
-                  }
-              } catch (const Error& error) {
-                  ranks.fail(error);
-              } catch (const std::exception& error) {
-                  ranks.fail(Error(ErrorKind::Failed, error.what()));
-              }
-          }) {}
-    ~Writer() { join(); }
-    Writer(const Writer&) = delete;
-    Writer& operator=(const Writer&) = delete;
-    void join() {
-        if (thread_.joinable()) thread_.join();
-    }
-
-  private:
-    std::thread thread_;
-};
-
-void drawShare(UnitRenderer& units, farm::FirstRank& ranks, Progress& progress) {
-    const double parts = units.header().parts;
-    const auto waiting = [&] { progress.update(ranks.share()); };
-    while (const auto part = ranks.next(waiting)) {
-        const auto show = [&](double done) { progress.update(ranks.share() + done / parts); };
-        auto result = units.draw(*part, show, [&] { return ranks.isDone(*part); });
-        if (result) ranks.put(std::move(*result));
-    }
-}
-
-int drawAsFirst(const RenderCommand& command, farm::FirstRank& ranks, int count, std::ostream& out,
-                std::ostream& err) {
+int renderAsFirst(const RenderCommand& command, farm::Transport& transport, std::ostream& out,
+                  std::ostream& err) {
     const Stopwatch total;
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
     installInterruptHandler();
-    UnitRenderer units(command, 0, err, leastUnits(count));
-    const farm::UnitHeader& header = units.header();
-    const uint64_t unit = unitBytes(command.aovs, units.mostPixels());
-    checkMessage(units, unit);
+    // Both outlive the thread of `ranks`, which adds results to the picture.
+    std::optional<UnitRenderer> units;
+    std::optional<UnitPicture> picture;
+    farm::FirstRank ranks(transport);
+    RenderCommand mine = command;
+    mine.scene.files = ranks.files();
+    units.emplace(mine, 0, err, leastUnits(transport));
+    const farm::UnitHeader& header = units->header();
+    const uint64_t unit = unitBytes(command.aovs, units->mostPixels());
+    checkMessage(*units, unit);
     const bool rows = needsRows(header, output, 3 * unit, availableMemory(), command.bandRows.has_value());
-    UnitPicture picture(header, output, rows);
-    ranks.begin(header, windowOf(header, unit, rows));
-    try {
-        Writer writer(ranks, picture);
-        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
-                          isTerminal(err));
-        drawShare(units, ranks, progress);
-        writer.join();
-    } catch (const Error& error) {
-        ranks.fail(error);
-        throw;
+    picture.emplace(header, output, rows);
+    ranks.begin(header, windowOf(header, unit, rows),
+                [&](const farm::UnitResult& result) { picture->add(result); });
+    {
+        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err, isTerminal(err));
+        while (const auto part = ranks.next([&] { progress.update(ranks.share()); })) {
+            const auto show = [&](double done) { progress.update(ranks.share() + done / header.parts); };
+            const auto result = units->draw(*part, show, [&] { return ranks.failed(); });
+            if (result) ranks.put(*result);
+        }
     }
-    ranks.check();
-    if (!picture.assembly().complete())
-        throw Error(ErrorKind::Interrupted, "interrupted before the picture was finished; nothing written");
-    Outcome outcome = picture.write();
-    outcome.ranks = count;
-    outcome.lostRanks = ranks.lost();
-    if (!command.quiet) warnOfLostRanks(outcome.lostRanks, err);
-    units.complete(outcome, picture.assembly().producers(), err);
+    if (!picture->assembly().complete())
+        throw Error(ErrorKind::Interrupted, "interrupted before the image was finished; nothing written");
+    Outcome outcome = picture->write();
+    ranks.end();
+    outcome.ranks = transport.size();
+    units->complete(outcome, picture->assembly().producers(), err);
     outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, units.loaded(), out);
-    units.drawing().reportValidation(err);
+    printResult(outcome, command, units->loaded(), out);
+    units->drawing().reportValidation(err);
     return static_cast<int>(ExitCode::Done);
 }
 
-int renderAsFirst(const RenderCommand& command, farm::Post& post, std::ostream& out, std::ostream& err) {
-    farm::FirstRank ranks(post, command.lease);
-    RenderCommand mine = command;
-    mine.scene.files = ranks.files();
-    try {
-        const int code = drawAsFirst(mine, ranks, post.size(), out, err);
-        ranks.end(code);
-        return code;
-    } catch (const Error& error) {
-        ranks.end(static_cast<int>(exitCodeOf(error.kind())));
-        throw;
-    } catch (const std::exception&) {
-        ranks.end(static_cast<int>(ExitCode::Failed));
-        throw;
-    }
-}
-
-// Says nothing: rank 0 does.
-int renderAsOther(const RenderCommand& command, farm::Post& post) {
-    farm::OtherRank rank(post, command.lease);
+// Prints nothing: rank 0 does.
+int renderAsOther(const RenderCommand& command, farm::Transport& transport) {
+    farm::OtherRank rank(transport);
     RenderCommand mine = command;
     mine.scene.files = rank.files();
     mine.quiet = true;
     installInterruptHandler();
     try {
         std::ostringstream silence;
-        UnitRenderer units(mine, 0, silence, leastUnits(post.size()));
+        UnitRenderer units(mine, 0, silence, leastUnits(transport));
         rank.begin(units.header());
-        while (const auto part = rank.next()) {
-            const auto result = units.draw(*part, {}, [&] { return rank.isDone(*part); });
-            if (result) rank.put(*result);
-        }
-        if (interrupted()) rank.fail(Error(ErrorKind::Interrupted, "interrupted"));
-    } catch (const farm::OtherRank::Ended&) {
+        while (const auto part = rank.next())
+            if (const auto result = units.draw(*part, {})) rank.put(*result);
     } catch (const Error& error) {
         rank.fail(error);
+        return static_cast<int>(exitCodeOf(error.kind()));
     } catch (const std::exception& error) {
         rank.fail(Error(ErrorKind::Failed, error.what()));
+        return static_cast<int>(ExitCode::Failed);
     }
-    return rank.end();
+    return static_cast<int>(interrupted() ? ExitCode::Interrupted : ExitCode::Done);
 }
 
 }  // namespace
 
 bool isForRanks(const RenderCommand& command) {
-    if (command.part || !command.checkpoint.empty() || !command.join.empty()) return false;
+    if (command.part || !command.checkpoint.empty()) return false;
     if (!farm::launchedByMpi()) return false;
     if (command.frames)
         throw Error(ErrorKind::Argument,
-                    "--frames: mpirun's processes share one picture; give each machine frames of its own");
+                    "--frames: mpirun's processes share one image; give each machine frames of its own");
     refuseErrorTarget(command, "mpirun");
     return true;
 }
 
 int renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err) {
-    farm::Post post(farm::openMpi);
-    return post.rank() == 0 ? renderAsFirst(command, post, out, err) : renderAsOther(command, post);
+    const auto transport = farm::openMpi();
+    const int code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)
+                                            : renderAsOther(command, *transport);
+    if (code == static_cast<int>(ExitCode::Done)) transport->finish();
+    return code;
 }
 
 }  // namespace glint::app

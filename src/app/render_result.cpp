@@ -40,10 +40,7 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     json["reproducible"] = outcome.drawn.arithmetic && outcome.drawn.arithmetic->sharesBits();
     json["complete"] = outcome.picture.complete;
     if (outcome.bands) json["bands"] = outcome.bands->bands;
-    if (outcome.ranks > 0) {
-        json["ranks"] = outcome.ranks;
-        json["lostRanks"] = outcome.lostRanks;
-    }
+    if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
     json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;

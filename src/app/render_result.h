@@ -36,8 +36,7 @@ struct Outcome {
     std::vector<std::filesystem::path> files;
     std::string hash;  // of the picture, as it is written
     double writeSeconds = 0, totalSeconds = 0;
-    int ranks = 0;                       // that drew it by MPI
-    std::vector<std::string> lostRanks;  // of these, those that are gone
+    int ranks = 0;  // of MPI; 0: rendered by one process
 };
 
 // Draws the request as it is, or as often as the error asked for takes; Outcome::converged is of the latter.

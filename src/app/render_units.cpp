@@ -1,9 +1,10 @@
 #include "app/render_units.h"
 
-#include <chrono>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <thread>
+#include <optional>
+#include <vector>
 
 #include "app/common.h"
 #include "app/drawing.h"
@@ -18,7 +19,6 @@
 #include "core/interrupt.h"
 #include "core/stopwatch.h"
 #include "farm/checkpoint.h"
-#include "farm/shared_folder.h"
 #include "farm/unit_file.h"
 
 namespace glint::app {
@@ -33,8 +33,7 @@ std::filesystem::path partPath(const RenderCommand& command) {
     if (path.extension() != farm::kPartExtension)
         throw Error(ErrorKind::Argument,
                     path.string() +
-                        ": a part goes into a file that ends in .part; glint merge makes "
-                        "the picture of all parts");
+                        ": the name of a part ends in .part; glint merge makes an image from the parts");
     checkOutputPath(path);
     return path;
 }
@@ -75,19 +74,18 @@ void print(const Done& done, const RenderCommand& command, const LoadedScene& lo
     }
 }
 
-// Measured: 36 bytes for a pixel without data, 134 with depth and normal, of 58 and 282 that are asked for.
+// Reserves 58 bytes a pixel, or 282 with depth and normal; 36 and 134 were measured.
 void checkRoom(const RenderCommand& command, uint64_t pixels) {
-    // As drawn, as layers, and as the bytes of the file.
     const uint64_t needed = 2 * pixels * bytesPerPixel(command.aovs, needsData(command));
     const uint64_t available = availableMemory();
     if (needed <= available) return;
     throw Error(ErrorKind::Failed, farm::nameOf(farm::Unit{0, command.part->number, command.part->of}) +
                                        " has " + counted(pixels, "pixel") + ", which take " +
                                        gibibytes(needed) + " of memory, " + gibibytes(available) +
-                                       " are free; ask for more parts");
+                                       " are free; use more parts");
 }
 
-// A unit while it is drawn, its bytes, and while all are put together.
+// Leaves room for a unit while it is rendered, encoded and copied into the image.
 bool goesByRows(const RenderCommand& command, const UnitRenderer& units,
                 const std::filesystem::path& output) {
     return needsRows(units.header(), output, 3 * unitBytes(command.aovs, units.mostPixels()),
@@ -103,7 +101,7 @@ ProgressMode progressOf(const RenderCommand& command) {
 void refuseErrorTarget(const RenderCommand& command, const std::string& manner) {
     if (command.target.error)
         throw Error(ErrorKind::Argument,
-                    manner + ": --error decides by the whole picture how many samples it takes; give --spp");
+                    manner + ": --error chooses the samples of the whole image; use --spp");
 }
 
 int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err) {
@@ -160,7 +158,7 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
                             "interrupted: " + command.checkpoint.string() + " holds " +
                                 std::to_string(std::count(there.begin(), there.end(), true)) + " of " +
                                 counted(static_cast<uint64_t>(header.parts), "unit") +
-                                "; the same command goes on");
+                                "; repeat the command to resume");
             checkpoint.append(*result);
             add(*result);
         }
@@ -168,112 +166,6 @@ int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::o
     Outcome outcome = picture.write();
     units.complete(outcome, picture.assembly().producers(), err);
     checkpoint.remove();
-    outcome.totalSeconds = total.seconds();
-    printResult(outcome, command, units.loaded(), out);
-    units.drawing().reportValidation(err);
-    return static_cast<int>(ExitCode::Done);
-}
-
-namespace {
-
-constexpr double kPatience = 3;  // times as long as here may somebody else take for a unit
-
-// Between looks at the folder while there is nothing to do: a twentieth of the time at most goes into looks,
-// which take longer the more processes there are, and the slower the file system.
-class Pause {
-  public:
-    void rest() {
-        constexpr double kShare = 20, kShortest = 0.05, kLongest = 2;
-        const double seconds = std::clamp(kShare * sinceRest_.seconds(), kShortest, kLongest);
-        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-        restart();
-    }
-    // A look begins.
-    void restart() { sinceRest_.restart(); }
-
-  private:
-    Stopwatch sinceRest_;
-};
-
-// Draws units until all are there. False if it was interrupted.
-bool drawTogether(UnitRenderer& units, farm::SharedFolder& folder, Progress& progress) {
-    const auto parts = static_cast<double>(units.header().parts);
-    double longest = 0;  // seconds that a unit took here
-    Pause pause;
-    while (!interrupted()) {
-        pause.restart();
-        const auto part = folder.next(longest > 0 ? std::optional(kPatience * longest) : std::nullopt);
-        const int done = folder.done();
-        if (folder.complete()) return true;
-        if (!part) {
-            progress.update(done / parts);
-            pause.rest();
-            continue;
-        }
-        const Stopwatch watch;
-        Stopwatch sinceLook;
-        // Somebody who was given up, or is slow, may be done first.
-        const auto unwanted = [&] {
-            if (sinceLook.seconds() < 0.5) return false;
-            sinceLook.restart();
-            return folder.has(*part);
-        };
-        const auto show = [&](double share) { progress.update((done + share) / parts); };
-        const auto result = units.draw(*part, show, unwanted);
-        if (result)
-            folder.put(*result);
-        else
-            folder.giveUp();
-        if (result) longest = std::max(longest, watch.seconds());
-    }
-    return false;
-}
-
-// True once the picture stands at `output`, or it is for this process to write it there.
-enum class Written { ByOther, ByMe, Interrupted };
-Written waitForPicture(farm::SharedFolder& folder, const std::filesystem::path& output) {
-    for (Pause pause;; pause.rest()) {
-        const auto note = folder.note();
-        std::error_code ignored;
-        if (note && *note == output.string() && std::filesystem::exists(output, ignored))
-            return Written::ByOther;
-        // It was written elsewhere, or is gone.
-        if (note || folder.mayMerge()) return Written::ByMe;
-        if (interrupted()) return Written::Interrupted;
-    }
-}
-
-}  // namespace
-
-int renderTogether(const RenderCommand& command, std::ostream& out, std::ostream& err) {
-    const Stopwatch total;
-    refuseErrorTarget(command, "--join");
-    const std::filesystem::path output = std::filesystem::absolute(outputOf(command)).lexically_normal();
-    checkPicturePath(output);
-    UnitRenderer units(command, 0, err);
-    const farm::UnitHeader& header = units.header();
-    const bool rows = goesByRows(command, units, output);
-    installInterruptHandler();
-    farm::SharedFolder folder(command.join, header, command.lease);
-    Written written = Written::Interrupted;
-    {
-        Progress progress("render", progressOf(command), err, isTerminal(err));
-        if (drawTogether(units, folder, progress)) written = waitForPicture(folder, output);
-    }
-    if (written == Written::Interrupted)
-        throw Error(ErrorKind::Interrupted, "interrupted: " + command.join.string() + " holds " +
-                                                std::to_string(folder.done()) + " of " +
-                                                counted(static_cast<uint64_t>(header.parts), "unit") +
-                                                "; others go on, and so does the same command");
-    if (written == Written::ByOther) {
-        if (!command.quiet) out << shown(output) << " was written by another process\n";
-        return static_cast<int>(ExitCode::Done);
-    }
-    UnitPicture picture(header, output, rows);
-    folder.forEach([&](const farm::UnitResult& result) { picture.add(result); });
-    Outcome outcome = picture.write();
-    units.complete(outcome, picture.assembly().producers(), err);
-    folder.setNote(output.string());
     outcome.totalSeconds = total.seconds();
     printResult(outcome, command, units.loaded(), out);
     units.drawing().reportValidation(err);

@@ -1,4 +1,4 @@
-// Pictures of `glint render` that are drawn unit by unit (farm/unit_result.h).
+// Images of `glint render` that are rendered unit by unit (farm/unit_result.h).
 #pragma once
 
 #include <iosfwd>
@@ -8,16 +8,13 @@
 
 namespace glint::app {
 
-// Throws Error(Argument) if --error was asked for; `manner` says how the picture is drawn.
+// Throws Error(Argument) if --error is given; `manner` names the option that excludes it.
 void refuseErrorTarget(const RenderCommand& command, const std::string& manner);
 
-// --part: one part of a picture into a file of its own.
+// --part: renders one part into a file.
 int renderPart(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
-// --checkpoint: units that are finished are kept, and an interrupted picture goes on from them.
+// --checkpoint: keeps finished units, and resumes from them.
 int renderFromCheckpoint(const RenderCommand& command, std::ostream& out, std::ostream& err);
-
-// --join: with other processes, by a folder.
-int renderTogether(const RenderCommand& command, std::ostream& out, std::ostream& err);
 
 }  // namespace glint::app

@@ -8,17 +8,21 @@
 
 namespace glint::farm {
 
-// What a launcher of MPI says about this process in its environment.
+// Rank and number of processes, from the environment that an MPI launcher sets.
 struct Launched {
     int rank = 0, size = 1;
 };
-// Nothing if no launcher has started it, or it is the only one.
+// Empty without a launcher, or if this is its only process.
 std::optional<Launched> launchedByMpi();
 
-// Whether openMpi() has what it needs.
+// True if openMpi() finds the module glint-mpi.so.
 bool hasMpiModule();
 
-// Joins the other processes. Throws Error(Failed) if glint has no module for MPI, or MPI says so.
+// Joins the other processes. Throws Error(Failed) without the module, or with MPI's own error.
 std::unique_ptr<Transport> openMpi();
+
+// Ends all processes with this exit code if openMpi() has joined them and they have not finished; otherwise
+// does nothing.
+void abortMpi(int exitCode);
 
 }  // namespace glint::farm

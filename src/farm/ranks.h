@@ -1,168 +1,108 @@
-// One picture drawn by the ranks of a transport: rank 0 reads the scene and hands its files on, hands out
-// units, draws some itself, and gets the results; the others draw.
+// One image rendered by the ranks of a transport. Rank 0 reads the scene's files and passes them on, hands out
+// units, renders units itself and takes all results; the other ranks render.
 //
-// Nothing waits for a rank that has ended. Each shows life ten times in a lease; one that did not for a whole
-// lease, or that is known to have ended (farm/process_name.h), loses what it had to others, and has it back
-// in time if it was only stopped. Files go from rank to rank down a tree, whose ranks r hand on to 2 r + 1
-// and 2 r + 2, piece by piece, so that reading takes about as long for a thousand ranks as for two; a rank
-// that misses pieces which rank 0 has published asks rank 0 for them.
+// The files go down a binary tree: rank r passes each piece on to 2 r + 1 and 2 r + 2. A rank that fails sends
+// the error to rank 0 and waits; rank 0 fails with it, and the caller then ends all processes.
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
+#include <thread>
 #include <vector>
 
 #include "core/error.h"
-#include "core/stopwatch.h"
-#include "farm/bytes.h"
-#include "farm/hand_out.h"
-#include "farm/post.h"
+#include "farm/scene_stream.h"
+#include "farm/transport.h"
 #include "farm/unit_file.h"
 
 namespace glint::farm {
 
-// Rank 0. All members may be called from any thread; those that wait, or say so, throw what went wrong on
-// another rank.
-class FirstRank : private Post::Handler {
-  public:
-    // `lease`: seconds.
-    FirstRank(Post& post, double lease);
-    ~FirstRank() override;
+class ByteReader;
 
-    // The scene is to be read from these.
+// Rank 0. Functions that wait return early after Ctrl-C.
+class FirstRank {
+  public:
+    // Gets each unit's result once, in any order, one call at a time, from two threads.
+    using Take = std::function<void(const UnitResult&)>;
+
+    explicit FirstRank(Transport& transport);
+    ~FirstRank();
+    FirstRank(const FirstRank&) = delete;
+    FirstRank& operator=(const FirstRank&) = delete;
+
+    // Reading the scene from these publishes it.
     std::shared_ptr<FileSource> files() { return files_; }
 
-    // What others draw must be the same. `window`: how many units may lie between the first that settle() has
-    // not been called for, and the last that is handed out.
-    void begin(const UnitHeader& header, int window);
+    // Starts a thread that serves the others. A unit is handed out only if fewer than `window` units lie
+    // between it and the first one that is missing.
+    void begin(const UnitHeader& header, int window, Take take);
 
-    // A unit for rank 0 to draw; nothing once all are done, or Ctrl-C was pressed. Waits,
-    // and calls `waiting` now and then.
+    // Waits for a unit that rank 0 is to render, and calls `waiting` every 50 ms; nothing once all units are
+    // there. Throws the error of any rank.
     std::optional<int> next(const std::function<void()>& waiting);
-    // True if somebody else has drawn it meanwhile, or all is over.
-    bool isDone(int unit);
-    void put(UnitResult result);
-
-    // Results, each unit once, in the order in which they come; nothing once all have been taken. Waits.
-    std::optional<UnitResult> take();
-    // The result needs no memory any more.
-    void settle(int unit);
-
-    // Of the units, those that are done.
-    double share();
-    // From a thread that failed: the others throw the same.
-    void fail(const Error& error) override;
-    void check();  // throws it
-
-    // All ranks may go, with the exit code. Waits until they do, if all are there. Returns whether they were.
-    bool end(int exitCode);
-
-    // Ranks that are gone now: "rank 3 (node7)".
-    std::vector<std::string> lost();
-
-  private:
-    struct Peer {
-        std::string process, host;
-        double silent = 0;
-        bool lost = false;
-        bool wants = false;                // asked for a unit and has not got one
-        bool bye = false;                  // heard that the picture is done
-        bool direct = false;               // gets the scene's pieces from here
-        std::optional<UnitHeader> header;  // once it has read the scene
-    };
-    struct Arrived {
-        std::optional<UnitResult> own;
-        std::vector<uint8_t> bytes;  // another's
-    };
-    void receive(int from, std::vector<uint8_t> bytes) override;
-    void tick(double passed) override;
-    void publish(Bytes piece);
-    void handle(int from, ByteReader& in);
-    void greet(int from, ByteReader& in);
-    void judge(int rank);
-    void accept(int from, ByteReader& in);
-    void finished(int unit, int by);
-    void serve();  // those who want something
-    void look(double passed);
-    std::string called(int rank) const;
-    void checkLocked() const;
-    double now() const { return clock_.seconds(); }
-
-    Post& post_;
-    const double lease_;
-    std::shared_ptr<RecordedFiles> files_;
-    const Stopwatch clock_;
-
-    std::mutex mutex_;  // guards what follows
-    std::condition_variable changed_;
-    std::vector<Peer> peers_;  // by rank
-    std::vector<Bytes> pieces_;
-    std::optional<UnitHeader> header_;
-    std::optional<HandOut> handOut_;
-    std::deque<Arrived> results_;
-    int taken_ = 0;
-    std::optional<Error> error_;
-    double sinceBeat_ = 0, sinceLook_ = 0;
-};
-
-// Any other.
-class OtherRank : private Post::Handler {
-  public:
-    OtherRank(Post& post, double lease);
-    ~OtherRank() override;
-
-    // Reading from these waits for rank 0, and throws Ended if that has given up.
-    std::shared_ptr<FileSource> files() { return files_; }
-
-    // The scene is read. Throws Ended.
-    void begin(const UnitHeader& header);
-    // A unit to draw; nothing once the picture is done. Waits. Throws Ended.
-    std::optional<int> next();
-    // True if the unit is not wanted any more, or all is over.
-    bool isDone(int unit);
     void put(const UnitResult& result);
 
-    // Tells rank 0, which ends all.
-    void fail(const Error& error) override;
+    // True once any rank has failed.
+    bool failed() const { return failed_; }
+    // Share of the units that are there.
+    double share() const { return static_cast<double>(done_) / header_->parts; }
 
-    // Waits until rank 0 lets everybody go, and goes. Returns the exit code for this process.
-    int end();
-
-    // Rank 0 said so, or is gone.
-    struct Ended {};
+    // Lets the others go, once all of them have read the scene, or at once if one has failed.
+    void end();
 
   private:
-    void receive(int from, std::vector<uint8_t> bytes) override;
-    void tick(double passed) override;
-    void receivePiece(const Bytes& message);
-    void handle(const Bytes& message);
-    void checkLocked() const;
+    void publish(const Bytes& piece);
+    void serve();
+    bool receive();
+    void handle(int from, ByteReader& in);
+    void judge(int from, const UnitHeader& header);
+    void accept(const UnitResult& result);
+    std::optional<int> take();
+    void handOut();
+    void fail(const Error& error);
+
+    Transport& transport_;
+    std::shared_ptr<RecordedFiles> files_;
+    std::thread thread_;
+    std::atomic<bool> stopping_{false}, failed_{false};
+    std::atomic<int> done_{0};
+
+    std::mutex mutex_;  // guards the transport and the members below
+    std::optional<UnitHeader> header_;
+    std::vector<std::pair<int, UnitHeader>> early_;  // from ranks that had read the scene before rank 0
+    int ready_ = 0;                                  // ranks that have read the scene
+    Take take_;
+    int window_ = 1, next_ = 1, firstMissing_ = 1;
+    std::vector<bool> there_;  // by unit
+    std::deque<int> idle_;     // ranks without a unit
+    std::optional<Error> error_;
+};
+
+// Any other rank, used by one thread.
+class OtherRank {
+  public:
+    explicit OtherRank(Transport& transport);
+
+    // Reading from these waits for rank 0.
+    std::shared_ptr<FileSource> files() { return files_; }
+
+    // The scene has been read.
+    void begin(const UnitHeader& header);
+    // Waits for a unit; nothing once rank 0 needs no more, or after Ctrl-C.
+    std::optional<int> next();
+    void put(const UnitResult& result);
+    // Sends the error to rank 0, and waits until rank 0 lets this rank go or ends the process.
+    void fail(const Error& error);
+
+  private:
     Bytes nextPiece();
-    void send(std::vector<uint8_t> bytes);
 
-    Post& post_;
-    const double lease_;
+    Transport& transport_;
     std::shared_ptr<ReplayedFiles> files_;
-
-    std::mutex mutex_;  // guards what follows
-    std::condition_variable changed_;
-    std::deque<Bytes> pieces_;  // of the scene, not yet read
-    uint32_t received_ = 0;     // pieces in all
-    uint32_t published_ = 0;    // that rank 0 has said there are
-    double missing_ = 0;        // seconds for which some have been missing
-    double silent_ = 0;         // rank 0
-    double sinceBeat_ = 0;
-    std::optional<int> unit_;  // to draw
-    int drawing_ = 0;          // 0: none
-    bool dropped_ = false;     // `drawing_` is not wanted
-    bool finished_ = false;    // the picture is
-    bool ended_ = false, together_ = false, gone_ = false;
-    int exitCode_ = 0;
 };
 
 }  // namespace glint::farm

@@ -32,28 +32,18 @@ void put(ByteWriter& out, const FileStatus& status) {
 
 }  // namespace
 
-RecordedFiles::RecordedFiles(std::shared_ptr<FileSource> files, std::function<void(Bytes)> publish)
-    : files_(std::move(files)), publish_(std::move(publish)) {}
-
-void RecordedFiles::append(const std::vector<uint8_t>& bytes) {
-    const std::lock_guard lock(mutex_);
+void RecordedFiles::append(const Bytes& bytes) {
     for (size_t at = 0; at < bytes.size();) {
         const size_t size = std::min(kPiece - pending_.size(), bytes.size() - at);
         const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(at);
         pending_.insert(pending_.end(), from, from + static_cast<std::ptrdiff_t>(size));
         at += size;
-        if (pending_.size() == kPiece) publishPending();
+        if (pending_.size() == kPiece) flush();
     }
 }
 
 void RecordedFiles::flush() {
-    const std::lock_guard lock(mutex_);
-    publishPending();
-}
-
-void RecordedFiles::publishPending() {
-    if (pending_.empty()) return;
-    publish_(std::make_shared<const std::vector<uint8_t>>(std::exchange(pending_, {})));
+    if (!pending_.empty()) publish_(std::exchange(pending_, {}));
 }
 
 template <typename Ask>
@@ -93,13 +83,13 @@ fs::path RecordedFiles::real(const fs::path& path) {
 
 void ReplayedFiles::take(void* to, size_t size) {
     for (auto* out = static_cast<uint8_t*>(to); size > 0;) {
-        if (!piece_ || at_ == piece_->size()) {
+        if (at_ == piece_.size()) {
             piece_ = next_();
             at_ = 0;
             continue;
         }
-        const size_t count = std::min(size, piece_->size() - at_);
-        std::memcpy(out, piece_->data() + at_, count);
+        const size_t count = std::min(size, piece_.size() - at_);
+        std::memcpy(out, piece_.data() + at_, count);
         at_ += count;
         out += count;
         size -= count;
@@ -123,8 +113,8 @@ void ReplayedFiles::expect(uint8_t question, const fs::path& path) {
     const auto asked = number<uint8_t>();
     const std::string name = text();
     if (asked != question || name != path.string())
-        throw Error(ErrorKind::Failed, path.string() + ": is asked for where " + name +
-                                           " was: the processes do not draw the same picture");
+        throw Error(ErrorKind::Failed, path.string() + ": is read where rank 0 read " + name +
+                                           ": the processes do not render the same image");
     if (number<uint8_t>() == kAnswered) return;
     const auto kind = static_cast<ErrorKind>(number<uint32_t>());
     throw Error(kind, text());

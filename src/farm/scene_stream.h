@@ -1,44 +1,39 @@
-// The files of a scene on their way from the process that reads them to others, which need not see them.
+// Sends the files of a scene from the process that reads them to processes that need not see them.
 //
-// Reading a scene asks a file source in an order that depends on nothing but the answers. So whoever reads
-// the files writes all answers down, errors too, and the others get the same answers to the same questions;
-// what is asked otherwise is found out, by the question that stands with each answer.
+// Reading a scene asks a file source in an order that depends on the answers alone. The reading process
+// records every answer, errors included; the others get the same answers to the same questions. Each answer
+// carries its question, so that a process with another scene is found out.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <vector>
 
 #include "core/file_source.h"
+#include "farm/transport.h"
 
 namespace glint::farm {
 
-using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
-
 class RecordedFiles : public FileSource {
   public:
-    // `publish` gets the stream piece by piece, as soon as a file is read.
-    RecordedFiles(std::shared_ptr<FileSource> files, std::function<void(Bytes)> publish);
+    // `publish` gets the stream in pieces of at most 1 MiB, as soon as a file is read.
+    RecordedFiles(std::shared_ptr<FileSource> files, std::function<void(const Bytes&)> publish)
+        : files_(std::move(files)), publish_(std::move(publish)) {}
 
     std::string read(const std::filesystem::path& path) override;
     FileStatus status(const std::filesystem::path& path) override;
     std::filesystem::path real(const std::filesystem::path& path) override;
 
-    // Publishes what has not been, for want of a file. From any thread.
+    // Publishes the answers since the last file.
     void flush();
 
   private:
     template <typename Ask>
     auto answered(uint8_t question, const std::filesystem::path& path, const Ask& ask);
-    void append(const std::vector<uint8_t>& bytes);
-    void publishPending();
+    void append(const Bytes& bytes);
 
     std::shared_ptr<FileSource> files_;
-    std::function<void(Bytes)> publish_;
-    std::mutex mutex_;  // guards what follows, and the order of pieces
-    std::vector<uint8_t> pending_;
+    std::function<void(const Bytes&)> publish_;
+    Bytes pending_;
 };
 
 class ReplayedFiles : public FileSource {

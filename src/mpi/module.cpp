@@ -46,8 +46,7 @@ const char* faultOf(int code, const char* what) {
 
 const char* begin(int* rank, int* size) {
     int provided = 0;
-    // All calls come from the thread that this one comes from.
-    if (const int code = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided))
+    if (const int code = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided))
         return faultOf(code, "MPI_Init_thread");
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
     MPI_Comm_rank(MPI_COMM_WORLD, rank);
@@ -62,11 +61,9 @@ const char* send(int to, const uint8_t* bytes, uint64_t size) {
     }
     Outgoing& made = outgoing.emplace_back();
     made.bytes.assign(bytes, bytes + size);
-    // An error is that of a rank that has ended, and the message is lost like any other to it.
-    if (MPI_Isend(made.bytes.data(), static_cast<int>(size), MPI_BYTE, to, kTag, MPI_COMM_WORLD,
-                  &made.request) != MPI_SUCCESS)
-        outgoing.pop_back();
-    return nullptr;
+    const int code = MPI_Isend(made.bytes.data(), static_cast<int>(size), MPI_BYTE, to, kTag, MPI_COMM_WORLD,
+                               &made.request);
+    return code == MPI_SUCCESS ? nullptr : faultOf(code, "MPI_Isend");
 }
 
 void sweep() {
@@ -76,7 +73,7 @@ void sweep() {
     });
 }
 
-// Messages are received without waiting: the sender of a large one may end in the midst of it.
+// Receives without waiting; a large message takes several calls.
 void listen() {
     while (true) {
         int found = 0;
@@ -118,18 +115,20 @@ void take(uint8_t* bytes) {
     arrived.clear();
 }
 
-int pending() {
+int sending() {
     sweep();
-    size_t count = outgoing.size();
-    for (const auto& [from, messages] : incoming) count += messages.size();
-    return static_cast<int>(count);
+    return static_cast<int>(outgoing.size());
 }
 
 void end() {
     MPI_Finalize();
 }
 
-constexpr Module kModule = {kInterface, begin, send, next, take, pending, end};
+void abort(int exitCode) {
+    MPI_Abort(MPI_COMM_WORLD, exitCode);
+}
+
+constexpr Module kModule = {kInterface, begin, send, next, take, sending, end, abort};
 
 }  // namespace
 

@@ -1,6 +1,5 @@
-// What glint asks of the file glint-mpi.so, which is loaded where a launcher of MPI has started glint. It
-// stands by itself, so that glint runs without MPI and starts without loading it. All calls come from one
-// thread.
+// The interface of glint-mpi.so, which glint loads if an MPI launcher has started it. The module stands by
+// itself, so that glint runs without MPI. One call at a time, from any thread.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +8,23 @@ namespace glint::mpi {
 
 struct Module {
     int interface;  // kInterface
-    // Null, or what went wrong. So do all that return a text; it is valid until the next call.
+    // Null, or an error that is valid until the next call.
     const char* (*begin)(int* rank, int* size);
-    // Copies the bytes and does not wait.
+    // Copies the bytes and does not wait. Null, or an error.
     const char* (*send)(int to, const uint8_t* bytes, uint64_t size);
-    // Size of the next message that has arrived whole, or -1; `from` is set.
+    // Size of the next message that has arrived whole, or -1; sets `from`.
     int64_t (*next)(int* from);
     // Copies that message.
     void (*take)(uint8_t* bytes);
-    // Messages on their way.
-    int (*pending)();
+    // Messages from here that are on their way.
+    int (*sending)();
     // Waits for all ranks.
     void (*end)();
+    // Ends all ranks.
+    void (*abort)(int exitCode);
 };
 
-inline constexpr int kInterface = 1;
+inline constexpr int kInterface = 2;
 inline constexpr const char* kEntry = "glint_mpi_module";  // const Module* (*)()
 
 }  // namespace glint::mpi

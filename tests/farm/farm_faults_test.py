@@ -54,10 +54,6 @@ def full_disks():
     expected = whole()
     render("--part", "1/2", "-o", "1.part", code=1, says="1.part: cannot write: ", file_bytes=20_000)
     check(not pathlib.Path("1.part").exists(), "no half part")
-    render("--join", "farm", "-o", "all.pfm", code=1, says="cannot write: ", file_bytes=4_000)
-    check(not list(pathlib.Path("farm").glob("*.part")), "no half unit")
-    render("--join", "farm", "-o", "all.pfm", code=0)
-    check(pathlib.Path("all.pfm").read_bytes() == expected, "a folder goes on when there is room again")
     render("--checkpoint", "c.check", "-o", "again.pfm", code=1, says="c.check: cannot write: ", file_bytes=60_000)
     check(0 < pathlib.Path("c.check").stat().st_size <= 60_000, "what was finished stays")
     render("--checkpoint", "c.check", "-o", "again.pfm", code=0)
@@ -71,11 +67,7 @@ def full_disks():
 
 def folders_without_permission():
     render("--part", "1/1", "-o", "1.part", code=0)
-    pathlib.Path("farm").mkdir()
     os.chmod(".", 0o777)
-    for mode in (0o000, 0o555, 0o333):  # nothing, no writing, no reading
-        os.chmod("farm", mode)
-        render("--join", "farm", "-o", "all.pfm", code=1, says="farm: cannot be used: Permission denied", user=NOBODY)
     os.chmod("1.part", 0o000)
     run("merge", "1.part", "-o", "m.pfm", code=1, says="1.part: cannot read: Permission denied", user=NOBODY)
     os.chmod(".", 0o555)
@@ -87,11 +79,9 @@ def huge_pictures_are_refused_before_they_are_drawn():
     huge = ["render", "a.json", "--backend", "cpu", "--size", "65536x65536", "-q"]
     memory = 2 << 30
     run(*huge, "--checkpoint", "c.check", "-o", "a.hdr", code=1, says="of memory", memory=memory)
-    run(*huge, "--join", "farm", "-o", "a.hdr", code=1, says="of memory", memory=memory)
     ran = run(*huge, "--part", "1/4", "-o", "1.part", code=1, says="part 1 of 4 has ", memory=memory)
-    check(re.search("which take [0-9.]+ GiB of memory, [0-9.]+ (G|M)iB are free; ask for more parts$", ran.stderr.strip()), ran.stderr)
-    check(not [p for p in pathlib.Path(".").iterdir() if p.name not in ("a.json", "farm")], "nothing is left")
-    check(not pathlib.Path("farm").exists() or not list(pathlib.Path("farm").glob("*.part")), "nothing is begun")
+    check(re.search("which take [0-9.]+ GiB of memory, [0-9.]+ (G|M)iB are free; use more parts$", ran.stderr.strip()), ran.stderr)
+    check(not [p for p in pathlib.Path(".").iterdir() if p.name != "a.json"], "nothing is left")
 
 
 def pictures_larger_than_memory_are_drawn_in_units():
@@ -106,8 +96,6 @@ def pictures_larger_than_memory_are_drawn_in_units():
     ran = run(*large, "--checkpoint", "c.check", "-o", "c.exr", "--stats", "json", code=0, **little)
     check(json.loads(ran.stdout)["bands"], ran.stdout)
     check(pathlib.Path("c.exr").read_bytes() == expected, "a checkpoint larger than memory goes on")
-    run(*large, "--join", "farm", "-o", "j.exr", code=0, **little)
-    check(pathlib.Path("j.exr").read_bytes() == expected, "units of a folder come together")
     parts = [f"{k}.part" for k in range(1, 5)]
     for k, part in enumerate(parts, 1):
         run(*large, "--part", f"{k}/4", "-o", part, code=0, **little)

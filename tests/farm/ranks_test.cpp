@@ -1,10 +1,11 @@
-// Ranks as threads, with messages that never leave the process: what dies, hangs and comes back.
+// Ranks as threads, with messages that never leave the process.
 #include "farm/ranks.h"
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <set>
+#include <numeric>
 #include <thread>
 
 #include "support.h"
@@ -12,21 +13,16 @@
 namespace glint::farm::test::ranks_test {
 namespace {
 
-using namespace std::chrono_literals;
 using glint::test::errorOf;
 
-constexpr double kLease = 0.5;
-
-// A rank that is cut off neither hears nor is heard, as if its machine had gone.
 class Net {
   public:
-    explicit Net(int size) : inboxes_(static_cast<size_t>(size)), cutOff_(static_cast<size_t>(size)) {}
-    Post::Open open(int rank) {
-        return [this, rank] { return std::make_unique<Line>(*this, rank); };
+    explicit Net(int size) : inboxes_(static_cast<size_t>(size)) {
+        for (int rank = 0; rank < size; ++rank) lines_.push_back(std::make_unique<Line>(*this, rank));
     }
+    Transport& line(int rank) { return *lines_[static_cast<size_t>(rank)]; }
     // Longer messages are refused.
     void limit(size_t bytes) { limit_ = bytes; }
-    void cutOff(int rank, bool cut = true) { cutOff_[static_cast<size_t>(rank)] = cut; }
 
   private:
     class Line : public Transport {
@@ -34,8 +30,7 @@ class Net {
         Line(Net& net, int rank) : net_(net), rank_(rank) {}
         int rank() const override { return rank_; }
         int size() const override { return static_cast<int>(net_.inboxes_.size()); }
-        void send(int to, const std::vector<uint8_t>& bytes) override {
-            if (net_.cutOff_[static_cast<size_t>(rank_)] || net_.cutOff_[static_cast<size_t>(to)]) return;
+        void send(int to, const Bytes& bytes) override {
             if (bytes.size() > net_.limit_) throw Error(ErrorKind::Failed, "too long a message");
             const std::lock_guard lock(net_.mutex_);
             net_.inboxes_[static_cast<size_t>(to)].push_back({rank_, bytes});
@@ -43,13 +38,13 @@ class Net {
         std::optional<Message> receive() override {
             const std::lock_guard lock(net_.mutex_);
             auto& inbox = net_.inboxes_[static_cast<size_t>(rank_)];
-            if (inbox.empty() || net_.cutOff_[static_cast<size_t>(rank_)]) return std::nullopt;
+            if (inbox.empty()) return std::nullopt;
             Message message = std::move(inbox.front());
             inbox.pop_front();
             return message;
         }
-        int pending() const override { return 0; }
-        void leave(bool) override {}
+        bool sending() override { return false; }
+        void finish() override {}
 
       private:
         Net& net_;
@@ -57,7 +52,7 @@ class Net {
     };
     std::mutex mutex_;
     std::vector<std::deque<Transport::Message>> inboxes_;
-    std::vector<std::atomic<bool>> cutOff_;
+    std::vector<std::unique_ptr<Line>> lines_;
     size_t limit_ = SIZE_MAX;
 };
 
@@ -75,219 +70,121 @@ class Ranks : public glint::test::WorkingFolderTest {
         return result;
     }
 
-    // What a rank does with a unit; false: it never comes back.
-    using Work = std::function<bool(int unit)>;
+    using Work = std::function<void(int unit)>;
 
-    // Another rank's thread.
     std::thread other(Net& net, int rank, Work work, std::string scene = "a") {
         return std::thread([this, &net, rank, work = std::move(work), scene = std::move(scene)] {
-            Post post(net.open(rank));
-            OtherRank mine(post, kLease);
+            OtherRank mine(net.line(rank));
             try {
-                if (wantsScene_) mine.files()->read("scene");
+                if (wantsScene_) read_ += mine.files()->read("scene").size();
                 mine.begin(header(units_, scene));
                 while (const auto unit = mine.next()) {
-                    ++begun_;
-                    if (!work(*unit)) break;
-                    if (!mine.isDone(*unit)) mine.put(resultOf(*unit, units_, rank));
+                    work(*unit);
+                    mine.put(resultOf(*unit, units_, rank));
                 }
-            } catch (const OtherRank::Ended&) {
-                ++ended_;
             } catch (const Error& error) {
                 mine.fail(error);
             }
-            codes_ += mine.end();
         });
     }
 
-    // Rank 0, which draws nothing itself unless `draws`. The numbers of the units as they came.
-    std::vector<int> first(FirstRank& ranks, bool draws = false) {
-        ranks.begin(header(units_), units_);
-        std::thread drawer([&] {
-            try {
-                while (draws) {
-                    const auto unit = ranks.next([] {});
-                    if (!unit) break;
-                    ranks.put(resultOf(*unit, units_, 0));
-                }
-            } catch (const Error&) {
-            }
-        });
+    // Renders as rank 0 until all is there or something failed, and lets the others go. Units as they came.
+    std::vector<int> first(Net& net, int window = 1000) {
         std::vector<int> came;
-        std::exception_ptr error;
+        FirstRank ranks(net.line(0));
         try {
-            while (const auto result = ranks.take()) {
-                came.push_back(result->unit.part);
-                ranks.settle(result->unit.part);
-            }
-        } catch (...) {
-            error = std::current_exception();
+            if (wantsScene_) ranks.files()->read("scene");
+            ranks.begin(header(units_), window,
+                        [&](const UnitResult& result) { came.push_back(result.unit.part); });
+            while (const auto unit = ranks.next([] {})) ranks.put(resultOf(*unit, units_, 0));
+        } catch (const Error&) {
+            ranks.end();
+            throw;
         }
-        drawer.join();
-        if (error) std::rethrow_exception(error);
-        std::sort(came.begin(), came.end());
+        ranks.end();
         return came;
     }
+    // Rank 0 renders nothing and waits for another rank's error.
+    std::string errorOfOthers(Net& net, ErrorKind kind) {
+        return errorOf(kind, [&] {
+            FirstRank ranks(net.line(0));
+            ranks.begin(header(units_), units_, [](const UnitResult&) {});
+            while (!ranks.failed()) std::this_thread::yield();
+            ranks.end();
+            ranks.next([] {});
+        });
+    }
     std::vector<int> all() const {
-        std::vector<int> numbers;
-        for (int unit = 1; unit <= units_; ++unit) numbers.push_back(unit);
+        std::vector<int> numbers(static_cast<size_t>(units_));
+        std::iota(numbers.begin(), numbers.end(), 1);
         return numbers;
     }
 
-    int units_ = 12;
+    int units_ = 40;
     bool wantsScene_ = false;
-    std::atomic<int> begun_{0}, ended_{0}, codes_{0};
+    std::atomic<size_t> read_{0};
 };
 
-bool draw(int) {
-    std::this_thread::sleep_for(3ms);
-    return true;
+void draw(int) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 TEST_F(Ranks, EachUnitComesOnce) {
     Net net(4);
     std::vector<std::thread> threads;
     for (int rank = 1; rank < 4; ++rank) threads.push_back(other(net, rank, draw));
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    EXPECT_EQ(first(ranks, true), all());
-    EXPECT_TRUE(ranks.lost().empty());
-    EXPECT_TRUE(ranks.end(0));
+    std::vector<int> came = first(net);
     for (auto& thread : threads) thread.join();
-    EXPECT_EQ(codes_, 0);
+    std::sort(came.begin(), came.end());
+    EXPECT_EQ(came, all());
 }
 
-TEST_F(Ranks, UnitsOfTheDeadAreDrawnByOthers) {
-    Net net(3);
-    std::thread victim = other(net, 1, [&](int) {
-        net.cutOff(1);
-        return true;
-    });
-    // The others do not finish before it has got a unit.
-    const auto wait = [&](int unit) {
-        const Stopwatch watch;
-        while (begun_ < 2 && watch.seconds() < 10) std::this_thread::sleep_for(1ms);
-        return draw(unit);
-    };
-    std::thread survivor = other(net, 2, wait);
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    EXPECT_EQ(first(ranks), all());
-    EXPECT_FALSE(ranks.end(0));
-    EXPECT_EQ(ranks.lost().size(), 1u);
-    survivor.join();
-    victim.join();
-    EXPECT_EQ(codes_, 1);  // the victim's, for which rank 0 is gone
-}
-
-TEST_F(Ranks, WhoComesBackIsWelcome) {
-    Net net(2);
-    std::atomic<int> drawn{0};
-    std::thread sleeper = other(net, 1, [&](int) {
-        if (drawn++ > 0) return true;
-        net.cutOff(1);
-        std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kLease));
-        net.cutOff(1, false);
-        return true;
-    });
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    std::atomic<bool> over{false}, seenLost{false};
-    std::thread watcher([&] {
-        for (; !over; std::this_thread::sleep_for(1ms)) seenLost = seenLost || !ranks.lost().empty();
-    });
-    EXPECT_EQ(first(ranks), all());
-    over = true;
-    watcher.join();
-    EXPECT_TRUE(seenLost);
-    EXPECT_TRUE(ranks.lost().empty());
-    EXPECT_TRUE(ranks.end(0));
-    sleeper.join();
-    EXPECT_EQ(codes_, 0);
-}
-
-// Of seven, the one that hands the scene on to two others is dead from the start.
-TEST_F(Ranks, TheSceneComesRoundTheDead) {
+TEST_F(Ranks, TheSceneReachesAllRanksOfTheTree) {
     glint::test::writeText("scene", std::string(3'000'000, 'x'));
     wantsScene_ = true;
     Net net(7);
-    net.cutOff(1);
-    // Each has one unit at a time, so that five are begun when all five ranks have read the scene.
-    std::atomic<bool> late{false};
-    const auto waitForAll = [&](int) {
-        const Stopwatch watch;
-        while (begun_ < 5 && !late) {
-            std::this_thread::sleep_for(1ms);
-            late = watch.seconds() > 10;
-        }
-        return true;
-    };
     std::vector<std::thread> threads;
-    for (int rank = 1; rank < 7; ++rank) threads.push_back(other(net, rank, waitForAll));
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    ranks.files()->read("scene");
-    ranks.begin(header(units_), units_);
-    std::set<std::string> drew;
-    for (int count = 0; count < units_; ++count) {
-        const auto result = ranks.take();  // rank 0 draws nothing
-        drew.insert(result->producer.device);
-        ranks.settle(result->unit.part);
-    }
-    EXPECT_FALSE(late);
-    EXPECT_FALSE(drew.contains("rank 1"));
-    EXPECT_FALSE(ranks.end(0));
+    for (int rank = 1; rank < 7; ++rank) threads.push_back(other(net, rank, draw));
+    first(net);
     for (auto& thread : threads) thread.join();
-    EXPECT_EQ(ended_, 1);  // rank 1, for which rank 0 is dead
-    EXPECT_EQ(codes_, 1);
+    EXPECT_EQ(read_, 6 * 3'000'000u);
 }
 
-// As of MPI, which counts bytes by an int.
+// With a window of one unit, each unit is handed out only after the one before it.
+TEST_F(Ranks, TheWindowKeepsUnitsInOrder) {
+    Net net(3);
+    std::thread a = other(net, 1, draw), b = other(net, 2, draw);
+    EXPECT_EQ(first(net, 1), all());
+    a.join();
+    b.join();
+}
+
+// As in MPI, which counts bytes by an int.
 TEST_F(Ranks, AMessageThatCannotBeSentIsAnError) {
     Net net(2);
     net.limit(900);  // less than a unit
     std::thread draws = other(net, 1, draw);
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    const std::string said = errorOf(ErrorKind::Failed, [&] { first(ranks); });
-    EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): too long a message")) << said;
-    ranks.end(1);
+    const std::string said = errorOfOthers(net, ErrorKind::Failed);
     draws.join();
-    EXPECT_EQ(codes_, 1);
+    EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): too long a message")) << said;
 }
 
-TEST_F(Ranks, AnErrorEndsAllWithItsKind) {
+TEST_F(Ranks, AnErrorOfARankKeepsItsKind) {
     Net net(3);
-    units_ = 1000;
-    std::thread fails = other(net, 1, [](int) -> bool { throw Error(ErrorKind::Device, "no device"); });
+    std::thread fails = other(net, 1, [](int) { throw Error(ErrorKind::Device, "no device"); });
     std::thread draws = other(net, 2, draw);
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    const std::string said = errorOf(ErrorKind::Device, [&] { first(ranks); });
-    EXPECT_TRUE(said.starts_with("rank 1 (")) << said;
-    EXPECT_TRUE(said.ends_with("): no device")) << said;
-    ranks.end(4);
+    const std::string said = errorOfOthers(net, ErrorKind::Device);
     fails.join();
     draws.join();
-    EXPECT_EQ(codes_, 8);
+    EXPECT_TRUE(said.starts_with("rank 1 (") && said.ends_with("): no device")) << said;
 }
 
-TEST_F(Ranks, AnotherPictureIsRefused) {
+TEST_F(Ranks, AnotherImageIsRefused) {
     Net net(2);
     std::thread thread = other(net, 1, draw, "b");
-    Post post(net.open(0));
-    FirstRank ranks(post, kLease);
-    const std::string said = errorOf(ErrorKind::Failed, [&] { first(ranks); });
-    EXPECT_TRUE(said.ends_with("would draw another picture: scene is b there and a here")) << said;
-    ranks.end(1);
+    EXPECT_EQ(errorOfOthers(net, ErrorKind::Failed),
+              "rank 1 would render another image: scene is b there and a here");
     thread.join();
-}
-
-TEST_F(Ranks, TheOthersEndWithoutRankZero) {
-    Net net(2);
-    std::thread thread = other(net, 1, draw);
-    thread.join();
-    EXPECT_EQ(codes_, 1);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ class SceneStream : public glint::test::WorkingFolderTest {
   protected:
     std::shared_ptr<RecordedFiles> recorded() {
         return std::make_shared<RecordedFiles>(fileSystem(),
-                                               [this](Bytes piece) { pieces_.push_back(std::move(piece)); });
+                                               [this](const Bytes& piece) { pieces_.push_back(piece); });
     }
     std::shared_ptr<ReplayedFiles> replayed() {
         return std::make_shared<ReplayedFiles>([this] {
@@ -85,7 +85,7 @@ TEST_F(SceneStream, AnotherSceneIsFoundOut) {
     record->read("a.json");
     const auto replay = replayed();
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { replay->read("b.json"); }),
-              "b.json: is asked for where a.json was: the processes do not draw the same picture");
+              "b.json: is read where rank 0 read a.json: the processes do not render the same image");
 }
 
 TEST_F(SceneStream, LargeFilesGoInPieces) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A picture far larger than the memory of each process, drawn by several in every way there is: big_parts.py GLINT SCENE [--mpirun MPIRUN] [WxH]
 
-By parts, in a shared folder, with a checkpoint and by ranks, each process under a limit of address space. All pictures must be those of one
+By parts, with a checkpoint and by ranks, each process under a limit of address space. All pictures must be those of one
 process, which draws in bands, and no process may take more memory than the limit. Prints what each took.
 """
 import argparse
@@ -53,7 +53,6 @@ def main():
         for part in parts:
             part.unlink()
         took["checkpoint"] = peak_of([*draw, "--checkpoint", folder / "check", "-o", folder / "checkpoint.exr"])
-        took["join"] = peak_of(*[[*draw, "--join", folder / "farm", "-o", folder / "join.exr"]] * 2)
         if arguments.mpirun:
             took["mpirun"] = peak_of([arguments.mpirun, "--oversubscribe", "--bind-to", "none", "-n", "2", *draw, "-o", folder / "mpirun.exr"])
         print(f"{arguments.size}, at once {whole / GIB:.2f} GiB: " + ", ".join(f"{k} {v / GIB:.2f}" for k, v in took.items()))
