@@ -6,7 +6,6 @@
 The truth of each scene is drawn by --error too, to a fifth of the least error asked for, with another seed, and its own bound is part of the table.
 It is independent of what it judges, so its mean square, as its replicates show it, is taken off: otherwise 2 % of the error asked for would be its.
 With --keep, each scene and error that is done is appended to FILE, and not drawn again: 19 scenes, three errors and 20 seeds take hours on two cores.
-With --measure pixel: of how many pixels it says falsely that each channel is within the error.
 All with --within-depth: what is judged is sampling. "Fewest samples": of --spp N with the same sampler, the least N of a ladder in steps of
 about 1.2, and of the powers of two, whose realised error is at most what was asked for, known afterwards; the median of three seeds. The ratio to it
 is what the promise costs in samples, and the ratio of the commands' processor seconds (medians) what it costs in time. Exact bounds of the share of
@@ -23,8 +22,6 @@ import measure
 
 SCENES = ("arcade,boxes,cabinet,checker,corridor,discs,environment,far_away,glass,groups,horizon,instances,knot,lens,lights,polygons,quadrics,"
           "spheres,spots,triangles")
-# With a lens, textures, glass. What takes 10 B / E samples is not for a small sun, whose B is in the thousands.
-PIXEL_SCENES = "checker,corridor,glass,knot,lens,quadrics,spheres,textures"
 
 LADDER = sorted({round(1.2**k) for k in range(60)} | {1 << k for k in range(16)})  # to 40,000
 
@@ -109,43 +106,6 @@ def measured(options, name, folder):
     return [known[error] for error in options.error_list if error in known]
 
 
-def judged_pixels(options, name, folder):
-    """Of all seeds' pictures: pixels that were declared within the error, those with a channel that is not, and the greatest error."""
-    scene = Scene(options, name, folder)
-    error = options.error_list[0]
-    row = {"scene": name, "error": error, "pixels": 0, "declared": 0, "wrong": 0, "greatest": 0.0, "samples": [], "truthBound": scene.truth_bound}
-    for seed in range(options.seeds):
-        picture, _, _ = scene.draw("--error", error, "--measure", "pixel", "--seed", seed, "--max-spp", 1 << 20, "--aov", "color,error,samples")
-        # Half widths, and samples, one for each pixel in the same order.
-        half, counts = (pixels(folder / f"a.{layer}.pfm", b"Pf") for layer in ("error", "samples"))
-        row["samples"] += counts
-        for i, width in enumerate(half):
-            worst = max(abs(picture[k] - scene.truth[k]) for k in range(3 * i, 3 * i + 3))
-            row["pixels"] += 1
-            if width > error:
-                continue
-            row["declared"] += 1
-            row["wrong"] += worst > error
-            row["greatest"] = max(row["greatest"], worst / error)
-    row["samples"] = statistics.median(row["samples"])
-    print(row, flush=True)
-    return row
-
-
-def judge_pixels(options):
-    with tempfile.TemporaryDirectory() as folder:
-        found = [judged_pixels(options, name, pathlib.Path(folder)) for name in options.scenes.split(",")]
-    rows = [[f["scene"], f"{f['error']:g}", f["pixels"], f["declared"], f["wrong"], f"{f['greatest']:.2f}", f"{f['samples']:g}", f"{f['truthBound']:.1g}"]
-            for f in found]
-    declared, wrong = sum(f["declared"] for f in found), sum(f["wrong"] for f in found)
-    text = (f"{options.size}, confidence 0.95, {options.seeds} seeds each. Of {3 * declared:,} channels in {declared:,} pixels that were declared "
-            f"within the error asked for, {wrong} pixels have one that is not: with 95 % confidence at most "
-            f"{100 * (1 - least_share(declared - wrong, declared)):.2g} % of pixels have.\n\n"
-            + measure.table(["scene", "asked", "pixels", "declared", "of them wrong", "greatest error / asked", "samples, median",
-                             "truth's own bound (rmse)"], rows))
-    print(text)
-
-
 def draw(found, path):
     """What was asked for and what each scene got: the medians of its seeds, and the worst of them."""
     asked = sorted({f["error"] for f in found})
@@ -156,7 +116,6 @@ def draw(found, path):
 
 def main():
     parser = measure.arguments(__doc__)
-    parser.add_argument("--measure", choices=("rmse", "pixel"), default="rmse")
     parser.add_argument("--scenes")
     parser.add_argument("--errors")
     parser.add_argument("--seeds", type=int, default=20)
@@ -165,15 +124,12 @@ def main():
     parser.add_argument("--images", type=pathlib.Path, help="folder for the diagram, error-targets.svg")
     parser.add_argument("--done", action="store_true", help="measure nothing: the table of what --keep holds")
     options = parser.parse_args()
-    pixel = options.measure == "pixel"
     if options.quick:
-        options.scenes, options.errors, options.seeds, options.size = "spheres", "0.2" if pixel else "0.02", 3, "32x24"
-    options.scenes = options.scenes or (PIXEL_SCENES if pixel else SCENES)
-    options.errors = options.errors or ("0.1" if pixel else "0.01,0.003,0.001")
-    options.size = options.size or ("32x24" if pixel else "96x64")
+        options.scenes, options.errors, options.seeds, options.size = "spheres", "0.02", 3, "32x24"
+    options.scenes = options.scenes or SCENES
+    options.errors = options.errors or "0.01,0.003,0.001"
+    options.size = options.size or "96x64"
     options.error_list = [float(e) for e in options.errors.split(",")]
-    if pixel:
-        return judge_pixels(options)
     with tempfile.TemporaryDirectory() as folder:
         found = [row for name in options.scenes.split(",") for row in measured(options, name, pathlib.Path(folder))]
     over = {id(f): (f["samples"] / f["fewest"], f["seconds"] / f["fewestSeconds"]) for f in found}

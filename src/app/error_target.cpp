@@ -35,7 +35,7 @@ double confidenceOf(const std::string& text) {
     return value;
 }
 
-// The condition number times the unit of the arithmetic, and what storing as fp32 takes.
+// The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
 double roundingOf(const LoadedScene& loaded, const Request& request, Backend backend) {
     const reference::Tracer tracer(loaded.packed, request);
     return verify::roundingError(tracer, cameraOf(loaded), request.width, request.height,
@@ -55,7 +55,7 @@ const char* limitOf(converge::Stop stop) {
         case converge::Stop::Seconds:
             return "--max-seconds";
         case converge::Stop::Fixed:
-            return "more would not help: what is cut off or rounded comes to as much";
+            return "more would not help: cuts and rounding alone exceed the target";
         case converge::Stop::Reached:
         case converge::Stop::Interrupted:
             break;
@@ -63,7 +63,7 @@ const char* limitOf(converge::Stop stop) {
     return "";
 }
 
-// A picture without any reflection has no code for them either, and so no account of what is missing.
+// Kernels without reflections do not count what is missing.
 void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
     const auto reflects = [](const Material& m) {
         return m.mirror != Color(0) || m.transmission != Color(0);
@@ -72,69 +72,57 @@ void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
     if (target.withinDepth || loaded.scene.maxDepth > 0 ||
         std::none_of(materials.begin(), materials.end(), reflects))
         return;
-    throw Error(
-        ErrorKind::Argument,
-        "--error: with maxDepth 0 nobody counts what mirrors would show; --max-depth 1 or more counts "
-        "what lies beyond, --within-depth takes the depth as it is");
+    throw Error(ErrorKind::Argument,
+                "--error cannot bound reflections at maxDepth 0: use --max-depth 1 or --within-depth");
 }
 
 }  // namespace
 
 void addError(OptionTable& table, ErrorTarget& target) {
-    table.value("--error", "E",
-                "take samples until the picture's error is at most E (linear radiance, full scale 1)",
-                [&](const std::string& t) { target.error = parsePositive(t); });
-    table.value("--confidence", "P",
-                "probability with which --error is to hold, above 0.5 and below 1 (default 0.95)",
+    table.value(
+        "--error", "E",
+        "take samples until the image's root mean square error is at most E (linear radiance, full scale 1)",
+        [&](const std::string& t) { target.error = parsePositive(t); });
+    table.value("--confidence", "P", "probability that --error holds, above 0.5 and below 1 (default 0.95)",
                 [&](const std::string& t) { target.confidence = confidenceOf(t); });
-    table.flag(
-        "--within-depth",
-        "the truth that --error means ends at the scene's depth; otherwise what may lie beyond is counted",
-        target.withinDepth);
+    table.flag("--within-depth", "do not count reflections beyond the scene's depth as error",
+               target.withinDepth);
 }
 
 void addErrorTarget(OptionTable& table, ErrorTarget& target) {
     addError(table, target);
-    table.choice<converge::Measure>(
-        "--measure",
-        "what --error is of: the root mean square over the picture (default), or each pixel by itself",
-        target.measure);
-    table.value("--max-seconds", "S", "stop there with the best picture so far, if --error takes longer",
+    table.value("--max-seconds", "S", "stop after S seconds with the best image so far",
                 [&](const std::string& t) { target.maxSeconds = parsePositive(t); });
-    table.whole("--max-spp", "N", "stop there, if --error takes more samples of a pixel (default 65536)", 2,
-                kMostErrorSamples, target.maxSamples);
+    table.whole("--max-spp", "N", "stop at N samples per pixel (default 65536)", 2, kMostErrorSamples,
+                target.maxSamples);
     table.flag("--strict", "exit with code 5 if --error is not reached", target.strict);
 }
 
 void checkErrorIsAsked(const ErrorTarget& target) {
     if (target.error) return;
     const char* idle = target.confidence    ? "--confidence"
-                       : target.measure     ? "--measure"
                        : target.maxSeconds  ? "--max-seconds"
                        : target.maxSamples  ? "--max-spp"
                        : target.strict      ? "--strict"
                        : target.withinDepth ? "--within-depth"
                                             : nullptr;
-    if (idle) throw Error(ErrorKind::Argument, std::string(idle) + ": says nothing without --error");
+    if (idle) throw Error(ErrorKind::Argument, std::string(idle) + " requires --error");
 }
 
 void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs) {
     checkErrorIsAsked(target);
     if (!target.error) {
         if (std::find(aovs.begin(), aovs.end(), Aov::Error) != aovs.end())
-            throw Error(ErrorKind::Argument, "--aov: the layer error is known with --error alone");
+            throw Error(ErrorKind::Argument, "--aov: the layer error requires --error");
         return;
     }
     if (scene.spp)
         throw Error(ErrorKind::Argument,
-                    "--spp: --error finds out how many samples it takes; limit them by --max-spp");
-    if (scene.adaptive)
-        throw Error(ErrorKind::Argument, "--adaptive: --error finds out how many samples it takes");
+                    "--spp: --error chooses the number of samples; limit it with --max-spp");
+    if (scene.adaptive) throw Error(ErrorKind::Argument, "--adaptive: --error chooses the number of samples");
     if (scene.sampler == Sampler::Grid)
         throw Error(ErrorKind::Argument,
-                    "--sampler: a grid tells nothing of its error; --error takes lowDiscrepancy or jittered");
-    if (target.measure == converge::Measure::Pixel && scene.sampler)
-        throw Error(ErrorKind::Argument, "--sampler: --measure pixel takes independent samples");
+                    "--error does not work with the grid sampler: use lowDiscrepancy or jittered");
 }
 
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
@@ -146,19 +134,11 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
     job.target.error = *target.error;
     job.target.confidence = target.confidence.value_or(job.target.confidence);
-    job.target.measure = target.measure.value_or(job.target.measure);
     job.target.maxSeconds = target.maxSeconds.value_or(job.target.maxSeconds);
     if (target.maxSamples) job.target.maxSamples = static_cast<uint32_t>(*target.maxSamples);
-    if (job.target.measure == converge::Measure::Pixel && job.image.filter == Filter::Mitchell)
-        throw Error(
-            ErrorKind::Argument,
-            "--measure pixel: samples of the mitchell filter have no bound of their own; take another "
-            "filter, or --measure rmse");
-    if (job.target.measure == converge::Measure::Rmse &&
-        regionOf(request).width() * regionOf(request).height() == 1)
+    if (regionOf(request).width() * regionOf(request).height() == 1)
         throw Error(ErrorKind::Argument,
-                    "--error: the root mean square of one pixel's error has no bound; --measure pixel is for "
-                    "single pixels");
+                    "--error cannot bound the error of a single pixel: use a larger --crop");
     job.target.depthCounts = !target.withinDepth;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
@@ -187,21 +167,18 @@ nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& resu
         return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
     };
     const converge::ErrorBudget& budget = result.budget;
-    const bool pixels = target.measure == converge::Measure::Pixel;
     return {{"asked", *target.error},
-            {"measure", nameOf(target.measure.value_or(defaults.measure))},
             {"confidence", target.confidence.value_or(defaults.confidence)},
             {"reached", result.reached()},
             {"stopped", nameOf(result.stop)},
             {"bound", number(budget.total())},
             {"sampling", number(budget.sampling)},
-            {"estimate", pixels ? nlohmann::json(nullptr) : number(result.estimate)},
+            {"estimate", number(result.estimate)},
             {"rounding", number(budget.rounding)},
             {"cut", number(budget.cut)},
             {"maxDepth", number(budget.depth)},
             {"maxDepthCounts", budget.depthCounts},
-            {"unseen", pixels ? nlohmann::json(nullptr) : number(result.unseen)},
-            {"unsettledPixels", result.unsettled},
+            {"unseen", number(result.unseen)},
             {"samplesPerPixel", result.samplesPerPixel},
             {"rounds", result.rounds}};
 }
@@ -224,25 +201,17 @@ PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& resul
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result) {
     const converge::Target defaults;
     const converge::ErrorBudget& budget = result.budget;
-    const bool pixels = target.measure == converge::Measure::Pixel;
-    std::string text = pixels ? "error of each pixel: " : "error (rmse): ";
-    text += "at most " + format("%.3g", budget.total()) + " with confidence " +
-            probability(target.confidence.value_or(defaults.confidence)) + "; sampling " +
-            format("%.2g", budget.sampling) +
-            (pixels ? "" : " (about " + format("%.2g", result.estimate) + ")") + ", rounding " +
-            format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
-            format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ");
-    if (pixels)
-        text += counted(result.samplesPerPixel, "sample") + " at most for a pixel, ";
-    else
-        text += counted(result.leastSamples, "sample") + " for a pixel, ";
-    if (!pixels && result.samplesPerPixel > result.leastSamples)
-        text += std::to_string(result.samplesPerPixel) + " where few pixels have most of the error, ";
-    text += counted(result.rounds, "round");
-    // Full scale is allowed for in the bound; what is brighter is told apart.
-    if (!pixels && std::isfinite(result.unseen) && result.unseen > budget.total())
+    std::string text =
+        "error (rmse): at most " + format("%.3g", budget.total()) + " with confidence " +
+        probability(target.confidence.value_or(defaults.confidence)) + "; sampling " +
+        format("%.2g", budget.sampling) + " (about " + format("%.2g", result.estimate) + "), rounding " +
+        format("%.1g", budget.rounding) + ", cut " + format("%.1g", budget.cut) + ", maxDepth " +
+        format("%.1g", budget.depth) + (budget.depthCounts ? "; " : " (not counted); ") +
+        counted(result.samplesPerPixel, "sample") + " per pixel, " + counted(result.rounds, "round");
+    // The bound allows for details of full scale; brighter ones are reported apart.
+    if (std::isfinite(result.unseen) && result.unseen > budget.total())
         text +=
-            "\nnot counted: a highlight as bright as the scene can have that all samples missed might add " +
+            "\nnot counted: a highlight as bright as the scene allows that all samples missed might add " +
             format("%.2g", result.unseen);
     return text;
 }
@@ -250,16 +219,12 @@ std::string errorSummary(const ErrorTarget& target, const converge::Result& resu
 void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
                     std::ostream& err) {
     if (result.reached() || result.stop == converge::Stop::Interrupted) return;
-    // Of few pixels, two replicates tell too little to bound anything.
+    // Few pixels with any error tell too little to bound it.
     const bool bounded = std::isfinite(result.budget.total());
-    err << start
-        << (bounded ? "the error may be " + format("%.3g", result.budget.total()) : "the error has no bound")
-        << ", not " << format("%.3g", *target.error) << ", after "
-        << counted(result.samplesPerPixel, "sample") << " for a pixel (" << limitOf(result.stop) << ")";
-    if (!bounded) err << "; too few pixels show any error to tell; --measure pixel is for few pixels";
-    if (target.measure == converge::Measure::Pixel)
-        err << "; " << format("%.3g", 100 * result.unsettled) << " % of the pixels are not settled";
-    err << '\n';
+    err << start << "target " << format("%.3g", *target.error) << " not reached: "
+        << (bounded ? "error is at most " + format("%.3g", result.budget.total()) : "the error has no bound")
+        << " after " << counted(result.samplesPerPixel, "sample") << " per pixel (" << limitOf(result.stop)
+        << (bounded ? ")" : "); too few pixels show any error") << '\n';
 }
 
 }  // namespace glint::app

@@ -1,4 +1,4 @@
-// `glint render --error`: its options, and the words about what was reached.
+// `glint render --error`: its options and its results.
 #pragma once
 
 #include <iosfwd>
@@ -19,31 +19,31 @@ struct ErrorTarget {
     std::optional<double> error;
     std::optional<double> confidence, maxSeconds;
     std::optional<int> maxSamples;
-    std::optional<converge::Measure> measure;
     bool strict = false;
     bool withinDepth = false;
 };
 
-// The error, its confidence and what it counts.
+// --error, --confidence, --within-depth.
 void addError(OptionTable& table, ErrorTarget& target);
-// And when to end without it.
+// The same, and the limits.
 void addErrorTarget(OptionTable& table, ErrorTarget& target);
 
-// Throws Error(Argument) for options that say nothing without --error.
+// Throws Error(Argument) for options that require --error.
 void checkErrorIsAsked(const ErrorTarget& target);
-// And for those that say something else than it.
+// The same, and for options that contradict --error.
 void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, const std::vector<Aov>& aovs);
 
-// What the scene's picture takes; `request` becomes one that such a picture's batches are like. `backend` is
-// who computes, for the rounding. `progress` must outlive the job.
+// The job for the scene's image; `request` becomes like those of its batches. `backend`: for the rounding
+// error. `progress` must outlive the job.
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
                     Progress& progress);
 
+// For --stats json: numbers that are not finite are null.
 nlohmann::json errorJson(const ErrorTarget& target, const converge::Result& result);
-// The same for a picture's file: glint.error.asked and so on; true is 1, what is not finite is left out.
+// The same for an image's file: glint.error.asked and so on; true is 1, null is left out.
 PictureNotes errorNotes(const ErrorTarget& target, const converge::Result& result);
 std::string errorSummary(const ErrorTarget& target, const converge::Result& result);
-// Says on `err` that the target was not reached, and why; nothing if it was.
+// Prints a warning with the reason if the target was not reached.
 void warnAboutError(const ErrorTarget& target, const converge::Result& result, const std::string& start,
                     std::ostream& err);
 

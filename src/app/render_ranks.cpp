@@ -65,7 +65,8 @@ int renderAsFirst(const RenderCommand& command, farm::Transport& transport, std:
     ranks.begin(header, windowOf(header, unit, rows),
                 [&](const farm::UnitResult& result) { picture->add(result); });
     {
-        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err, isTerminal(err));
+        Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
+                          isTerminal(err));
         while (const auto part = ranks.next([&] { progress.update(ranks.share()); })) {
             const auto show = [&](double done) { progress.update(ranks.share() + done / header.parts); };
             const auto result = units->draw(*part, show, [&] { return ranks.failed(); });

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <ostream>
 #include <optional>
+#include <ostream>
 #include <vector>
 
 #include "app/common.h"
@@ -31,9 +31,9 @@ std::filesystem::path partPath(const RenderCommand& command) {
         path = command.scene.scene.stem().string() + "." + std::to_string(command.part->number) + "-of-" +
                std::to_string(command.part->of) + farm::kPartExtension;
     if (path.extension() != farm::kPartExtension)
-        throw Error(ErrorKind::Argument,
-                    path.string() +
-                        ": the name of a part ends in .part; glint merge makes an image from the parts");
+        throw Error(
+            ErrorKind::Argument,
+            path.string() + ": the name of a part ends in .part; glint merge makes an image from the parts");
     checkOutputPath(path);
     return path;
 }

@@ -30,45 +30,29 @@ double fisherQuantile(double tail, double freedom1, double freedom2) {
     return cubeRoot * cubeRoot * cubeRoot;
 }
 
-void MeanSquareSum::add(double square, uint32_t replicates) {
-    if (!std::isfinite(square)) return;
-    // With d the estimate by R replicates, of normal samples, E[d^2] = (R + 1) / (R - 1) E[d]^2, so that its
-    // variance, 2 / (R - 1) E[d]^2, is 2 / (R + 1) of the second moment, and the variance of (mean - truth)^2
-    // R - 1 times as much. With two the whole second moment is taken, which is no less than the variance
-    // whatever the distribution; with more twice what normal samples need, as pixels of which few samples see
-    // something are skew: those that saw less err more than their replicates show.
-    const double r = replicates;
-    const double variance = (replicates == 2 ? 3 : 4) / (r + 1) * square * square;
-    sum_ += square;
-    ofEstimate_ += variance;
-    ofError_ += (r - 1) * variance;
-    if (replicates == 2) byTwo_ += variance;
-    ++pixels_;
-}
-
-MeanSquare MeanSquareSum::result() const {
-    if (pixels_ == 0) return {};
-    const double value = sum_ / static_cast<double>(pixels_);
-    if (ofEstimate_ == 0) return {value, 0, 0, pixels_};
-    // Satterthwaite's number is 2 (sum of E[d])^2 over the variance of the sum (F. E. Satterthwaite,
-    // Biometrics Bulletin 2, 1946). Estimated from few pixels by two replicates it comes out up to 2 too
-    // high: with 1 pixel it is always 2.
-    const double tooHigh = 2 * byTwo_ / ofEstimate_;
-    return {value, 2 * sum_ * sum_ / ofEstimate_ - tooHigh, 2 * sum_ * sum_ / ofError_ - tooHigh, pixels_};
-}
-
 MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::dvec3> second) {
-    MeanSquareSum sum;
+    MeanSquare mean;
+    double sum = 0, squares = 0;
     for (size_t i = 0; i < first.size(); ++i) {
         const glm::dvec3 half = (first[i] - second[i]) / 2.0;
-        sum.add(glm::dot(half, half) / 3, 2);
+        const double square = glm::dot(half, half) / 3;
+        if (!std::isfinite(square)) continue;
+        sum += square;
+        squares += square * square;
+        ++mean.pixels;
     }
-    return sum.result();
+    if (mean.pixels == 0) return mean;
+    mean.value = sum / static_cast<double>(mean.pixels);
+    // Satterthwaite's number is 2 (sum of E[d])^2 over the variance of the sum (F. E. Satterthwaite,
+    // Biometrics Bulletin 2, 1946). The second moment bounds the variance of d for any distribution. From few
+    // pixels the number comes out up to 2 too high: from 1 pixel it is always 2.
+    if (squares > 0) mean.freedom = 2 * sum * sum / squares - 2;
+    return mean;
 }
 
 double rootMeanSquareBound(const MeanSquare& estimate, double tail) {
     if (estimate.value == 0) return 0;
-    return std::sqrt(estimate.value * fisherQuantile(tail, estimate.realized, estimate.freedom));
+    return std::sqrt(estimate.value * fisherQuantile(tail, estimate.freedom, estimate.freedom));
 }
 
 double unseenBound(size_t pixels, double samples, double tail) {
@@ -76,56 +60,11 @@ double unseenBound(size_t pixels, double samples, double tail) {
     return -std::expm1(std::log(tail) / samples) / std::sqrt(static_cast<double>(pixels));
 }
 
-// With mean square s, estimate s X and realised s Y, X and Y independent, the claim is made and false if X <=
-// E^2 / (s q) and Y > E^2 / s. About log-normal with variances in proportion to 1 / freedom, both are
-// likeliest together at some s; the quantile is such that they then have the probability `tail`.
-double tailOfClaim(double tail, double realized, double freedom) {
-    const auto above = [](double z) { return std::erfc(z / std::sqrt(2.0)) / 2; };
-    // As many of either: each is then off by the root of q alone.
-    if (realized == freedom) return std::erfc(normalQuantile(std::sqrt(tail))) / 2;
-    if (!(realized > 0 && freedom > 0)) return tail;
-    const double ofError = std::sqrt(freedom / (realized + freedom)),
-                 ofEstimate = std::sqrt(1 - ofError * ofError);
-    const auto likeliest = [&](double z) {
-        double most = 0;
-        for (int i = 0; i <= 200; ++i) {
-            const double part = z * i / 100 - z / 2;  // of log q that the error is off by
-            most = std::max(most, above(part / ofError) * above((z - part) / ofEstimate));
-        }
-        return most;
-    };
-    double low = 0, high = normalQuantile(tail);
-    for (int i = 0; i < 40; ++i) {
-        const double middle = (low + high) / 2;
-        (likeliest(middle) > tail ? low : high) = middle;
-    }
-    return above(high);
-}
-
-void BoundedMean::add(double x, double tail) {
-    // Theorem 2 with c = 1/2: what is bet on this observation depends on earlier ones alone.
-    const double before = (0.5 + sum_) / (count_ + 1.0);
-    const double variance = squares_ / (count_ + 1.0);
-    const double number = count_ + 1.0;
-    const double bet =
-        std::min(0.5, std::sqrt(2 * std::log(2 / tail) / (variance * number * std::log(1 + number))));
-    const double away = 4 * (x - before) * (x - before);
-    price_ += away * (-std::log(1 - bet) - bet) / 4;
-    bets_ += bet;
-    betSum_ += bet * x;
-    sum_ += x;
-    ++count_;
-    const double after = (0.5 + sum_) / (count_ + 1.0);
-    squares_ += (x - after) * (x - after);
-}
-
-double BoundedMean::halfWidth(double tail) const {
-    if (count_ == 0) return 1;
-    const double center = betSum_ / bets_;
-    const double width = (std::log(2 / tail) + price_) / bets_;
-    // The interval is about the mean weighted by bets; what is shown is the plain mean.
-    const double low = std::max(center - width, 0.0), high = std::min(center + width, 1.0);
-    return std::max(mean() - low, high - mean());
+// With mean square s, estimate s X and realised s Y, X and Y independent and alike, the claim is made and
+// false if X <= E^2 / (s q) and Y > E^2 / s. Both are likeliest together at s = E^2 / sqrt(q), where each is
+// off by the root of q alone.
+double tailOfClaim(double tail) {
+    return std::erfc(normalQuantile(std::sqrt(tail))) / 2;
 }
 
 }  // namespace glint::converge

@@ -18,30 +18,15 @@ double normalQuantile(double tail);
 // approximation has no quantile (freedom2 below 2, or so small a tail that it leaves its range).
 double fisherQuantile(double tail, double freedom1, double freedom2);
 
-// What independent estimates of the same picture say of the error of their mean.
+// The error of an image that is the mean of two replicates.
 struct MeanSquare {
-    double value = 0;     // unbiased estimate of the mean over pixels and channels of (mean - truth)^2
-    double freedom = 0;   // degrees of freedom: as many pixels of equal variance would tell as much
-    double realized = 0;  // and those of the mean square itself, which more replicates do not add to
-    size_t pixels = 0;    // that were finite
+    double value = 0;    // unbiased estimate of the mean over pixels and channels of (image - truth)^2
+    double freedom = 0;  // degrees of freedom of that estimate, and of the realised mean square
+    size_t pixels = 0;   // that were finite
 };
 
-// Gathers a MeanSquare of pixels that may have different numbers of replicates. Pixels must be independent of
-// each other.
-class MeanSquareSum {
-  public:
-    // `square`: unbiased estimate of the mean over channels of (mean - truth)^2 by so many replicates, 2 or
-    // more. One that is not finite is left out.
-    void add(double square, uint32_t replicates);
-    MeanSquare result() const;
-
-  private:
-    size_t pixels_ = 0;
-    double sum_ = 0, ofEstimate_ = 0, ofError_ = 0, byTwo_ = 0;
-};
-
-// `first` and `second`: means of one replicate each, all pixels in the same order. Pixels must be independent
-// of each other; channels need not be. A pixel that is not finite in either is left out.
+// `first` and `second`: one replicate's means each, with the pixels in the same order. Pixels must be
+// independent of each other; channels need not be. Pixels that are not finite are left out.
 MeanSquare meanSquareOf(std::span<const glm::dvec3> first, std::span<const glm::dvec3> second);
 
 // The realised root mean square is at most this with probability 1 - tail: realised and estimated mean square
@@ -54,29 +39,9 @@ double rootMeanSquareBound(const MeanSquare& estimate, double tail);
 // tail^(1 / samples) of the pixel. Details in more pixels that come to as much are missed less often.
 double unseenBound(size_t pixels, double samples, double tail);
 
-// One error E is given beforehand, and claimed where E^2 is at least the estimate times Fisher's quantile for
-// this tail: such a claim is false with probability `tail` at most, whatever the true mean square. It is a
-// weaker statement than a bound that names its own number, and so a cheaper one: most where estimate and
-// error have as many degrees of freedom, and nothing where the estimate is sure.
-double tailOfClaim(double tail, double realized, double freedom);
-
-// A confidence sequence for the mean of independent observations in [0, 1] with one expectation: with
-// probability 1 - tail the mean is inside of the interval after every observation at once, so whoever looks
-// may stop whenever they like. The predictable plug-in empirical Bernstein sequence of I. Waudby-Smith,
-// A. Ramdas, "Estimating means of bounded random variables by betting", JRSS B 86(1), 2024, theorem 2.
-class BoundedMean {
-  public:
-    void add(double x, double tail);  // the same tail each time
-    uint32_t count() const { return count_; }
-    double mean() const { return count_ > 0 ? sum_ / count_ : 0.5; }
-    // How far the expectation may be from mean(); 1 before the first observation.
-    double halfWidth(double tail) const;
-
-  private:
-    uint32_t count_ = 0;
-    double sum_ = 0;
-    double squares_ = 0.25;  // 1/4 + sum of (x - running mean)^2, of the running mean after x
-    double bets_ = 0, betSum_ = 0, price_ = 0;
-};
+// The tail for Fisher's quantile with which "the error is at most E" may be claimed: claimed if E^2 is at
+// least the estimate times the quantile, it is false with probability at most `tail`, whatever the true mean
+// square. E is given beforehand, so the claim costs less than a bound that chooses its own number.
+double tailOfClaim(double tail);
 
 }  // namespace glint::converge

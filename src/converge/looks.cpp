@@ -71,7 +71,7 @@ bool Looks::look(const MeanSquare& estimate, uint32_t count, double allowed) {
         ++paid_;
         paidCount_ = count;
     }
-    const double tail = tailOfClaim(claimTail(risk_, paid_), estimate.realized, estimate.freedom);
+    const double tail = tailOfClaim(claimTail(risk_, paid_));
     const double claimed = rootMeanSquareBound(estimate, tail);
     // Replicates that agree may both have missed something.
     const double unseen = unseenBound(estimate.pixels, 2.0 * count, risk_);

@@ -21,10 +21,6 @@ class Looks {
     // True if the claim may be made that the sampling error is at most that.
     bool look(const MeanSquare& estimate, uint32_t count, double allowed);
 
-    // The next look is at other samples, which have nothing in common with those before. What is spent of the
-    // chance of error stays spent.
-    void startAnew() { paidCount_ = lastCount_ = 0; }
-
     // An upper bound of the sampling error at the last look; with the confidence for all looks together.
     double bound() const { return bound_; }
     // The sampling error as the last look estimates it: no bound.

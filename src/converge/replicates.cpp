@@ -18,14 +18,12 @@ ImageSettings settingsOf(const ImageSettings& image, uint32_t number) {
     return settings;
 }
 
-// The root mean square over the pixels of bounds that sum to `sum`, none above `greatest`, is largest where
-// as many pixels as possible have the greatest.
-double boundOf(const LostBranches& lost, size_t pixels, uint64_t samples, Measure measure) {
+// The root mean square over the pixels of bounds that sum to `sum`, each at most `greatest`, is largest if as
+// many pixels as possible have the greatest.
+double boundOf(const LostBranches& lost, size_t pixels, uint64_t samples) {
     if (lost.count == 0 || samples == 0) return 0;
     const double taken = static_cast<double>(samples);
-    const double greatest = lost.greatest / taken;
-    if (measure == Measure::Pixel) return greatest;
-    return std::sqrt(greatest * (lost.sum / taken) / static_cast<double>(pixels));
+    return std::sqrt(lost.greatest / taken * (lost.sum / taken) / static_cast<double>(pixels));
 }
 
 void addWeighted(LostBranches& sum, const LostBranches& batch, double weight) {
@@ -34,7 +32,7 @@ void addWeighted(LostBranches& sum, const LostBranches& batch, double weight) {
     sum.greatest += batch.greatest * weight;
 }
 
-// Deeper than this is not tried for advice: paths that still carry light are those of mirrors that lose none.
+// The greatest depth that is tried for advice; deeper paths carry light only between lossless mirrors.
 constexpr uint32_t kDeepestAdvice = 127;
 static_assert(kDeepestAdvice <= kMaxBounces);
 
@@ -46,9 +44,7 @@ std::string number(double value) {
     return text;
 }
 
-// Which depth leaves out less than `allowed`: tried by a sample of each pixel. What lies beyond falls with
-// the depth in most scenes; mirrors that lose nothing keep all of it, and trees of rays may grow too large to
-// try.
+// Finds a depth that leaves out less than `allowed`, by one sample of each pixel.
 std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     const Stopwatch watch;
     Request request = job.request;
@@ -69,13 +65,12 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
         };
         if (!Replicate(job.image, 0).take(counted, request, count))
             return "maxDepth " + std::to_string(depth) + " takes too long to try";
-        if (ledger.depth(job.target.measure) < allowed)
-            return "--max-depth " + std::to_string(depth) + " would do";
+        if (ledger.depth() < allowed) return "--max-depth " + std::to_string(depth) + " would do";
     }
     return "no maxDepth up to " + std::to_string(kDeepestAdvice) + " would do";
 }
 
-// Pixels are stored as fp32, whatever computes them: half of its last digit is left of any picture.
+// Half an ulp at 1 of the fp32 that images store.
 constexpr double kStored = 0x1p-24;
 
 std::string roundingAdvice(const Job& job, double rounding) {
@@ -133,120 +128,30 @@ bool Replicate::take(const Draw& draw, const Request& request, uint32_t count) {
     return true;
 }
 
-Sums::Sums(const ImageSettings& image, uint32_t number, SpotPlan spotPlan) : Sums(image, number) {
-    plan = std::move(spotPlan);
-    for (const Region& region : plan.regions) {
-        spots.push_back({region, {}});
-        for (uint32_t i = 0; i < plan.replicates; ++i)
-            spots.back().replicates.emplace_back(image, number + 2 + i);
-    }
-}
-
-namespace {
-
-// Of the places of `region` in `whole`, and in itself.
-template <class Use>
-void eachPixel(const Region& region, const Region& whole, Use&& use) {
-    size_t i = 0;
-    for (int y = region.y0; y < region.y1; ++y)
-        for (int x = region.x0; x < region.x1; ++x, ++i)
-            use(static_cast<size_t>(y - whole.y0) * static_cast<size_t>(whole.width()) +
-                    static_cast<size_t>(x - whole.x0),
-                i);
-}
-
-// Mean of the replicates' means of a pixel, and the mean square of its error by channel.
-struct PixelError {
-    glm::dvec3 mean{0}, square{0};
-};
-
-PixelError errorOf(const std::vector<Replicate>& replicates, size_t pixel) {
-    const auto count = static_cast<double>(replicates.size());
-    PixelError error;
-    for (const Replicate& r : replicates) error.mean += r.means()[pixel] / count;
-    for (const Replicate& r : replicates) {
-        const glm::dvec3 away = r.means()[pixel] - error.mean;
-        error.square += away * away / (count * (count - 1));
-    }
-    return error;
-}
-
-}  // namespace
-
-std::vector<double> Sums::squares(const Region& whole) const {
-    std::vector<double> all(first.means().size());
-    for (size_t i = 0; i < all.size(); ++i) {
-        const glm::dvec3 half = (first.means()[i] - second.means()[i]) / 2.0;
-        all[i] = glm::dot(half, half) / 3;
-    }
-    for (const Spot& spot : spots)
-        eachPixel(spot.region, whole, [&](size_t at, size_t i) {
-            const glm::dvec3 square = errorOf(spot.replicates, i).square;
-            all[at] = (square.x + square.y + square.z) / 3;
-        });
-    return all;
-}
-
-MeanSquare Sums::estimate(const Region& whole) const {
-    const std::vector<double> all = squares(whole);
-    std::vector<uint32_t> replicates(all.size(), 2);
-    for (const Spot& spot : spots)
-        eachPixel(spot.region, whole, [&](size_t at, size_t) { replicates[at] = plan.replicates; });
-    MeanSquareSum sum;
-    for (size_t i = 0; i < all.size(); ++i) sum.add(all[i], replicates[i]);
-    return sum.result();
-}
-
-void Sums::writeTo(Picture& picture) const {
-    const auto write = [&](size_t at, const glm::dvec3& mean, double alpha, const glm::dvec3& error) {
-        float* pixel = &picture.color.pixels[at * 4];
-        for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(mean[c]);
-        pixel[3] = static_cast<float>(alpha);
-        picture.errors[at] = static_cast<float>(std::max({error.x, error.y, error.z}));
-    };
-    picture.samples.assign(picture.done.size(), first.count() + second.count());
-    picture.errors.resize(picture.done.size());
-    // Interrupted between the replicates, the second is behind; the first's sums went on.
-    for (size_t i = 0; i < picture.done.size(); ++i) {
-        const glm::dvec3 a = first.means()[i], b = second.means()[i];
-        write(i, (a + b) / 2.0, (first.alphas()[i] + second.alphas()[i]) / 2, glm::abs(a - b) / 2.0);
-    }
-    for (const Spot& spot : spots) {
-        uint32_t taken = 0;
-        for (const Replicate& r : spot.replicates) taken += r.count();
-        eachPixel(spot.region, picture.region, [&](size_t at, size_t i) {
-            double alpha = 0;
-            for (const Replicate& r : spot.replicates) alpha += r.alphas()[i] / plan.replicates;
-            const PixelError error = errorOf(spot.replicates, i);
-            write(at, error.mean, alpha, glm::sqrt(error.square));
-            picture.samples[at] = taken;
-        });
-    }
-}
-
-bool Replicates::look(const Target& target, double rounding, const Region& whole, State& state) {
+bool Replicates::look(const Target& target, double rounding, State& state) {
     ++state.rounds;
-    state.samplesPerPixel = mostEach() * first.count();
-    state.leastSamples = 2 * first.count();
+    state.samplesPerPixel = 2 * first.count();
     state.budget.rounding = rounding;
     state.budget.depthCounts = target.depthCounts;
-    ledger.writeTo(state.budget, Measure::Rmse);
-    // So little less that the sum of all parts, rounded, is not above the target.
+    ledger.writeTo(state.budget);
+    // Slightly less, so that the rounded sum of all parts is at most the target.
     const double allowed = (target.error - state.budget.fixed()) * (1 - 1e-15);
-    const bool reached = looks.look(estimate(whole), first.count(), allowed);
+    const bool reached = looks.look(meanSquareOf(first.means(), second.means()), first.count(), allowed);
     state.budget.sampling = looks.bound();
     state.estimate = looks.estimate();
     return reached;
 }
 
-void Replicates::goOnWith(Sums&& other) {
-    static_cast<Sums&>(*this) = std::move(other);
-    looks.startAnew();
-}
-
-void Ledger::addFaults(const Picture& picture) {
-    notFinite_ = std::max(notFinite_, picture.notFinite);
-    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
+void Replicates::writeTo(Picture& picture) const {
+    picture.samples.assign(picture.done.size(), first.count() + second.count());
+    picture.errors.resize(picture.done.size());
+    // After an interrupt the second replicate may have fewer samples than the first.
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        const glm::dvec3 a = first.means()[i], b = second.means()[i], error = glm::abs(a - b) / 2.0;
+        for (int c = 0; c < 3; ++c) picture.color.pixels[4 * i + c] = static_cast<float>((a[c] + b[c]) / 2);
+        picture.color.pixels[4 * i + 3] = static_cast<float>((first.alphas()[i] + second.alphas()[i]) / 2);
+        picture.errors[i] = static_cast<float>(std::max({error.x, error.y, error.z}));
+    }
 }
 
 void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
@@ -261,18 +166,18 @@ void Ledger::add(const TreeLosses& losses, size_t pixels, uint32_t count) {
 
 void Ledger::add(const Picture& picture, uint32_t count) {
     add(picture.losses, picture.done.size(), count);
-    addFaults(picture);
+    notFinite_ = std::max(notFinite_, picture.notFinite);
+    if (firstNotFinite_.x < 0) firstNotFinite_ = picture.firstNotFinite;
     if (data_.empty()) data_ = picture.data;
 }
 
-double Ledger::depth(Measure measure) const {
-    return boundOf(losses_.depth, pixels_, samples_, measure);
+double Ledger::depth() const {
+    return boundOf(losses_.depth, pixels_, samples_);
 }
 
-void Ledger::writeTo(ErrorBudget& budget, Measure measure) const {
-    budget.depth = depth(measure);
-    budget.cut =
-        boundOf(losses_.cut, pixels_, samples_, measure) + boundOf(losses_.room, pixels_, samples_, measure);
+void Ledger::writeTo(ErrorBudget& budget) const {
+    budget.depth = depth();
+    budget.cut = boundOf(losses_.cut, pixels_, samples_) + boundOf(losses_.room, pixels_, samples_);
 }
 
 void Ledger::writeTo(Picture& picture) const {
@@ -296,11 +201,11 @@ void checkReachable(const Draw& draw, const Job& job, const ErrorBudget& budget)
                                              roundingAdvice(job, budget.rounding));
     if (budget.rounding + budget.cut >= wanted)
         throw Error(ErrorKind::Argument, start + "branches that were cut may have added " +
-                                             number(budget.cut) + "; ask for a lower --min-contribution");
-    throw Error(ErrorKind::Argument,
-                start + "reflections and refractions beyond maxDepth may add " + number(budget.depth) + "; " +
-                    depthAdvice(draw, job, wanted / 2 - budget.rounding - budget.cut) +
-                    "; --within-depth takes the depth as it is, and counts nothing beyond it");
+                                             number(budget.cut) + "; use a lower --min-contribution");
+    throw Error(ErrorKind::Argument, start + "reflections and refractions beyond maxDepth may add " +
+                                         number(budget.depth) + "; " +
+                                         depthAdvice(draw, job, wanted / 2 - budget.rounding - budget.cut) +
+                                         "; --within-depth counts nothing beyond maxDepth");
 }
 
 }  // namespace glint::converge

@@ -45,7 +45,8 @@ const mpi::Module& loadModule() {
     const fs::path file = moduleFile();
     if (file.empty())
         failed(
-            "started by mpirun, but this glint has no glint-mpi.so (Debian package glint-mpi; built where MPI is "
+            "started by mpirun, but this glint has no glint-mpi.so (Debian package glint-mpi; built where "
+            "MPI is "
             "found); --part needs no MPI");
     // Global: Open MPI's own plugins look for its symbols there.
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);

@@ -158,7 +158,8 @@ void FirstRank::handle(int from, ByteReader& in) {
 void FirstRank::judge(int from, const UnitHeader& header) {
     const std::string other = difference(header.identity, header_->identity);
     if (!other.empty())
-        fail(Error(ErrorKind::Failed, "rank " + std::to_string(from) + " would render another image: " + other));
+        fail(Error(ErrorKind::Failed,
+                   "rank " + std::to_string(from) + " would render another image: " + other));
 }
 
 void FirstRank::accept(const UnitResult& result) {

@@ -1,8 +1,8 @@
-// One image rendered by the ranks of a transport. Rank 0 reads the scene's files and passes them on, hands out
-// units, renders units itself and takes all results; the other ranks render.
+// One image rendered by the ranks of a transport. Rank 0 reads the scene's files and passes them on, hands
+// out units, renders units itself and takes all results; the other ranks render.
 //
-// The files go down a binary tree: rank r passes each piece on to 2 r + 1 and 2 r + 2. A rank that fails sends
-// the error to rank 0 and waits; rank 0 fails with it, and the caller then ends all processes.
+// The files go down a binary tree: rank r passes each piece on to 2 r + 1 and 2 r + 2. A rank that fails
+// sends the error to rank 0 and waits; rank 0 fails with it, and the caller then ends all processes.
 #pragma once
 
 #include <atomic>

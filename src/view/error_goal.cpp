@@ -56,7 +56,7 @@ bool ErrorGoal::looks() const {
 
 void ErrorGoal::look(double rounding) {
     converge::State& state = facts_.state;
-    const bool reached = both_.look(target_, rounding, region_, state);
+    const bool reached = both_.look(target_, rounding, state);
     if (!knowsDepth_) state.budget.depth = std::numeric_limits<double>::infinity();
     facts_.looks.push_back({static_cast<int>(state.samplesPerPixel), state.budget.total()});
     if (state.budget.fixed() >= target_.error)

@@ -70,45 +70,5 @@ TEST(ConvergeSlow, StoppingHardlyBiasesAPicture) {
     expectLittle(jobOf(0.05), kSide);
 }
 
-// Where four pixels of very skew samples have nearly all of the error, it is they who stop the picture: they
-// drift by 0.17 of their error, drawn apart or not. That drawing apart adds nothing is what this holds: it
-// chooses them by samples that the picture has not.
-TEST(ConvergeSlow, DrawingApartBiasesNoMoreThanStopping) {
-    constexpr uint32_t kSeeds = 1000;
-    const auto sun = [](int x, int y) { return (x == 13 || x == 14) && (y == 17 || y == 18); };
-    const Film edges = edgeFilm();
-    const Film film = {[&](int x, int y) { return sun(x, y) ? 2.0 : edges.truth(x, y); },
-                       [&](int x, int y, double random) {
-                           if (!sun(x, y)) return edges.sample(x, y, random);
-                           return random < 0.05 ? 40.0 : 0.0;
-                       }};
-    double sum = 0, squares = 0, within = 0;
-    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
-        const Result result = converge(drawOf(film), jobOf(0.05, seed));
-        double mean = 0;
-        for (const int x : {13, 14}) {
-            for (const int y : {17, 18}) {
-                const double away = result.picture.color.pixels[result.picture.indexOf(x, y) * 4] - 2;
-                mean += away / 4;
-                within += away * away / (4 * kSeeds);
-            }
-        }
-        sum += mean;
-        squares += mean * mean;
-    }
-    const double drift = sum / kSeeds, deviation = std::sqrt((squares / kSeeds - drift * drift) / kSeeds);
-    const double error = std::sqrt(within);
-    std::printf("drift over a heavy pixel's error: %.4f +- %.4f\n", drift / error, deviation / error);
-    EXPECT_LE(std::abs(drift), 0.17 * error + 2 * deviation);
-    EXPECT_LE(deviation, 0.025 * error) << "tells nothing";
-}
-
-TEST(ConvergeSlow, StoppingHardlyBiasesAPixel) {
-    Job job = jobOf(0.2);
-    job.target.measure = Measure::Pixel;
-    job.radianceBound = 1;
-    for (const int side : {1, 8}) expectLittle(job, side);
-}
-
 }  // namespace
 }  // namespace glint::converge::slow_test
