@@ -114,9 +114,6 @@ float ownLength(vec3 v) { return squareRoot(ownDot(v, v)); }
 vec3 ownCross(vec3 a, vec3 b) {
     return vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
 }
-#ifdef GLINT_FP64
-double ownDot(dvec3 a, dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-#endif
 #define dot ownDot
 #define length ownLength
 #define cross ownCross

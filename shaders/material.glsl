@@ -70,11 +70,7 @@ struct Met {
 
 // Whether a ray that meets a surface of this kind comes from the inner side. What is round says so itself
 // where sides count (kTellsSides), and needs no normal then.
-#ifdef GLINT_FP64
-const bool kSpheresTell = false;
-#else
 const bool kSpheresTell = kTellsSides && SPHERE_FORM == kSphereRobust;
-#endif
 bool leavesThrough(uint kind, Hit hit, Surface surface, vec3 direction) {
     bool told = (kSpheresTell && kind == kKindSphere) || (kTellsSides && kind == kKindQuadric);
     return told ? hit.u == kLeaves : dot(surface.geometricNormal, direction) > 0.0;

@@ -70,11 +70,7 @@ void fillObjectUv(uint kind, inout Surface surface) {
         surface.uv = objectUv(surface.object, surface.position, surface.geometricNormal);
 }
 
-#ifdef GLINT_FP64
-const bool kSettlesSlivers = false;
-#else
 const bool kSettlesSlivers = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
-#endif
 
 // hit.primitive must not be kNone. That of a sliver is settled.
 Surface surfaceAt(Ray ray, inout Hit hit) {

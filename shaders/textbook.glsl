@@ -7,9 +7,6 @@
 
 #include "ray.glsl"
 #include "storage.glsl"
-#ifdef GLINT_FP64
-#include "double.glsl"
-#endif
 
 bool inInterval(Ray ray, float t) { return t > 0.0 && t > ray.tMin && t <= ray.tMax; }
 

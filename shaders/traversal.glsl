@@ -53,7 +53,7 @@ uint planesInLeaf;
 // Whether rays that start on a surface look again at triangles that they are found to meet (liesBehind): at
 // the end of the walk, since on lavapipe what stands in it is paid for with each triangle; at once where a
 // hit does not end it, or the code's length does not matter (looksAtOnce).
-#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY) || defined(GLINT_FP64)
+#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY)
 const bool kLooksAgain = false;
 #else
 const bool kLooksAgain = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;

@@ -15,11 +15,7 @@ bool intersectPlane(Ray ray, Plane plane, out float t) {
 }
 
 bool meetPlane(Ray ray, Plane plane, out float t) {
-#ifdef GLINT_FP64
-    return planeInDouble(ray, plane, t);
-#else
     return intersectPlane(ray, plane, t);
-#endif
 }
 
 void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {

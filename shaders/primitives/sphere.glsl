@@ -59,11 +59,7 @@ bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float s
     side = 0.0;
     if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
     if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
-#ifdef GLINT_FP64
-    return sphereInDouble(ray, sphere, own, t);
-#else
     return intersectSphere(ray, sphere, primitive, t, side);
-#endif
 }
 
 bool hitSphere(Ray ray, RayFrame frame, Sphere sphere, uint primitive, inout uint trips, out Hit hit) {

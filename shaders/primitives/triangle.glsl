@@ -188,22 +188,14 @@ bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out f
     if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
     if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
     if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
-#ifdef GLINT_FP64
-    return triangleInDouble(ray, triangle, t, u, v);
-#else
     return intersectTriangle(ray, frame, triangle, t, u, v);
-#endif
 }
 
 // crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
 // triangle is for itself.
 bool crossesOnce(Ray ray, RayFrame frame, Triangle triangle) {
     if (INTERSECTOR != kTriangleWatertight) return true;
-#ifdef GLINT_FP64
-    return crossesInDouble(ray, triangle);
-#else
     return crossesTriangle(ray, frame, triangle);
-#endif
 }
 
 void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {

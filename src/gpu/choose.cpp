@@ -126,7 +126,6 @@ DeviceLimits leastLimits(DeviceLimits limits) {
     atMost(limits.maxStorageImagesPerStage, 4);
     atMost(limits.subgroupSize, 1);
     limits.subgroupShuffle = false;
-    limits.float64 = false;
     limits.timestampPeriod = 0;
     return limits;
 }

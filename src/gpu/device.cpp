@@ -37,7 +37,6 @@ void openDevice(DeviceState& state) {
     // Lanes without work read what an index that nobody wrote points to, and drop it. Every Vulkan device has
     // this feature, and with it such a read is one of some number instead of undefined.
     features.robustBufferAccess = VK_TRUE;
-    features.shaderFloat64 = state.physical.info.limits.float64 ? VK_TRUE : VK_FALSE;
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     info.queueCreateInfoCount = 1;

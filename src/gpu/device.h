@@ -27,7 +27,6 @@ struct DeviceLimits {
     uint32_t maxStorageImagesPerStage = 0;
     uint32_t subgroupSize = 0;
     bool subgroupShuffle = false;  // compute shaders can shuffle, by index and by exclusive or
-    bool float64 = false;          // shaders can compute in double precision; enabled where it is so
     double timestampPeriod = 0;    // nanoseconds a tick; 0: no timestamps on the compute queue
 };
 

@@ -96,7 +96,6 @@ void queryVulkan11(const InstanceTable& vk, PhysicalDevice& device,
     VkPhysicalDeviceFeatures2 features{};
     features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
     vk.vkGetPhysicalDeviceFeatures2(device.handle, &features);
-    device.info.limits.float64 = features.features.shaderFloat64 == VK_TRUE;
     if (knowsDriver) {
         device.info.driver = driver.driverName;
         if (driver.driverInfo[0] != 0) device.info.driver += std::string(" ") + driver.driverInfo;

@@ -1,19 +1,12 @@
 #include "render/kernel_choice.h"
 
-#include <string>
-
-#include "core/error.h"
 #include "pack/request_environment.h"
 
 namespace glint::render {
 
 const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays) {
     if (options.kernels) return *options.kernels;
-    if (options.doublePrecision && arrays == Arrays::Together)
-        throw Error(ErrorKind::Device, "double precision needs " + std::to_string(GLINT_BINDING_COUNT) +
-                                           " storage buffers for a kernel, which this device does not bind");
-    if (arrays == Arrays::Together) return togetherKernels();
-    return options.doublePrecision ? doubleKernels(access) : embeddedKernels(access);
+    return arrays == Arrays::Together ? togetherKernels() : embeddedKernels(access);
 }
 
 std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets) {

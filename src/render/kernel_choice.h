@@ -9,7 +9,6 @@
 
 namespace glint::render {
 
-// Throws Error(Device) for double precision on a device that cannot bind what its kernels read.
 const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays);
 
 // Those that draw the request, with packets for camera rays or without.

@@ -17,17 +17,11 @@
 #include "generate_together.spv.h"
 #include "intersect.spv.h"
 #include "intersect_any.spv.h"
-#include "intersect_any_fp64.spv.h"
-#include "intersect_any_fp64_texel.spv.h"
 #include "intersect_any_texel.spv.h"
 #include "intersect_any_together.spv.h"
-#include "intersect_fp64.spv.h"
-#include "intersect_fp64_texel.spv.h"
 #include "intersect_texel.spv.h"
 #include "intersect_together.spv.h"
 #include "light.spv.h"
-#include "light_fp64.spv.h"
-#include "light_fp64_texel.spv.h"
 #include "light_packet.spv.h"
 #include "light_packet_texel.spv.h"
 #include "light_texel.spv.h"
@@ -101,21 +95,6 @@ const KernelCode& togetherKernels() {
                                         certify_together_spv,
                                         {}};
     return together;
-}
-
-const KernelCode& doubleKernels(gpu::Access access) {
-    const auto with = [](KernelCode code, std::span<const uint32_t> closest, std::span<const uint32_t> any,
-                         std::span<const uint32_t> light) {
-        code.intersect = closest;
-        code.intersectAny = any;
-        code.light = light;
-        return code;
-    };
-    static const KernelCode storage = with(embeddedKernels(gpu::Access::StorageBuffer), intersect_fp64_spv,
-                                           intersect_any_fp64_spv, light_fp64_spv);
-    static const KernelCode texel = with(embeddedKernels(gpu::Access::TexelBuffer), intersect_fp64_texel_spv,
-                                         intersect_any_fp64_texel_spv, light_fp64_texel_spv);
-    return access == gpu::Access::TexelBuffer ? texel : storage;
 }
 
 }  // namespace glint::render

@@ -26,8 +26,4 @@ const KernelCode& embeddedKernels(gpu::Access access);
 // The kernels that find the arrays together, without those for packets.
 const KernelCode& togetherKernels();
 
-// Those of embeddedKernels, but triangles, spheres and planes are tested in double precision; for rays by
-// themselves, not for packets, and for devices with DeviceLimits::float64 that bind each array.
-const KernelCode& doubleKernels(gpu::Access access);
-
 }  // namespace glint::render

@@ -38,9 +38,6 @@ struct Options {
     // Auto: only where nothing is asked for that takes a kernel for each step, as `profile`, a traversal, a
     // compaction, or `kernels`.
     WholePaths wholePaths = WholePaths::Auto;
-    // Triangles, spheres and planes in double precision, everything else as ever; ray by ray. Throws
-    // Error(Device) if the device has no double precision. For `glint report`.
-    bool doublePrecision = false;
     // Quotients and square roots by shaders/arithmetic.glsl even where the device's own proved to be the
     // same.
     bool ownArithmetic = false;

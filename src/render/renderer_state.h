@@ -54,8 +54,7 @@ struct Renderer::State {
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
           arrays(chooseArrays(dev.info(), access)),
-          traversal(chooseTraversal(traversalFor(opts.traversal, opts.doublePrecision, dev.info()),
-                                    dev.info(), packed, {}, raysKnown(opts, packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed))),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           pipelines(dev, render::kernelsFor(opts, access, arrays), access, arrays, features, opts.stack,

@@ -187,11 +187,4 @@ TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device,
     return choice;
 }
 
-Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device) {
-    if (!doublePrecision) return wanted;
-    if (!device.limits.float64)
-        throw Error(ErrorKind::Device, device.name + ": cannot compute in double precision (shaderFloat64)");
-    return Traversal::Lane;
-}
-
 }  // namespace glint::render

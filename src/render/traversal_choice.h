@@ -84,10 +84,6 @@ struct TraversalChoice {
 // What was chosen, never Auto: its name.
 std::string_view nameOf(const TraversalChoice& choice);
 
-// What may be wanted with tests in double precision, which packets do not know: Lane, or else `wanted`
-// itself. Throws Error(Device) if the device has no double precision.
-Traversal traversalFor(Traversal wanted, bool doublePrecision, const gpu::DeviceInfo& device);
-
 // Subgroups of 8 lanes that can shuffle.
 bool runsPackets(const gpu::DeviceInfo& device);
 

@@ -113,7 +113,6 @@ std::string weaknessOf(const std::string& family) {
         {"offset: none", "lets surfaces in one place shade each other"},
         {"slab pad: gamma3", "misses boxes where division is only as exact as Vulkan promises"},
         {"slab pad: none", "misses flat boxes at their edges"},
-        {"fp64 tests", "needs double precision, which many devices lack or have at a fraction of the speed"},
     };
     for (const auto& [name, reason] : reasons)
         if (family == name) return reason;

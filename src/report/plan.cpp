@@ -159,7 +159,6 @@ std::string keyOf(const Configuration& c) {
     key += " depth=" + (c.maxDepth ? std::to_string(*c.maxDepth) : std::string("scene"));
     key += " cut=" + number(c.minContribution) + (c.leaveOut ? " pruned" : " full");
     if (c.family == kDefaultAmongMethods) key += " among methods";
-    if (c.doublePrecision) key += " fp64";
     if (c.rayByRay) key += " lane";
     if (c.error) key += " error=" + number(*c.error);
     if (c.contrast) key += " contrast=" + number(*c.contrast);
@@ -191,7 +190,7 @@ bool isJudgedAlone(const Configuration& c) {
 }
 
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64, bool packets,
+                             std::optional<gpu::Access> otherAccess, bool packets,
                              const std::vector<DeviceBeside>& devices) {
     const auto methodsAt = [&](int spp) {
         Batch batch{"methods at " + std::to_string(spp) + (spp == 1 ? " sample" : " samples"), {}};
@@ -200,10 +199,6 @@ std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int ma
         Configuration single;
         single.rayByRay = true;
         if (packets) add(single, "ray by ray", spp, batch);
-        Configuration wide;
-        wide.doublePrecision = true;
-        if (float64 && (features.triangles || features.spheres || features.planes))
-            add(wide, "fp64 tests", spp, batch);
         return batch;
     };
     std::vector<Batch> batches{samplersAt({1, 4, 16})};
@@ -228,8 +223,7 @@ const std::vector<std::string>& familyStarts() {
     static const std::vector<std::string> starts = [] {
         std::vector<std::string> list;
         for (const gpu::Access other : {gpu::Access::StorageBuffer, gpu::Access::TexelBuffer}) {
-            for (const Batch& batch :
-                 planScene(allFeatures(), true, 1, other, true, true, {{"cpu", "", nullptr}})) {
+            for (const Batch& batch : planScene(allFeatures(), true, 1, other, true, {{"cpu", "", nullptr}})) {
                 for (const Configuration& c : batch.configurations) {
                     const std::string start = c.family.substr(0, c.family.find_first_of(" :"));
                     if (std::find(list.begin(), list.end(), start) == list.end()) list.push_back(start);

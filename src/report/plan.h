@@ -29,7 +29,6 @@ struct Configuration {
     std::optional<int> maxDepth;  // empty: the scene's
     double minContribution = 0;
     bool leaveOut = true;
-    bool doublePrecision = false;  // of triangles, spheres and planes
     bool rayByRay = false;  // in the binary tree, where the device and the scene would take another way
     std::optional<gpu::Access> access;  // empty: by the device
     // In place of `spp` samples: until the error is at most this (converge/converge.h); by contrast, at least
@@ -72,11 +71,10 @@ struct Batch {
 };
 
 // Batches, most important first. `otherAccess`: the way of loading that the device would not choose, if it
-// has it; `float64`: whether it computes in double precision; `packets`: whether the default methods go by
-// packets of rays or wide nodes, which do not know all others. `devices`: to be set side by side; may be
-// empty.
+// has it; `packets`: true if the default methods use packets of rays or wide nodes, which lack some of the
+// other methods; `devices`: devices to compare, possibly empty.
 std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool float64, bool packets,
+                             std::optional<gpu::Access> otherAccess, bool packets,
                              const std::vector<DeviceBeside>& devices = {});
 
 // What the names of all families that there are start with, in order of measurement: "grid", ..., "default",

@@ -89,7 +89,6 @@ SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& p
     access_ = probe.access();
     batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
                          loaded_.scene.maxDepth, otherAccess(device_.info(), probe, loaded_.packed),
-                         device_.info().limits.float64,
                          nameOf(probe.traversal()) != nameOf(render::Traversal::Lane), limits_.devices);
     for (Batch& batch : batches_)
         std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
@@ -172,7 +171,6 @@ render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
     if (renderer) return *renderer;
     render::Options options;
     options.leaveOut = c.leaveOut;
-    options.doublePrecision = c.doublePrecision;
     if (c.rayByRay) options.traversal = render::Traversal::Lane;
     options.access = c.access;
     renderer = std::make_unique<render::Renderer>(deviceOf(c), loaded_.packed, options);

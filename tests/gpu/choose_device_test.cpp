@@ -167,14 +167,12 @@ TEST(Refusal, NeedsTheStorageBuffersThatVulkanPromises) {
 TEST(LeastLimits, AreEnoughAndNoMoreThanTheDeviceHas) {
     DeviceLimits limits = sufficientLimits();
     limits.maxStorageBufferRange = 1000;
-    limits.float64 = true;
     limits.subgroupSize = 32;
     const DeviceLimits least = leastLimits(limits);
     EXPECT_EQ(refusal(VK_API_VERSION_1_1, true, least), "");
     EXPECT_EQ(least.maxStorageBufferRange, 1000u);
     EXPECT_EQ(least.maxStorageBuffersPerStage, 4u);
     EXPECT_EQ(least.subgroupSize, 1u);
-    EXPECT_FALSE(least.float64);
 }
 
 }  // namespace

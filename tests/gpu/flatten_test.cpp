@@ -62,7 +62,6 @@ TEST(FlattenSweep, EveryKernelStaysValid) {
     const auto some = constantsWhere([&](uint32_t) { return dice() % 2 == 0; });
     expectValid(render::embeddedKernels(Access::TexelBuffer), all);
     expectValid(render::embeddedKernels(Access::StorageBuffer), none);
-    expectValid(render::doubleKernels(Access::StorageBuffer), some);
     expectValid(render::togetherKernels(), some);
 }
 

@@ -39,8 +39,8 @@ ARITHMETIC = "arithmetic.glsl"
 OPTIMISER = ("--private-to-local --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --ccp --simplify-instructions "
              "--eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive --redundancy-elimination "
              "--eliminate-dead-code-aggressive --compact-ids").split()
-# What verify never draws: double precision is for `glint report`, counts of crossings are for the library, the probe is for the device.
-LEFT_OUT = ("double.glsl", "count.comp", "crossings.glsl", "packet_count.comp", "packet_crossings.glsl", "certify.comp", "certainty.glsl", "packet_certify.comp",
+# Shaders that verify never runs: crossing counts are for the library, the probe is for the device.
+LEFT_OUT = ("count.comp", "crossings.glsl", "packet_count.comp", "packet_crossings.glsl", "certify.comp", "certainty.glsl", "packet_certify.comp",
             "packet_certainty.glsl", "probe.comp")
 
 

@@ -47,48 +47,6 @@ TEST_F(MethodsTest, SameHitsOnPlainTriangles) {
     }
 }
 
-// Options::doublePrecision: of triangles, spheres and planes, t is the reference's, rounded once: half a unit
-// in the last place, and what double itself may be off by; needles and spheres from 4100 radii included.
-TEST_F(MethodsTest, DoublePrecisionRoundsOnce) {
-    Random random(11);
-    Scene scene = emptyScene();
-    for (int i = 0; i < 20; ++i) {
-        const dvec3 at = random.box(3), along = random.direction();
-        addTriangle(scene, at, at + along, at + 0.5 * along + 1e-4 * random.direction());
-        addTriangle(scene, random.box(3), random.box(3), random.box(3));
-    }
-    addSphere(scene, {1, 1, -1}, 0.7);
-    addSphere(scene, {-3000, 2500, 1200}, 1);
-    addPlane(scene, {0, -3, 0}, {0.1, 1, 0.2});
-    const PackedScene packed = packScene(scene);
-    std::vector<RayInput> rays;
-    for (int i = 0; i < 4000; ++i) {
-        const dvec3 target = i % 4 ? random.box(3) : dvec3(-3000, 2500, 1200) + random.box(0.9);
-        rays.push_back(rayTowards(9.0 * random.direction(), target));
-    }
-    Options options;
-    options.doublePrecision = true;
-    Renderer renderer(device(), packed, options);
-    const auto hits = renderer.trace(rays, false);
-    const auto single = Renderer(device(), packed).trace(rays, false);
-    const reference::Tracer tracer(packed);
-    size_t hit = 0, singleOff = 0;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        const auto expected = tracer.closest({dvec3(rays[i].origin), dvec3(rays[i].direction)});
-        ASSERT_EQ(hits[i].hit, expected.has_value()) << text(rays[i]);
-        if (!expected) continue;
-        ++hit;
-        // Double's own error, enlarged by far spheres and flat incidence, is below a millionth of an ulp
-        // here.
-        const float nearest = static_cast<float>(expected->t);
-        const double ulp = std::nextafter(nearest, kInfinity) - nearest;
-        EXPECT_LE(std::abs(hits[i].t - expected->t), (0.5 + 1e-3) * ulp) << text(rays[i]);
-        singleOff += !single[i].hit || std::abs(single[i].t - expected->t) > ulp;
-    }
-    EXPECT_GT(hit, 2000u);
-    EXPECT_GT(singleOff, hit / 10) << "single precision would not have done";
-}
-
 // pbrt's bumpy sphere (Triangle.Watertight): rays from inside a closed mesh at points of its edges.
 TEST_F(MethodsTest, OnlyTheWatertightTestIsWatertight) {
     const auto mesh = glint::test::makeBumpyMesh(1);

@@ -117,7 +117,7 @@ TEST(ReportStatistics, IntervalsOfRatios) {
 TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     SceneFeatures features;
     features.spheres = true;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true, true);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
     std::set<std::string> keys, names;
     size_t count = 0;
     for (const Batch& batch : batches) {
@@ -129,11 +129,11 @@ TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
         }
     }
     EXPECT_EQ(keys.size(), count);
-    // 3 samplers x 6 counts; the default, 2 spheres' forms, 2 offsets, 2 pads, full, access, ray by ray and
-    // fp64, each at 3 counts; 5 other ways; 3 filters; ten times the same; no mirrors, so no depth.
-    EXPECT_EQ(count, 18u + 33u + 5u + 3u + 10u);
+    // 3 samplers x 6 counts; the default, 2 sphere tests, 2 offsets, 2 pads, full, access and ray by ray, each
+    // at 3 counts; 5 other ways; 3 filters; ten times the default; no mirrors, so no depth.
+    EXPECT_EQ(count, 18u + 30u + 5u + 3u + 10u);
     features.mirrors = true;
-    const auto more = planScene(features, true, 5, std::nullopt, false, false);
+    const auto more = planScene(features, true, 5, std::nullopt, false);
     EXPECT_EQ(more.size(), batches.size() + 1);
     // Depths 0 1 2 3 4 and the whole, and three cuts.
     EXPECT_EQ(more[2].configurations.size(), 9u);
@@ -144,7 +144,7 @@ TEST(ReportPlan, DevicesTakeTurns) {
     const gpu::Device* const some = reinterpret_cast<const gpu::Device*>(&kOnDevice);  // not looked at
     const std::vector<DeviceBeside> devices = {
         {"a", "driver", some}, {"a", "other", some}, {"cpu", "", nullptr}};
-    const auto batches = planScene({}, false, 5, std::nullopt, false, false, devices);
+    const auto batches = planScene({}, false, 5, std::nullopt, false, devices);
     std::map<std::string, std::set<int>> counts;
     std::set<std::string> keys;
     for (const Batch& batch : batches) {
@@ -161,7 +161,7 @@ TEST(ReportPlan, DevicesTakeTurns) {
     const std::set<int> all = {1, 4, 16};
     EXPECT_EQ(counts,
               (std::map<std::string, std::set<int>>{{"a, driver", all}, {"a, other", all}, {"cpu", all}}));
-    for (const Batch& batch : planScene({}, false, 5, std::nullopt, false, false))
+    for (const Batch& batch : planScene({}, false, 5, std::nullopt, false))
         EXPECT_FALSE(batch.name.starts_with("devices")) << "nobody asked";
 }
 
@@ -469,11 +469,11 @@ TEST(ReportFront, WeaknessesAreOfMethodsThatThereAre) {
     SceneFeatures features;
     features.spheres = features.triangles = true;
     size_t weak = 0;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true, true);
+    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
     for (const Configuration& c : batches[1].configurations) weak += weaknessOf(c.family).empty() ? 0 : 1;
-    // Three triangle tests, two of spheres, two offsets, two pads and fp64; the default, full, storage
-    // buffers and ray by ray have none.
-    EXPECT_EQ(weak, 10u);
+    // Three triangle tests, two sphere tests, two offsets and two pads; the default, full, storage buffers and
+    // ray by ray have none.
+    EXPECT_EQ(weak, 9u);
 }
 
 // By hand from the sample: 0.005 is reached at 4 s; grid's 4 samples, the default, are beaten by that, its 1
