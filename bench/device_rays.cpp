@@ -26,7 +26,7 @@ render::KernelCode replace(render::KernelCode code, const Replacements& replaced
 DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, render::Traversal traversal,
                        const Replacements& replaced)
     : scene_(scene),
-      code_(replace(render::embeddedKernels(render::chooseAccess(device.info(), render::largestArray(scene))),
+      code_(replace(render::embeddedKernels(render::chooseAccess(device.info(), render::arraySizes(scene))),
                     replaced)),
       renderer_(device, scene, optionsOf(traversal)) {}
 
@@ -112,7 +112,8 @@ std::vector<BenchRay> shadowRays(const std::vector<BenchRay>& rays, const std::v
 }
 
 bool hasPackets(const gpu::Device& device, const PackedScene& scene) {
-    return render::runsPackets(device.info()) &&
+    const gpu::Access access = render::chooseAccess(device.info(), render::arraySizes(scene));
+    return render::runsPackets(device.info()) && access == gpu::Access::TexelBuffer &&
            render::chooseTraversal(render::Traversal::Packet, device.info(), scene).packets;
 }
 

@@ -1,24 +1,13 @@
-// Access to the arrays of a scene and to the path state. GLINT_TEXEL_LOADS reads them as storage texel
-// buffers, which cost a fifth of a storage buffer's load on lavapipe; everywhere else they are storage
-// buffers. GLINT_ARRAYS_TOGETHER is for devices that bind few buffers: counters, paths, samples, and one
-// buffer of all other arrays (src/render/scene_buffers.h).
+// Access to the arrays of a scene and to the path state. By default each array is a storage texel buffer with
+// a binding of its own. With GLINT_ARRAYS_TOGETHER one storage buffer holds all arrays but the samples, for
+// devices with few bindings or small texel buffers (src/render/scene_buffers.h).
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
 #include "shared/dispatch.h"
 
-#ifdef GLINT_TEXEL_LOADS
-#define GLINT_READ_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name;
-#define GLINT_READ_WRITE_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, rgba32ui) restrict uniform uimageBuffer name;
-// No texel buffer that the host takes has more than 2^27 texels; told so, LLVM need not widen the eight
-// offsets with their signs, eight of 44 instructions.
-#define LOAD4(name, index) imageLoad(name, int((index)&0x07ffffffu))
-#define LOAD_PATHS(index) LOAD4(pathRows, index)
-#define STORE4(name, index, value) imageStore(name, int(index), value)
-#elif defined(GLINT_ARRAYS_TOGETHER)
-// Begins with where each array is: word `binding` is the row of its first texel.
+#ifdef GLINT_ARRAYS_TOGETHER
+// Word `binding` of the buffer is the first row of that binding's array.
 layout(set = 0, binding = 2, std430) readonly restrict buffer ArraysBlock { uvec4 arrays[]; };
 layout(set = 0, binding = 3, std430) readonly restrict buffer SamplesBlock { uvec4 sampleRows[]; };
 uvec4 loadOf(uint array, uint index) {
@@ -37,12 +26,14 @@ uvec4 loadOf(uint array, uint index) {
 #define STORE4(name, index, value) name[index] = value
 #else
 #define GLINT_READ_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, std430) readonly restrict buffer name##_block { uvec4 name[]; };
+    layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name;
 #define GLINT_READ_WRITE_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, std430) restrict buffer name##_block { uvec4 name[]; };
-#define LOAD4(name, index) name[index]
+    layout(set = 0, binding = BINDING, rgba32ui) restrict uniform uimageBuffer name;
+// The host takes no texel buffer of more than 2^27 texels. With the mask LLVM need not sign-extend the eight
+// offsets, which saves eight of 44 instructions.
+#define LOAD4(name, index) imageLoad(name, int((index)&0x07ffffffu))
 #define LOAD_PATHS(index) LOAD4(pathRows, index)
-#define STORE4(name, index, value) name[index] = value
+#define STORE4(name, index, value) imageStore(name, int(index), value)
 #endif
 
 // ---- Structs from their row lists ----

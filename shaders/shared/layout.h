@@ -161,8 +161,7 @@
     X(23, optics, Optics, GLINT_OPTICS_ROWS)                              \
     X(24, wideRows, WideRow, GLINT_WIDE_ROW_ROWS)
 
-// Bindings where the arrays are together (GLINT_ARRAYS_TOGETHER in storage.glsl): counters, path state, all
-// other arrays, samples.
+// Bindings with GLINT_ARRAYS_TOGETHER (storage.glsl): counters, path state, all other arrays, samples.
 #define GLINT_FEW_BINDINGS 4
 
 #define GLINT_ONE_ARRAY(binding, array, Struct, ROWS) +1

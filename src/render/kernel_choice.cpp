@@ -4,11 +4,6 @@
 
 namespace glint::render {
 
-const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays) {
-    if (options.kernels) return *options.kernels;
-    return arrays == Arrays::Together ? togetherKernels() : embeddedKernels(access);
-}
-
 std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets) {
     std::vector<KernelId> kernels = {KernelId::Generate, KernelId::Shade};
     // Packets trace camera rays alone. Whether there are others is the scene's to say, not the code's that

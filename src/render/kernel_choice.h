@@ -9,8 +9,6 @@
 
 namespace glint::render {
 
-const KernelCode& kernelsFor(const Options& options, gpu::Access access, Arrays arrays);
-
 // Those that draw the request, with packets for camera rays or without.
 std::vector<KernelId> kernelsOf(const PackedScene& scene, const Request& request, bool packets);
 

@@ -16,14 +16,8 @@ struct KernelCode {
         packetIntersectAny, packetLight, adapt, count, list, whole, packetCount, certify, packetCertify;
 };
 
-// How kernels are given the arrays: each by a binding of its own, or all but the samples in one storage
-// buffer, for devices that bind fewer than there are.
-enum class Arrays { Apart, Together };
-
-// The kernels that read arrays with `access`, each by itself.
+// The kernels that read each array as a texel buffer with a binding of its own, or those that read all arrays
+// but the samples from one storage buffer, which have no packets.
 const KernelCode& embeddedKernels(gpu::Access access);
-
-// The kernels that find the arrays together, without those for packets.
-const KernelCode& togetherKernels();
 
 }  // namespace glint::render

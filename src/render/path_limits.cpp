@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "render/path_state.h"
-#include "render/renderer.h"
 #include "render/whole_paths.h"
 
 namespace glint::render {
@@ -90,28 +89,6 @@ uint32_t fittingPaths(const gpu::DeviceInfo& device, gpu::Access access, uint32_
         wanted /= 2;
     }
     return wanted;
-}
-
-gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes) {
-    const bool storageFits = gpu::fits(largestArrayBytes, gpu::Access::StorageBuffer, device.limits);
-    const bool enoughBuffers = device.limits.maxStorageBuffersPerStage >= GLINT_BINDING_COUNT;
-    if (hasAccess(device, gpu::Access::TexelBuffer, largestArrayBytes) &&
-        (device.llvmpipe || !storageFits || !enoughBuffers))
-        return gpu::Access::TexelBuffer;
-    return gpu::Access::StorageBuffer;
-}
-
-bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, uint64_t largestArrayBytes) {
-    // Storage buffers that are too few are bound together (chooseArrays).
-    const bool enough =
-        access == gpu::Access::StorageBuffer || device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT;
-    return enough && gpu::fits(largestArrayBytes, access, device.limits);
-}
-
-Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access) {
-    const bool apart =
-        access == gpu::Access::TexelBuffer || device.limits.maxStorageBuffersPerStage >= GLINT_BINDING_COUNT;
-    return apart ? Arrays::Apart : Arrays::Together;
 }
 
 uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,

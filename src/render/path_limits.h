@@ -1,5 +1,4 @@
-// How many paths a slice may have, how many rows each, and how far a ray may go in one dispatch
-// (deriveTripBudget in renderer.h).
+// How many paths a slice may have, how many rows each, and how many loop trips a ray may make in a dispatch.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +24,10 @@ inline constexpr uint32_t kMaxSlicePaths = 1u << 20;
 inline uint32_t interleaveOf(const gpu::DeviceInfo& device) {
     return device.llvmpipe ? 16 : 1;
 }
+
+// Loop trips that the rays of a path may make in one dispatch of a pipeline with these features.
+uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
+                          uint32_t polygonTripsPerLeaf = 0);
 
 // Loop trips that all rays of a path may make in whole.comp.
 uint32_t wholeTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,

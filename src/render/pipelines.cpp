@@ -114,8 +114,8 @@ static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMeth
               shared::kOffsetFixed == static_cast<uint32_t>(OriginOffset::Fixed) &&
               shared::kOffsetNone == static_cast<uint32_t>(OriginOffset::None));
 
-uint32_t bindingsOf(Arrays arrays) {
-    return arrays == Arrays::Together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT;
+uint32_t bindingsOf(gpu::Access access) {
+    return access == gpu::Access::StorageBuffer ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT;
 }
 
 }  // namespace
@@ -162,19 +162,18 @@ KernelId packetKernel(KernelId id) {
     return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 
-Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, Arrays arrays,
+Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
                      const SceneFeatures& features, StackPlace stack, bool ownArithmetic)
     : device_(device),
       code_(code),
       access_(access),
-      arrays_(arrays),
       features_(features),
       stack_(stack),
       own_{ownArithmetic || !device.arithmetic().quotients, ownArithmetic || !device.arithmetic().roots} {}
 
 void Pipelines::bind(const gpu::Buffer& counters, const gpu::Buffer& paths, const SceneBuffers& scene) {
     buffers_ = {&counters, &paths};
-    for (uint32_t binding = 2; binding < bindingsOf(arrays_); ++binding)
+    for (uint32_t binding = 2; binding < bindingsOf(access_); ++binding)
         buffers_.push_back(&scene.at(binding));
     for (auto& [key, kernel] : kernels_) kernel.bind(buffers_);
 }
@@ -202,7 +201,7 @@ gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     gpu::KernelOptions options;
     options.name = nameOf(id);
     options.spirv = codeOf(code_, id);
-    options.bindings.assign(bindingsOf(arrays_), access_);
+    options.bindings.assign(bindingsOf(access_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
     const bool convergent = !modes.resume && walksConverge(device_.info(), modes.nodes, stack_);
     options.constants = constantsOf(features_, modes, stack_, convergent, own_);

@@ -58,7 +58,7 @@ struct OwnArithmetic {
 class Pipelines {
   public:
     // ownArithmetic: all of OwnArithmetic; else what the device does not round correctly.
-    Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access, Arrays arrays,
+    Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
               const SceneFeatures& features, StackPlace stack = StackPlace::Private,
               bool ownArithmetic = false);
 
@@ -78,7 +78,6 @@ class Pipelines {
     const gpu::Device& device_;
     const KernelCode& code_;
     gpu::Access access_;
-    Arrays arrays_;
     SceneFeatures features_;
     StackPlace stack_;
     OwnArithmetic own_;

@@ -72,7 +72,6 @@ struct RayQueries::State {
     const PackedScene& scene;
     SceneFeatures features;
     gpu::Access access;
-    Arrays arrays;
     bool inPlace;
     TraversalChoice traversal;
     bool mayTakeFour;  // not where instances are: nodes of four were no faster there
@@ -90,16 +89,15 @@ struct RayQueries::State {
         : device(dev),
           scene(packed),
           features(hitFeatures(packed.features)),
-          access(chooseAccess(dev.info(), largestArray(packed))),
-          arrays(chooseArrays(dev.info(), access)),
+          access(chooseAccess(dev.info(), arraySizes(packed))),
           inPlace(dev.info().software),
-          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
-          mayTakeFour(dev.info().llvmpipe && traversal.nodes == NodeFormat::Two && arrays == Arrays::Apart &&
-                      !packed.features.instances),
+          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed, {}, 0, access)),
+          mayTakeFour(dev.info().llvmpipe && traversal.nodes == NodeFormat::Two &&
+                      access == gpu::Access::TexelBuffer && !packed.features.instances),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
           rowCount(shared::kPathRows + (packed.features.instances ? 1 : 0) + kListRows),
           piece(fittingPaths(dev.info(), access, inPlace ? kSoftwarePiece : kPiece, rowCount)),
-          buffers(dev, packed, access, traversal, arrays) {
+          buffers(dev, packed, access, traversal) {
         piece = static_cast<uint32_t>(std::max<size_t>(piece / kBlock, 1) * kBlock);
     }
 
@@ -114,9 +112,7 @@ struct RayQueries::State {
                 return *slot;
             }
             if (slots.size() < (inPlace ? 1u : 2u)) {
-                Pipelines pipelines(device,
-                                    arrays == Arrays::Together ? togetherKernels() : embeddedKernels(access),
-                                    access, arrays, features);
+                Pipelines pipelines(device, embeddedKernels(access), access, features);
                 slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
                                                        rowCount, inPlace));
                 slots.back()->busy = true;
@@ -284,7 +280,7 @@ void RayQueries::State::makeFour(Slot& slot) {
         const std::lock_guard lock(mutex);
         if (four) return;
     }
-    buffers.makeFour(device, scene, access);
+    buffers.makeFour(device, scene);
     slot.pipelines.bind(slot.counters, slot.rows, buffers);
     const std::lock_guard lock(mutex);
     four = true;

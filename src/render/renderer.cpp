@@ -321,7 +321,7 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
     const PathRoom room = roomFor(s.device.info(), s.access, s.features, modes, environment.maxDepth,
                                   picture.region, s.options.maxSlicePixels);
     const uint32_t maxTiles = room.paths / shared::kWorkgroupSize;
-    const bool grown = s.buffers.setSamples(s.device, samples.rows, s.access);
+    const bool grown = s.buffers.setSamples(s.device, samples.rows);
     s.reservePaths(room.paths, room.rows, grown);
     s.buffers.setCamera(s.device, camera);
     s.setSurroundings(environment, lightsOf(s.scene, request));

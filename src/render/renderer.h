@@ -31,7 +31,7 @@ struct Options {
     bool leaveOut = true;         // false: the full pipeline, with the code of every feature
     SceneFeatures also;           // features that the pipeline has code for though the scene lacks them
     bool profile = false;         // times camera rays' generation apart, see KernelTimes
-    std::optional<gpu::Access> access;  // empty: by the device, see chooseAccess
+    std::optional<gpu::Access> access;  // empty: chooseAccess (scene_buffers.h)
     Traversal traversal = Traversal::Auto;
     StackPlace stack = StackPlace::Private;
     Compaction compaction = Compaction::Auto;
@@ -50,21 +50,6 @@ struct Options {
     // are the same.
     uint64_t cameraRays = 0;
 };
-
-// Storage texel buffers on llvmpipe, where they load five times faster, and wherever an array passes the
-// device's storage buffer range but not its texel buffer range, or the device binds too few storage buffers;
-// storage buffers everywhere else.
-gpu::Access chooseAccess(const gpu::DeviceInfo& device, uint64_t largestArrayBytes);
-
-// Whether a renderer can be told to load so: the device binds enough arrays of this kind, as large as these.
-bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, uint64_t largestArrayBytes);
-
-// Together where the device binds too few storage buffers to give each array one. Vulkan promises 4.
-Arrays chooseArrays(const gpu::DeviceInfo& device, gpu::Access access);
-
-// Loop trips that the rays of a path may make in a dispatch of a pipeline with these features.
-uint32_t deriveTripBudget(const gpu::DeviceInfo& device, const SceneFeatures& features,
-                          uint32_t polygonTripsPerLeaf = 0);
 
 // Seconds of the device, between timestamps around what each kernel was submitted for (wall time without
 // timestamps), further dispatches for unfinished rays included. `primary` holds `generate` too unless

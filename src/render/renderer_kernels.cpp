@@ -7,7 +7,8 @@ namespace glint::render {
 
 TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
     if (methods == Methods{}) return traversal;
-    return chooseTraversal(options.traversal, device.info(), scene, methods, raysKnown(options, scene));
+    return chooseTraversal(options.traversal, device.info(), scene, methods, raysKnown(options, scene),
+                           access);
 }
 
 uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
@@ -19,8 +20,7 @@ uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {
 // or kernels that are not its own.
 bool Renderer::State::drawsWholePaths(const TraceModes& modes, const TraversalChoice& choice,
                                       const shared::Environment& of) const {
-    if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes))
-        return false;
+    if (options.wholePaths == WholePaths::Off || wholePathsGivenUp || !wholePathsKnow(modes)) return false;
     if (options.wholePaths == WholePaths::On) return true;
     const bool free = options.traversal != Traversal::Packet && options.traversal != Traversal::Cwbvh &&
                       options.compaction == Compaction::Auto && !options.profile && !options.kernels;

@@ -28,7 +28,6 @@ struct Renderer::State {
     Options options;
     SceneFeatures features;  // of the pipelines
     gpu::Access access;
-    Arrays arrays;
     TraversalChoice traversal;  // with the default methods, which have the most to choose from
     uint32_t tripBudget;
     bool wholePathsGivenUp = false;  // one ran out of trips
@@ -52,12 +51,11 @@ struct Renderer::State {
           scene(packed),
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
-          access(opts.access ? *opts.access : chooseAccess(dev.info(), largestArray(packed))),
-          arrays(chooseArrays(dev.info(), access)),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed))),
+          access(opts.access ? *opts.access : chooseAccess(dev.info(), arraySizes(packed))),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed), access)),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, render::kernelsFor(opts, access, arrays), access, arrays, features, opts.stack,
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features, opts.stack,
                     opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),
@@ -70,7 +68,7 @@ struct Renderer::State {
             startTranslating(modes, kernelsFor(*opts.expected, modes, choice, wanted));
         }
         const Stopwatch watch;
-        buffers = SceneBuffers(device, scene, access, traversal, arrays);
+        buffers = SceneBuffers(device, scene, access, traversal);
         counters = gpu::Buffer(device, "counters", shared::kCounterCount * sizeof(uint32_t),
                                gpu::Access::StorageBuffer, gpu::MemoryKind::Host);
         times.upload += watch.seconds();

@@ -22,7 +22,7 @@ constexpr size_t kPacketOverrun = 5 * sizeof(glm::vec4);
 // the last one without colours the same rows are loaded, and not used.
 constexpr size_t kAttributeOverrun = 3 * sizeof(shared::VertexAttribute);
 
-// Of the buffers of arrays that are together, whose places have no other use then.
+// Place of the storage buffer that holds all arrays.
 constexpr uint32_t kTogether = 2;
 constexpr uint64_t kTexelBytes = 16;
 constexpr uint64_t kHeadBytes =
@@ -75,17 +75,34 @@ size_t overrunOf(uint32_t binding, bool packets) {
 
 }  // namespace
 
-uint64_t largestArray(const PackedScene& scene) {
-    uint64_t largest = 0;
+ArraySizes arraySizes(const PackedScene& scene) {
+    ArraySizes sizes;
     visitArrays(scene, Others{}, [&](uint32_t binding, const char*, std::span<const std::byte> data) {
-        largest = std::max<uint64_t>(largest, data.size() + overrunOf(binding, true));
+        const uint64_t bytes = data.size() + overrunOf(binding, true);
+        sizes.largest = std::max(sizes.largest, bytes);
+        sizes.sum += bytes;
     });
-    return largest;
+    sizes.sum +=
+        kHeadBytes + kZeroBytes + std::as_bytes(std::span(scene.nodes)).size();  // room for a wide BVH
+    return sizes;
+}
+
+bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes) {
+    if (access == gpu::Access::StorageBuffer) return gpu::fits(sizes.sum, access, device.limits);
+    return device.limits.maxStorageImagesPerStage >= GLINT_BINDING_COUNT &&
+           gpu::fits(sizes.largest, access, device.limits);
+}
+
+gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes) {
+    using enum gpu::Access;
+    const bool texels = hasAccess(device, TexelBuffer, sizes);
+    return texels && (device.llvmpipe || !hasAccess(device, StorageBuffer, sizes)) ? TexelBuffer
+                                                                                   : StorageBuffer;
 }
 
 SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                           const TraversalChoice& traversal, Arrays arrays)
-    : arrays_(arrays), nodes_(traversal.nodes) {
+                           const TraversalChoice& traversal)
+    : access_(access), nodes_(traversal.nodes) {
     WideTree tree = wideTree(scene.nodes, traversal.nodes, scene.instances);
     Others others;
     others.wideRows = std::move(tree.rows);
@@ -97,12 +114,12 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     gpu::upload(device, zeros_, kZeros);
     const auto put = [&](uint32_t binding, const char* name, std::span<const std::byte> data) {
         if (data.empty()) return;
-        if (arrays == Arrays::Together) return write(device, binding, data);
+        if (access == gpu::Access::StorageBuffer) return write(device, binding, data);
         buffers_[binding] = gpu::Buffer(device, name, data.size() + overrunOf(binding, traversal.packets),
                                         access, gpu::MemoryKind::Device);
         gpu::upload(device, buffers_[binding], data);
     };
-    if (arrays == Arrays::Together) {
+    if (access == gpu::Access::StorageBuffer) {
         buildPacketTree();
         others.packetCorners = std::move(corners);
         std::array<uint64_t, GLINT_BINDING_COUNT> sizes{};
@@ -125,10 +142,10 @@ SceneBuffers::SceneBuffers(const gpu::Device& device, const PackedScene& scene, 
     write(device, instancesBinding, std::as_bytes(std::span(instances)));
 }
 
-void SceneBuffers::makeFour(const gpu::Device& device, const PackedScene& scene, gpu::Access access) {
+void SceneBuffers::makeFour(const gpu::Device& device, const PackedScene& scene) {
     const WideTree tree = wideTree(scene.nodes, NodeFormat::Four);
     const std::span rows = std::as_bytes(std::span(tree.rows));
-    gpu::Buffer buffer(device, "wideRows", rows.size(), access, gpu::MemoryKind::Device);
+    gpu::Buffer buffer(device, "wideRows", rows.size(), access_, gpu::MemoryKind::Device);
     gpu::upload(device, buffer, rows);
     buffers_[wideRowsBinding] = std::move(buffer);
 }
@@ -182,7 +199,7 @@ void SceneBuffers::placeTogether(const gpu::Device& device,
 }
 
 void SceneBuffers::write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const {
-    const bool together = arrays_ == Arrays::Together && binding != samplesBinding;
+    const bool together = access_ == gpu::Access::StorageBuffer && binding != samplesBinding;
     gpu::upload(device, buffers_[together ? kTogether : binding], data,
                 together ? first_[binding] * kTexelBytes : 0);
 }
@@ -200,18 +217,18 @@ void SceneBuffers::setLights(const gpu::Device& device, const std::vector<shared
     if (!lights.empty()) write(device, lightsBinding, std::as_bytes(std::span(lights)));
 }
 
-bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows,
-                              gpu::Access access) {
+bool SceneBuffers::setSamples(const gpu::Device& device, std::span<const shared::Sample> rows) {
     if (rows.empty()) return false;
     gpu::Buffer& buffer = buffers_[samplesBinding];
     const bool grows = !buffer || buffer.size() < rows.size_bytes();
-    if (grows) buffer = gpu::Buffer(device, "samples", rows.size_bytes(), access, gpu::MemoryKind::Device);
+    if (grows) buffer = gpu::Buffer(device, "samples", rows.size_bytes(), access_, gpu::MemoryKind::Device);
     gpu::upload(device, buffer, std::as_bytes(rows));
     return grows;
 }
 
 const gpu::Buffer& SceneBuffers::at(uint32_t binding) const {
-    const uint32_t place = arrays_ == Arrays::Together && binding != kTogether ? samplesBinding : binding;
+    const uint32_t place =
+        access_ == gpu::Access::StorageBuffer && binding != kTogether ? samplesBinding : binding;
     return buffers_[place] ? buffers_[place] : zeros_;
 }
 

@@ -1,7 +1,7 @@
 // The arrays of a packed scene on the device. An array that the scene does not have is not uploaded: in its
 // place is one of zeros, which has no texture, no medium and nothing else, for kernels that look up number 0
-// of everything where they have no work. Where the arrays are together, one buffer has them all but the
-// samples, and in front of them where each begins: word `binding` is the number of its first texel.
+// of everything where they have no work. With Access::StorageBuffer one buffer holds all arrays but the
+// samples. It begins with a table: word `binding` is the number of the first texel of that array.
 #pragma once
 
 #include <array>
@@ -10,21 +10,31 @@
 
 #include "gpu/compute.h"
 #include "pack/packed_scene.h"
-#include "render/kernels.h"
 #include "render/traversal_choice.h"
 #include "shared/dispatch.h"
 
 namespace glint::render {
 
-// Bytes of the largest array.
-uint64_t largestArray(const PackedScene& scene);
+struct ArraySizes {
+    uint64_t largest = 0, sum = 0;  // bytes
+};
+ArraySizes arraySizes(const PackedScene& scene);
+
+// True if the device can bind the arrays as texel buffers (GLINT_BINDING_COUNT of them, each at most
+// `largest`), or as one storage buffer of `sum`. Every Vulkan device binds the 4 storage buffers that this
+// needs.
+bool hasAccess(const gpu::DeviceInfo& device, gpu::Access access, const ArraySizes& sizes);
+
+// Texel buffers on llvmpipe, where they load five times faster, and where one storage buffer is too small for
+// all arrays; one storage buffer otherwise.
+gpu::Access chooseAccess(const gpu::DeviceInfo& device, const ArraySizes& sizes);
 
 class SceneBuffers {
   public:
     SceneBuffers() = default;
     // Makes what further trees `traversal` needs.
     SceneBuffers(const gpu::Device& device, const PackedScene& scene, gpu::Access access,
-                 const TraversalChoice& traversal, Arrays arrays = Arrays::Apart);
+                 const TraversalChoice& traversal);
 
     // The arrays of a scene that differs from the one at construction in numbers alone: as many of
     // everything, and the same children of each node. False, and nothing is done, with wide nodes, whose
@@ -32,15 +42,15 @@ class SceneBuffers {
     bool update(const gpu::Device& device, const PackedScene& scene);
 
     // Makes nodes of four children beside the binary ones, or makes them anew, as update() leaves them as
-    // they were: bind anew. For Arrays::Apart, and scenes without instances.
-    void makeFour(const gpu::Device& device, const PackedScene& scene, gpu::Access access);
+    // they were: bind anew. For texel buffers, and scenes without instances.
+    void makeFour(const gpu::Device& device, const PackedScene& scene);
 
     void setCamera(const gpu::Device& device, const shared::Camera& camera) const;
     void setEnvironment(const gpu::Device& device, const shared::Environment& environment) const;
     // At most as many as there were at construction.
     void setLights(const gpu::Device& device, const std::vector<shared::Light>& lights) const;
     // True if the array had to grow: bind anew. No rows: nothing is done.
-    bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows, gpu::Access access);
+    bool setSamples(const gpu::Device& device, std::span<const shared::Sample> rows);
     // What to bind at `binding` (2 and up).
     const gpu::Buffer& at(uint32_t binding) const;
     uint64_t bytes() const;
@@ -50,14 +60,14 @@ class SceneBuffers {
     // Into the array of that binding.
     void write(const gpu::Device& device, uint32_t binding, std::span<const std::byte> data) const;
 
-    Arrays arrays_ = Arrays::Apart;
+    gpu::Access access_ = gpu::Access::TexelBuffer;
     NodeFormat nodes_ = NodeFormat::Two;
     std::vector<uint32_t> packetSlots_;                // see packetTree
     std::vector<shared::PacketCorner> packetCorners_;  // as on the device, from the first update() on
-    // By binding; together: the samples, and the others at kTogether.
+    // By binding. With a storage buffer: the samples, and all other arrays at kTogether.
     std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers_;
     gpu::Buffer zeros_;
-    std::array<uint32_t, GLINT_BINDING_COUNT> first_{};  // texels, together
+    std::array<uint32_t, GLINT_BINDING_COUNT> first_{};  // texels of the storage buffer
 };
 
 }  // namespace glint::render

@@ -25,8 +25,7 @@ std::optional<gpu::Access> otherAccess(const gpu::DeviceInfo& device, const rend
                                        const PackedScene& scene) {
     const gpu::Access other = renderer.access() == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer
                                                                               : gpu::Access::StorageBuffer;
-    return render::hasAccess(device, other, render::largestArray(scene)) ? std::optional(other)
-                                                                         : std::nullopt;
+    return render::hasAccess(device, other, render::arraySizes(scene)) ? std::optional(other) : std::nullopt;
 }
 
 double boundOf(const LostBranches& lost, double pixels) {

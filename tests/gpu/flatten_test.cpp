@@ -61,8 +61,8 @@ TEST(FlattenSweep, EveryKernelStaysValid) {
     const auto none = constantsWhere([](uint32_t) { return false; });
     const auto some = constantsWhere([&](uint32_t) { return dice() % 2 == 0; });
     expectValid(render::embeddedKernels(Access::TexelBuffer), all);
-    expectValid(render::embeddedKernels(Access::StorageBuffer), none);
-    expectValid(render::togetherKernels(), some);
+    expectValid(render::embeddedKernels(Access::TexelBuffer), none);
+    expectValid(render::embeddedKernels(Access::StorageBuffer), some);
 }
 
 // One function with early returns is left, of a few lines, and its arguments.

@@ -23,6 +23,7 @@ void expectGood(const std::vector<uint32_t>& constants, const std::string& what)
     for (const Access access : {Access::StorageBuffer, Access::TexelBuffer}) {
         const auto kernels = kernelsOf(render::embeddedKernels(access));
         for (size_t i = 0; i < kernels.size(); ++i) {
+            if (kernels[i].empty()) continue;  // no packets
             const std::vector<uint32_t> made = specialize(kernels[i], constants);
             EXPECT_EQ(specIdsIn(made), 0u) << what << ", kernel " << i;
             EXPECT_LE(made.size(), kernels[i].size()) << what << ", kernel " << i;
@@ -62,7 +63,7 @@ size_t workgroupVariablesIn(std::span<const uint32_t> words) {
 // A stack that no ray uses would leave room for fewer workgroups.
 TEST(Specialize, LeavesOutMemoryThatIsNotUsed) {
     constexpr uint32_t kStackPlace = 76;
-    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
     for (const auto& kernel : kernelsOf(code))
         EXPECT_EQ(workgroupVariablesIn(specialize(kernel, constantsWhere([](uint32_t) { return false; }))),
                   0u);
@@ -81,7 +82,7 @@ bool mayShuffle(std::span<const uint32_t> words) {
 // A device whose subgroups do not shuffle takes no module that says it may.
 TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
     constexpr uint32_t kConvergent = 83;
-    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
     for (const auto& kernel : {code.intersect, code.intersectAny, code.light, code.whole, code.certify}) {
         EXPECT_TRUE(mayShuffle(kernel));
         EXPECT_FALSE(mayShuffle(specialize(kernel, constantsWhere([](uint32_t) { return false; }))));
@@ -92,7 +93,7 @@ TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
 }
 
 TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {
-    const render::KernelCode& code = render::embeddedKernels(Access::StorageBuffer);
+    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
     const auto made = specialize(code.light, {});
     EXPECT_EQ(specIdsIn(made), specIdsIn(code.light));
     EXPECT_TRUE(isValid(made));

@@ -27,7 +27,7 @@ PACKET_KERNELS = ("packet_intersect", "packet_intersect_any", "light_packet")
 # Shaders of tests: their defines, and what they include.
 PROBES = {
     "tests/render/arithmetic_probe.comp": ((), ("arithmetic.glsl",)),
-    "tests/stability/primitive_probe.comp": (("-DGLINT_TEXEL_LOADS=1",), ("intersect.glsl", "primitives/all.glsl")),
+    "tests/stability/primitive_probe.comp": ((), ("intersect.glsl", "primitives/all.glsl")),
 }
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
@@ -90,18 +90,18 @@ class Compiler:
         self.spent += used.ru_utime + used.ru_stime
         return process.returncode == 0
 
-    def command(self, kernel, texel):
+    def command(self, kernel):
         source, defines = KERNELS[kernel]
-        defines = [f"-D{d}" for d in defines + (("GLINT_TEXEL_LOADS=1",) if texel else ())]
+        defines = [f"-D{d}" for d in defines]
         return ["glslangValidator", f"-I{self.shaders}", *defines, self.shaders / source]
 
-    def compile(self, kernel, output, texel=True):
+    def compile(self, kernel, output):
         """Without the passes of cmake/GlintShaders.cmake: the program does what they do, kernel by kernel (src/gpu/specialize.h)."""
-        return self.call(*self.command(kernel, texel), "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
+        return self.call(*self.command(kernel), "--quiet", "-V", "--target-env", "vulkan1.1", "-o", output)
 
-    def compile_all(self, kernels, folder, texel=True):
+    def compile_all(self, kernels, folder):
         folder.mkdir(parents=True)
-        return all(self.compile(k, folder / f"{k}.spv", texel) for k in kernels)
+        return all(self.compile(k, folder / f"{k}.spv") for k in kernels)
 
     def compile_probes(self, file, folder):
         """The tests' own shaders that include the file."""
@@ -112,7 +112,7 @@ class Compiler:
 
     def text(self, kernel):
         """The kernel behind the preprocessor, without its lines' numbers."""
-        done = subprocess.run([*self.command(kernel, True), "-E"], text=True, capture_output=True, check=True)
+        done = subprocess.run([*self.command(kernel), "-E"], text=True, capture_output=True, check=True)
         return re.sub(r"^#line.*\n", "", done.stdout, flags=re.M)
 
     def break_file(self, site):

@@ -6,7 +6,6 @@
 #include "gpu/compute.h"
 #include "layout_probe.spv.h"
 #include "loader_probe.spv.h"
-#include "loader_probe_texel.spv.h"
 #include "shared/dispatch.h"
 #include "spirv_reader.h"
 #include "support.h"
@@ -107,7 +106,7 @@ class WordSource {
 GLINT_SCENE_ARRAYS(GLINT_TAKE_STRUCT)
 GLINT_TAKE_STRUCT(0, dispatch, Dispatch, GLINT_DISPATCH_ROWS)
 
-class LoaderTest : public RenderTest, public testing::WithParamInterface<gpu::Access> {
+class LoaderTest : public RenderTest {
   protected:
     template <typename Struct>
     void addArray(uint32_t binding, std::map<std::string, std::vector<uint32_t>>& words,
@@ -115,7 +114,7 @@ class LoaderTest : public RenderTest, public testing::WithParamInterface<gpu::Ac
         std::array<Struct, 2> items;
         source_.fill(items.data(), sizeof(items));
         buffers_.at(binding) =
-            gpu::Buffer(device(), name, sizeof(items), GetParam(), gpu::MemoryKind::Device);
+            gpu::Buffer(device(), name, sizeof(items), gpu::Access::TexelBuffer, gpu::MemoryKind::Device);
         gpu::upload(device(), buffers_[binding], std::as_bytes(std::span(items)));
         take(items[1], words[name]);
     }
@@ -130,8 +129,7 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
     gpu::KernelOptions options;
     options.name = "loader probe";
     options.spirv = loader_probe_spv;
-    if (GetParam() == Access::TexelBuffer) options.spirv = loader_probe_texel_spv;
-    options.bindings.assign(buffers_.size(), GetParam());
+    options.bindings.assign(buffers_.size(), Access::TexelBuffer);
     options.bindings.front() = options.bindings.back() = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(dispatch);
     options.workgroupSizeX = 1;
@@ -153,7 +151,7 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
     return words;
 }
 
-TEST_P(LoaderTest, LoadersReadWhatCppWrote) {
+TEST_F(LoaderTest, LoadersReadWhatCppWrote) {
     std::map<std::string, std::vector<uint32_t>> byStruct;
 #define GLINT_ADD_ARRAY(binding, field, Struct, ROWS) addArray<shared::Struct>(binding, byStruct, #Struct);
     GLINT_SCENE_ARRAYS(GLINT_ADD_ARRAY)
@@ -172,12 +170,6 @@ TEST_P(LoaderTest, LoadersReadWhatCppWrote) {
     const std::vector<uint32_t> words = run(dispatch, expected.size());
     for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(words[i], expected[i]) << owner[i];
 }
-
-INSTANTIATE_TEST_SUITE_P(All, LoaderTest,
-                         testing::Values(gpu::Access::StorageBuffer, gpu::Access::TexelBuffer),
-                         [](const auto& p) {
-                             return std::string(p.param == gpu::Access::StorageBuffer ? "storage" : "texel");
-                         });
 
 }  // namespace
 }  // namespace glint::render::test::layout_test

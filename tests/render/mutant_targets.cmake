@@ -1,4 +1,4 @@
-# glint_mutants(<target> <list file> [PROBES <shader>...]): compiles the kernels of each mutant in the list for texel buffers, suffixed
+# glint_mutants(<target> <list file> [PROBES <shader>...]): compiles the kernels of each mutant in the list, suffixed
 # with its name. The target's sources find what to include, and which name takes which code, in mutant_includes.inc and
 # mutant_cases.inc; those of the probes in mutant_probe_includes.inc and mutant_probe_cases.inc. PROBES: shaders of the tests
 # themselves that include those in shaders/, copied beside them.
@@ -33,7 +33,7 @@ function(glint_mutants target list)
     set(kernels ${${mutant}_KERNELS})
     list(TRANSFORM kernels PREPEND ${folder}/)
     list(TRANSFORM kernels APPEND .comp)
-    glint_shaders(${target} SOURCES ${kernels} DEFINES GLINT_TEXEL_LOADS=1 SUFFIX ${mutant} UNCHECKED)
+    glint_shaders(${target} SOURCES ${kernels} SUFFIX ${mutant} UNCHECKED)
     string(APPEND cases "if (name == \"${mutant}\") {\n")
     foreach(kernel IN LISTS ${mutant}_KERNELS)
       if(kernel MATCHES "_probe$")

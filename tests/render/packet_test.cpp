@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "hard_rays.h"
+#include "render/path_limits.h"
 #include "verify/verify.h"
 
 namespace glint::render::test::packet_test {
@@ -18,7 +19,6 @@ gpu::DeviceInfo deviceOf(bool llvmpipe, uint32_t lanes, bool shuffle) {
     info.llvmpipe = llvmpipe;
     info.limits.subgroupSize = lanes;
     info.limits.subgroupShuffle = shuffle;
-    info.limits.maxStorageBuffersPerStage = GLINT_BINDING_COUNT;
     return info;
 }
 
@@ -72,12 +72,14 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     }
 }
 
-// Packets have no code for arrays that are together in one buffer.
-TEST(TraversalRule, DevicesThatBindFewBuffersTraceByLanes) {
-    gpu::DeviceInfo few = deviceOf(true, 8, true);
-    few.limits.maxStorageBuffersPerStage = GLINT_BINDING_COUNT - 1;
-    EXPECT_FALSE(chooseTraversal(Traversal::Auto, few, sceneOf(1000)).packets);
-    EXPECT_THROW(chooseTraversal(Traversal::Packet, few, sceneOf(1000)), Error);
+// The kernels that read one storage buffer have no packets.
+TEST(TraversalRule, PacketsNeedTexelBuffers) {
+    const gpu::DeviceInfo device = deviceOf(true, 8, true);
+    const auto choose = [&](Traversal wanted) {
+        return chooseTraversal(wanted, device, sceneOf(1000), {}, 0, gpu::Access::StorageBuffer);
+    };
+    EXPECT_FALSE(choose(Traversal::Auto).packets);
+    EXPECT_THROW(choose(Traversal::Packet), Error);
 }
 
 // packet_any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and
@@ -145,13 +147,6 @@ TEST_P(PacketSceneTest, DrawsWhatLanesDraw) {
         EXPECT_TRUE(
             sameBits(draw(device(), c, with(Traversal::Packet)), draw(device(), c, with(Traversal::Lane))));
     }
-}
-
-TEST_P(PacketSceneTest, DrawsTheSameThroughStorageBuffers) {
-    const Case c = fileCase(GetParam(), 64, 48);
-    Options storage = with(Traversal::Packet);
-    storage.access = gpu::Access::StorageBuffer;
-    EXPECT_TRUE(sameBits(draw(device(), c, storage), draw(device(), c, with(Traversal::Lane))));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),

@@ -7,7 +7,6 @@
 #include "gpu/compute.h"
 #include "pack/pack_samples.h"
 #include "path_probe.spv.h"
-#include "path_probe_texel.spv.h"
 #include "reference/sampling.h"
 #include "render/path_state.h"
 #include "shared/dispatch.h"
@@ -54,7 +53,7 @@ Slice sliceOf(const Region& region, uint32_t first, uint32_t tiles, uint32_t int
     return slice;
 }
 
-class PathTest : public RenderTest, public testing::WithParamInterface<Access> {
+class PathTest : public RenderTest {
   protected:
     // The kernel over all paths of the slice, or over those of `list`.
     std::vector<Probed> probe(const Slice& slice, const PackedSamples& samples, uint32_t sample,
@@ -64,7 +63,7 @@ class PathTest : public RenderTest, public testing::WithParamInterface<Access> {
 std::vector<Probed> PathTest::probe(const Slice& slice, const PackedSamples& samples, uint32_t sample,
                                     const std::vector<uint32_t>& list) const {
     const uint32_t paths = slice.paths();
-    PathState state(device(), GetParam(), paths, shared::kPathRows + shared::kListRows);
+    PathState state(device(), Access::TexelBuffer, paths, shared::kPathRows + shared::kListRows);
     std::vector<RowEntry> entries(paths, RowEntry{.u = {shared::kNone, 0, 0, 0}});
     for (size_t i = 0; i < list.size(); ++i) entries[i].u[0] = list[i];
     state.writeRow(device(), shared::kPathRows + 1, entries);
@@ -86,8 +85,7 @@ std::vector<Probed> PathTest::probe(const Slice& slice, const PackedSamples& sam
     gpu::KernelOptions options;
     options.name = "path probe";
     options.spirv = path_probe_spv;
-    if (GetParam() == Access::TexelBuffer) options.spirv = path_probe_texel_spv;
-    options.bindings.assign(GLINT_BINDING_COUNT + 1, GetParam());
+    options.bindings.assign(GLINT_BINDING_COUNT + 1, Access::TexelBuffer);
     options.bindings.front() = options.bindings.back() = Access::StorageBuffer;
     // Of all features and modes mirrors alone, so that there are lists.
     options.constants.assign(80, 0u);
@@ -138,7 +136,7 @@ void expectPixel(const Slice& slice, const Probed& probed) {
     EXPECT_EQ(probed.y, static_cast<uint32_t>(pixel.y)) << probed.path;
 }
 
-TEST_P(PathTest, PathsKnowTheirPixels) {
+TEST_F(PathTest, PathsKnowTheirPixels) {
     const PackedSamples samples = samplesOf(Sampler::Grid, 1);
     for (const Slice& slice : {sliceOf({0, 0, 64, 64}, 0, 64, 16), sliceOf({3, 5, 30, 22}, 2, 7, 4),
                                sliceOf({100, 7, 101, 90}, 0, 11, 1)}) {
@@ -156,7 +154,7 @@ TEST_P(PathTest, PathsKnowTheirPixels) {
 
 // A list in any order: an invocation works on the path that is listed for it, in that path's column, and
 // knows that path's pixel.
-TEST_P(PathTest, ListedPathsKnowTheirPixels) {
+TEST_F(PathTest, ListedPathsKnowTheirPixels) {
     const Slice slice = sliceOf({3, 5, 61, 44}, 1, 30, 16);
     std::vector<uint32_t> list(slice.paths());
     std::iota(list.begin(), list.end(), 0u);
@@ -174,7 +172,7 @@ TEST_P(PathTest, ListedPathsKnowTheirPixels) {
     }
 }
 
-TEST_P(PathTest, DimensionsAreTheReferences) {
+TEST_F(PathTest, DimensionsAreTheReferences) {
     const Slice slice = sliceOf({40, 13, 75, 40}, 0, 20, 2);
     for (const Sampler sampler : {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy}) {
         const PackedSamples samples = samplesOf(sampler, 9);
@@ -192,9 +190,9 @@ TEST_P(PathTest, DimensionsAreTheReferences) {
 
 // Kernels are first run over these, and their lanes follow the numbers that they read: none may be what was
 // in the memory before.
-TEST_P(PathTest, EndedPathsHaveNoNumberToFollow) {
+TEST_F(PathTest, EndedPathsHaveNoNumberToFollow) {
     constexpr uint32_t kRows = shared::kPathRows + 6, kGroup = shared::kWorkgroupSize;
-    const PathState state(device(), GetParam(), 100, kRows);
+    const PathState state(device(), Access::TexelBuffer, 100, kRows);
     RowEntry garbage;
     std::fill_n(garbage.u, 4, 0x05050505u);
     for (uint32_t row = 0; row < kRows; ++row)
@@ -215,11 +213,6 @@ TEST_P(PathTest, EndedPathsHaveNoNumberToFollow) {
         }
     }
 }
-
-INSTANTIATE_TEST_SUITE_P(Accesses, PathTest, testing::Values(Access::StorageBuffer, Access::TexelBuffer),
-                         [](const auto& access) {
-                             return access.param == Access::StorageBuffer ? "Storage" : "Texel";
-                         });
 
 }  // namespace
 }  // namespace glint::render::test::path_test

@@ -1,7 +1,7 @@
-// With GLINT_TEST_KERNELS=FOLDER all tests here run on the kernels in FOLDER/texel and FOLDER/storage, as far
-// as there are any, instead of those of the program, and those of arithmetic on FOLDER/arithmetic_probe.spv
-// (tests/mutation/mutation.py). The linker sends calls of
-// embeddedKernels here (--wrap in CMakeLists.txt), so that the program itself knows nothing of it.
+// With GLINT_TEST_KERNELS=FOLDER the tests run the kernels in FOLDER/texel in place of the program's kernels
+// for texel buffers, and FOLDER/arithmetic_probe.spv for those of arithmetic (tests/mutation/mutation.py).
+// The linker sends calls of embeddedKernels here (--wrap in CMakeLists.txt), so that the program does not
+// know of it.
 #include <cstdlib>
 #include <filesystem>
 
@@ -17,13 +17,9 @@ const KernelCode& wrappedKernels(gpu::Access access) __asm__("__wrap_" GLINT_MAN
 
 const KernelCode& wrappedKernels(gpu::Access access) {
     static const char* const folder = std::getenv("GLINT_TEST_KERNELS");
-    if (!folder) return realKernels(access);
-    const auto of = [](const char* name, gpu::Access a) {
-        return mutation::KernelFolder(std::filesystem::path(folder) / name, realKernels(a));
-    };
-    static const mutation::KernelFolder texel = of("texel", gpu::Access::TexelBuffer);
-    static const mutation::KernelFolder storage = of("storage", gpu::Access::StorageBuffer);
-    return (access == gpu::Access::TexelBuffer ? texel : storage).code();
+    if (!folder || access != gpu::Access::TexelBuffer) return realKernels(access);
+    static const mutation::KernelFolder texel(std::filesystem::path(folder) / "texel", realKernels(access));
+    return texel.code();
 }
 
 std::span<const uint32_t> probeOr(const std::string& name, std::span<const uint32_t> own) {

@@ -22,7 +22,6 @@ gpu::DeviceInfo deviceOf(const std::string& type, bool llvmpipe = false) {
     info.type = type;
     info.llvmpipe = llvmpipe;
     info.limits.subgroupSize = llvmpipe ? 8 : 32;
-    info.limits.maxStorageBuffersPerStage = GLINT_BINDING_COUNT;
     info.limits.subgroupShuffle = true;
     return info;
 }

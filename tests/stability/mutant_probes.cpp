@@ -4,8 +4,8 @@
 
 #include "../mutation/kernel_folder.h"
 #include "mutant_probe_includes.inc"
-#include "primitive_probe_storage.spv.h"
-#include "primitive_probe_texel.spv.h"
+#include "primitive_probe.spv.h"
+#include "primitive_probe_together.spv.h"
 
 namespace glint::stability {
 
@@ -16,7 +16,7 @@ namespace {
 std::span<const uint32_t> soundProbe() {
     static const char* const folder = std::getenv("GLINT_TEST_KERNELS");
     static mutation::Replacements replaced;
-    std::span<const uint32_t> probe = primitive_probe_texel_spv;
+    std::span<const uint32_t> probe = primitive_probe_spv;
     if (folder) replaced.replace(std::filesystem::path(folder) / "primitive_probe.spv", probe);
     return probe;
 }
@@ -24,7 +24,7 @@ std::span<const uint32_t> soundProbe() {
 }  // namespace
 
 std::span<const uint32_t> probeCode(const std::string& name, gpu::Access access) {
-    if (name.empty() && access == gpu::Access::StorageBuffer) return primitive_probe_storage_spv;
+    if (name.empty() && access == gpu::Access::StorageBuffer) return primitive_probe_together_spv;
 #include "mutant_probe_cases.inc"
     static const std::span<const uint32_t> sound = soundProbe();
     return sound;

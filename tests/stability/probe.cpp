@@ -1,8 +1,8 @@
 #include "probe.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
+#include <cstring>
 #include <map>
 
 #include "mutant_probes.h"
@@ -26,6 +26,8 @@ struct Row {
     uint32_t u[4];
 };
 
+constexpr uint32_t kHeadRows = (GLINT_BINDING_COUNT + 3) / 4;
+
 struct Array {
     uint32_t binding;
     std::span<const std::byte> bytes;
@@ -47,10 +49,24 @@ std::vector<Row> pathRows(const std::vector<FloatRay>& rays) {
     return rows;
 }
 
-uint64_t largestBytes(const std::vector<Array>& arrays, size_t rays) {
-    uint64_t largest = shared::kPathRows * rays * sizeof(Row);
-    for (const Array& array : arrays) largest = std::max<uint64_t>(largest, array.bytes.size());
-    return largest;
+render::ArraySizes sizesOf(const std::vector<Array>& arrays, size_t rays) {
+    render::ArraySizes sizes{shared::kPathRows * rays * sizeof(Row), kHeadRows * sizeof(Row)};
+    for (const Array& array : arrays) {
+        sizes.largest = std::max<uint64_t>(sizes.largest, array.bytes.size());
+        sizes.sum += array.bytes.size();
+    }
+    return sizes;
+}
+
+// The arrays as one, behind the table of their first rows (shaders/storage.glsl).
+std::vector<std::byte> oneArray(const std::vector<Array>& arrays) {
+    std::vector<std::byte> bytes(kHeadRows * sizeof(Row));
+    for (const Array& array : arrays) {
+        const auto first = static_cast<uint32_t>(bytes.size() / sizeof(Row));
+        std::memcpy(bytes.data() + array.binding * sizeof(first), &first, sizeof(first));
+        bytes.insert(bytes.end(), array.bytes.begin(), array.bytes.end());
+    }
+    return bytes;
 }
 
 std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& rays, uint32_t kind,
@@ -58,19 +74,23 @@ std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& ray
     using gpu::Access;
     gpu::KernelOptions options;
     options.name = "primitive probe";
-    const Access access = accessOf(subject, largestBytes(arrays, rays.size()));
+    const Access access = accessOf(subject, sizesOf(arrays, rays.size()));
+    const bool together = access == Access::StorageBuffer;
     options.spirv = probeCode(subject.mutant, access);
-    options.bindings.assign(GLINT_BINDING_COUNT, access);
+    options.bindings.assign(together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT, access);
     options.bindings[0] = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     const std::vector<Row> rows = pathRows(rays);
     const auto rowBytes = std::as_bytes(std::span(rows));
     std::map<uint32_t, std::span<const std::byte>> contents = {{1, rowBytes}};
-    for (const Array& array : arrays) contents[array.binding] = array.bytes;
-    std::array<gpu::Buffer, GLINT_BINDING_COUNT> buffers;
+    const std::vector<std::byte> all = oneArray(arrays);
+    if (together) contents[2] = all;
+    for (const Array& array : arrays)
+        if (!together) contents[array.binding] = array.bytes;
+    std::vector<gpu::Buffer> buffers(options.bindings.size());
     std::vector<const gpu::Buffer*> bound;
-    for (uint32_t binding = 0; binding < GLINT_BINDING_COUNT; ++binding) {
+    for (uint32_t binding = 0; binding < buffers.size(); ++binding) {
         const auto found = contents.find(binding);
         const size_t bytes = found == contents.end() ? 16 : found->second.size();
         buffers[binding] =
@@ -127,8 +147,8 @@ std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& a
 
 }  // namespace
 
-gpu::Access accessOf(const Subject& subject, uint64_t largestArrayBytes) {
-    return subject.mutant.empty() ? render::chooseAccess(subject.device->info(), largestArrayBytes)
+gpu::Access accessOf(const Subject& subject, const render::ArraySizes& sizes) {
+    return subject.mutant.empty() ? render::chooseAccess(subject.device->info(), sizes)
                                   : gpu::Access::TexelBuffer;
 }
 

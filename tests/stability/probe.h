@@ -10,6 +10,7 @@
 
 #include "gpu/compute.h"
 #include "gpu/device.h"
+#include "render/scene_buffers.h"
 #include "shared/layout.h"
 
 namespace glint::stability {
@@ -22,7 +23,7 @@ struct Subject {
 };
 
 // How the subject's kernels load: as the device does best. Mutants are of one kind.
-gpu::Access accessOf(const Subject& subject, uint64_t largestArrayBytes);
+gpu::Access accessOf(const Subject& subject, const render::ArraySizes& sizes);
 
 struct FloatRay {
     glm::vec3 origin{0};

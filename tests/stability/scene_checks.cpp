@@ -23,7 +23,7 @@ using render::test::Random;
 class SubjectRenderer {
   public:
     SubjectRenderer(const Subject& subject, const PackedScene& scene)
-        : access_(accessOf(subject, render::largestArray(scene))),
+        : access_(accessOf(subject, render::arraySizes(scene))),
           code_(subject.mutant.empty() ? render::embeddedKernels(access_)
                                        : render::test::mutantKernels(subject.mutant)),
           mutant_(!subject.mutant.empty()),
