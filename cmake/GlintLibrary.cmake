@@ -44,6 +44,10 @@ install(FILES ${glint_static} DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT deve
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/include/glint DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT glint-targets NAMESPACE glint:: DESTINATION ${glint_package_folder} COMPONENT development)
 
+get_property(glint_decoders GLOBAL PROPERTY GLINT_DECODERS)
+set(glint_pc_decoders ${glint_decoders})
+list(TRANSFORM glint_pc_decoders PREPEND "-l")
+list(JOIN glint_pc_decoders " " glint_pc_decoders)
 set(glint_config ${CMAKE_CURRENT_BINARY_DIR}/glint-config.cmake)
 configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/glint-config.cmake.in ${glint_config}
   INSTALL_DESTINATION ${glint_package_folder} PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR)

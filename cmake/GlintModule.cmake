@@ -18,6 +18,25 @@ function(glint_module name)
   endif()
 endfunction()
 
+# An option GLINT_<OPTION> for a decoder in a module, on where its library is found: a definition of that name, 1 or 0, and the library.
+# GLINT_DECODERS collects the names by which programs link glint's static library with it.
+function(glint_decoder module option name library text)
+  if(library AND NOT library MATCHES "NOTFOUND")
+    set(found ON)
+  else()
+    set(found OFF)
+  endif()
+  option(GLINT_${option} "Read ${text}" ${found})
+  target_compile_definitions(glint_${module} PRIVATE GLINT_${option}=$<BOOL:${GLINT_${option}}>)
+  if(GLINT_${option})
+    if(NOT found)
+      message(FATAL_ERROR "GLINT_${option}: the library for ${text} is not installed")
+    endif()
+    target_link_libraries(glint_${module} PRIVATE ${library})
+    set_property(GLOBAL APPEND PROPERTY GLINT_DECODERS ${name})
+  endif()
+endfunction()
+
 # What is tested is fast, the tests need not be: 4.2 instead of 5.6 s to compile one, sanitized 6.8 instead of 11.6 s (GCC 12).
 # Undefined behaviour is looked for in what is tested: without its checks a test compiles in 7.8 instead of 13.3 s.
 function(glint_test_options name)

@@ -2,7 +2,7 @@
 
 glint_build_packages="g++ cmake ninja-build pkg-config libglm-dev libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
   mesa-vulkan-drivers libstb-dev libopenexr-dev libjpeg-dev libpng-dev zlib1g-dev libgmp-dev nlohmann-json3-dev libcli11-dev
-  libxxhash-dev"
+  libxxhash-dev libwebp-dev libmeshoptimizer-dev libdraco-dev"
 glint_window_packages="libglfw3-dev libimgui-dev"
 glint_mpi_packages="libopenmpi-dev"
 glint_test_packages="python3 python3-numpy python3-pytest libgtest-dev vulkan-validationlayers xvfb xauth xdotool parallel

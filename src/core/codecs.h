@@ -135,6 +135,8 @@ Image decodePng(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 // By libjpeg-turbo. Grey, or RGB of whatever colour space.
 Image decodeJpeg(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 Image decodeHdr(ByteView file, uint64_t mostPixels = kMostPicturePixels);
+// By libwebp: sRGB, with or without alpha, no animations. Refused in builds without it.
+Image decodeWebp(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 Image decodePfm(ByteView file, uint64_t mostPixels = kMostPicturePixels);
 
 // By OpenEXR. Of the first part: the channels R, G, B and A if there is colour, else Y, else the channels of

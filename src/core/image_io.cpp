@@ -237,8 +237,10 @@ Image decode(ByteView file, uint64_t mostPixels) {
     if (startsWith(file, "\xff\xd8\xff")) return decodeJpeg(file, mostPixels);
     if (startsWith(file, "\x76\x2f\x31\x01")) return decodeExr(file, mostPixels);
     if (startsWith(file, "#?")) return decodeHdr(file, mostPixels);
+    if (startsWith(file, "RIFF") && file.size() > 12 && startsWith(file.subspan(8), "WEBP"))
+        return decodeWebp(file, mostPixels);
     if (startsWith(file, "PF") || startsWith(file, "Pf")) return decodePfm(file, mostPixels);
-    throw CodecError("not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)");
+    throw CodecError("not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
 }
 
 }  // namespace

@@ -143,6 +143,13 @@ GltfNumbers readAccessor(GltfFile& file, size_t index, std::initializer_list<std
         for (const std::string_view t : types) wanted += (wanted.empty() ? "" : " or ") + std::string(t);
         type.failWanted("must be " + wanted + " for what it is used for");
     }
+    if (const GltfNumbers* decoded = file.decoded(index)) {
+        if (decoded->components != componentsOf(type))
+            type.failWanted("must have " + std::to_string(decoded->components) +
+                            " components, as the compressed data");
+        takeMemory(file, accessor, decoded->count, decoded->components);
+        return *decoded;
+    }
     GltfNumbers numbers;
     numbers.components = componentsOf(type);
     Component component = componentOf(accessor);

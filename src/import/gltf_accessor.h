@@ -9,12 +9,6 @@
 
 namespace glint {
 
-struct GltfNumbers {
-    size_t count = 0;       // elements
-    size_t components = 1;  // of each
-    std::vector<double> values;
-};
-
 // Accessor `index`: of any component type, interleaved or not, normalised integers as fractions, with its
 // sparse substitutions. `types` are the element types that its user can take ("VEC3"). Throws Error(Scene) if
 // it is of another, or does not fit its buffer view.

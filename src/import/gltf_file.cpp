@@ -8,6 +8,7 @@
 #include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
+#include "import/gltf_compression.h"
 
 namespace glint {
 
@@ -19,7 +20,11 @@ constexpr std::string_view kListNames[kGltfLists] = {"accessors", "buffers",  "b
 
 constexpr std::string_view kLightsExtension = "KHR_lights_punctual";
 
+// KHR_materials_variants: the materials that primitives have without it are the default variant.
 constexpr std::string_view kExtensions[] = {
+    "EXT_meshopt_compression",    "KHR_meshopt_compression",
+    "EXT_texture_webp",           "KHR_draco_mesh_compression",
+    "EXT_mesh_gpu_instancing",    "KHR_materials_variants",
     "KHR_lights_punctual",        "KHR_materials_emissive_strength",
     "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission", "KHR_materials_unlit",
@@ -186,7 +191,7 @@ size_t GltfFile::index(GltfList list, const JsonCursor& reference) const {
     return static_cast<size_t>(*value);
 }
 
-std::string GltfFile::readUri(const JsonCursor& uri) {
+std::string GltfFile::readUri(const JsonCursor& uri, bool picture) {
     const std::string& text = uri.string();
     if (text.starts_with("data:")) {
         const size_t comma = text.find(',');
@@ -200,7 +205,8 @@ std::string GltfFile::readUri(const JsonCursor& uri) {
         uri.fail("only files beside the model and data: URIs are read (got " + text.substr(0, 60) + ")");
     std::filesystem::path path;
     try {
-        path = files_.resolve(folder_, percentDecoded(text));
+        const std::string name = percentDecoded(text);
+        path = picture ? files_.findOrBeside(folder_, name) : files_.resolve(folder_, name);
     } catch (const Error& error) {
         uri.fail(error.what());
     }
@@ -229,8 +235,23 @@ std::string_view GltfFile::buffer(size_t index) {
     return bytes.substr(0, length);
 }
 
+const GltfNumbers* GltfFile::decoded(size_t accessor) const {
+    const auto found = decoded_.find(accessor);
+    return found == decoded_.end() ? nullptr : &found->second;
+}
+
 std::string_view GltfFile::bufferView(size_t index) {
+    if (const auto known = views_.find(index); known != views_.end()) return known->second;
     const JsonCursor view = item(GltfList::BufferViews, index);
+    const auto decode = [&](const JsonCursor& extension) {
+        views_[index] = decodeMeshopt(*this, extension, range(extension));
+    };
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+        if (withExtension(view, name, decode)) return views_[index];
+    return range(view);
+}
+
+std::string_view GltfFile::range(const JsonCursor& view) {
     const std::string_view bytes = buffer(this->index(GltfList::Buffers, view.require("buffer")));
     const uint64_t offset = gltfSize(view, "byteOffset", 0), length = gltfSize(view, "byteLength", 0);
     if (offset > bytes.size() || length > bytes.size() - offset)
@@ -242,6 +263,11 @@ std::string_view GltfFile::bufferView(size_t index) {
 void GltfFile::warn(const std::string& what) {
     const std::string line = printable(name_ + ": " + what);
     if (said_.insert(line).second) warnings_.push_back(line);
+}
+
+void GltfFile::warnOf(const std::exception& error, const std::string& consequence) {
+    const std::string what = error.what(), file = name_ + ": ";
+    warn(what.substr(what.starts_with(file) ? file.size() : 0) + "; " + consequence);
 }
 
 double gltfNumber(const JsonCursor& object, std::string_view key, double missing) {

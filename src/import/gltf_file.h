@@ -34,6 +34,13 @@ enum class GltfList {
 };
 inline constexpr size_t kGltfLists = 12;
 
+// What an accessor stands for.
+struct GltfNumbers {
+    size_t count = 0;       // elements
+    size_t components = 1;  // of each
+    std::vector<double> values;
+};
+
 // Cursors that it hands out must not outlive it. Everything throws Error(Scene) "FILE: /POINTER: what".
 class GltfFile {
   public:
@@ -51,16 +58,23 @@ class GltfFile {
     // The index that stands at `reference`, which fails if the list has no such item.
     size_t index(GltfList list, const JsonCursor& reference) const;
 
-    // Of item `view` of bufferViews; external files are read when they are first used.
+    // Of item `view` of bufferViews; external files are read, and compressed views decoded, when they are
+    // first used.
     std::string_view bufferView(size_t view);
-    // What a "uri" holds: decoded base64 of a data: URI, or the bytes of the file it names.
-    std::string readUri(const JsonCursor& uri);
+    // Accessors whose numbers were compressed on their own; null for all others.
+    const GltfNumbers* decoded(size_t accessor) const;
+    void setDecoded(size_t accessor, GltfNumbers numbers) { decoded_[accessor] = std::move(numbers); }
+    // What a "uri" holds: decoded base64 of a data: URI, or the bytes of the file it names; of a picture also
+    // those of the file of that name beside the model.
+    std::string readUri(const JsonCursor& uri, bool picture = false);
 
     // To be asked for memory before it is taken.
     SceneFiles& files() { return files_; }
 
     // One line each, however often the same is said.
     void warn(const std::string& what);
+    // The same of an error that does not matter that much: "what; `consequence`".
+    void warnOf(const std::exception& error, const std::string& consequence);
     std::vector<std::string> takeWarnings() { return std::move(warnings_); }
 
   private:
@@ -68,6 +82,7 @@ class GltfFile {
     void findLists();
     void checkHeader();
     std::string_view buffer(size_t index);
+    std::string_view range(const JsonCursor& object);  // bytes of a buffer, as a view or extension gives them
 
     SceneFiles& files_;
     std::filesystem::path folder_;
@@ -81,6 +96,8 @@ class GltfFile {
     std::array<std::pair<std::optional<JsonCursor>, size_t>, kGltfLists> cursors_;
     std::vector<std::shared_ptr<const std::string>> buffers_;
     std::map<std::string, std::shared_ptr<const std::string>> byUri_;  // several buffers may share one
+    std::map<size_t, std::string> views_;                              // those that were compressed
+    std::map<size_t, GltfNumbers> decoded_;
     std::set<std::string> said_;
     std::vector<std::string> warnings_;
 };

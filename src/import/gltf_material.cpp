@@ -43,6 +43,7 @@ struct GltfMaterials::Surface {
     double alphaCutoff = 0;
     double seeThrough = 0;  // blended: how much of what is behind is seen
     std::optional<size_t> texCoord;
+    std::optional<GltfUvTransform> turned;
 };
 
 GltfMaterials::Use GltfMaterials::use(const std::optional<JsonCursor>& reference) {
@@ -75,13 +76,16 @@ GltfMaterials::Use GltfMaterials::convert(size_t index) {
     const auto at = static_cast<uint32_t>(scene_.materials.size());
     scene_.materials.push_back(whitted(surface));
     validateMaterial(scene_.materials.back(), {file_.name(), material.pointer()});
-    return {at, surface.texCoord.value_or(0), surface.texCoord.has_value()};
+    return {at, surface.texCoord.value_or(0), surface.texCoord.has_value(), surface.turned};
 }
 
 void GltfMaterials::noteTexCoord(const Reference& reference, Surface& surface) {
     if (reference.texture == Material::kNoTexture) return;
     if (surface.texCoord && *surface.texCoord != reference.texCoord)
         file_.warn("a material uses two sets of texture coordinates; the first one is used for both");
+    if (surface.texCoord && surface.turned != reference.turned)
+        file_.warn("a material's textures are turned differently; all are turned as the first one");
+    if (!surface.texCoord) surface.turned = reference.turned;
     if (!surface.texCoord) surface.texCoord = reference.texCoord;
 }
 

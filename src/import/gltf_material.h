@@ -13,6 +13,13 @@
 
 namespace glint {
 
+// Of texture coordinates as glTF counts them: u' = u u.x + v v.x + shift.x, and so on.
+struct GltfUvTransform {
+    glm::dvec2 u{1, 0}, v{0, 1}, shift{0};
+    glm::dvec2 operator()(const glm::dvec2& uv) const { return uv.x * u + uv.y * v + shift; }
+    bool operator==(const GltfUvTransform&) const = default;
+};
+
 class GltfMaterials {
   public:
     // Converted materials and their textures are appended to `scene`, each when it is first asked for. With
@@ -22,9 +29,10 @@ class GltfMaterials {
         : file_(file), scene_(scene), ambientIsEmission_(ambientIsEmission) {}
 
     struct Use {
-        uint32_t material = 0;       // into scene.materials
-        size_t texCoord = 0;         // which TEXCOORD_n its textures go by
-        bool needsTexCoord = false;  // it has textures
+        uint32_t material = 0;                       // into scene.materials
+        size_t texCoord = 0;                         // which TEXCOORD_n its textures go by
+        bool needsTexCoord = false;                  // it has textures
+        std::optional<GltfUvTransform> turned = {};  // texture coordinates, first
     };
     // Of a primitive; without a reference glint's default material.
     Use use(const std::optional<JsonCursor>& reference);
@@ -37,6 +45,7 @@ class GltfMaterials {
     struct Reference {
         uint32_t texture = Material::kNoTexture;
         size_t texCoord = 0;
+        std::optional<GltfUvTransform> turned = {};  // KHR_texture_transform with a rotation
     };
     struct Means {          // of a picture
         double numbers[4];  // as they stand in the file; the last one is alpha

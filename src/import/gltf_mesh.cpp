@@ -6,6 +6,7 @@
 #include "core/call_terms.h"
 #include "core/room.h"
 #include "import/gltf_accessor.h"
+#include "import/gltf_compression.h"
 
 namespace glint {
 
@@ -57,6 +58,12 @@ class MeshReader {
             file_.warn(attributes.pointer() + ": no POSITION; not drawn");
             return;
         }
+        const bool compressed =
+            withExtension(primitive, "KHR_draco_mesh_compression", [&](const JsonCursor& draco) {
+                const JsonCursor accessor =
+                    file_.item(GltfList::Accessors, file_.index(GltfList::Accessors, *position));
+                if (readsDraco() || !accessor.find("bufferView")) decodeDraco(file_, primitive, draco);
+            });
         const auto material = primitive.find("material");
         const GltfMaterials::Use use = materials_.use(material);
         const Range positions = readPositions(*position);
@@ -68,7 +75,7 @@ class MeshReader {
         if (use.needsTexCoord && !uv)
             file_.warn(attributes.pointer() + ": no " + uvName + ", which its material's texture goes by");
         tellProgress(0.5);
-        const Range uvs = uv ? readUvs(*uv) : Range{};
+        const Range uvs = uv ? readUvs(*uv, use) : Range{};
         const auto color = attributes.find("COLOR_0");
         const Range colors = color ? readColors(*color) : Range{};
         for (const Range& range : {normals, uvs, colors})
@@ -89,7 +96,7 @@ class MeshReader {
         tellProgress(0.6);
         const std::vector<uint32_t> order = vertexOrder(primitive, positions.count);
         tellProgress(0.8);
-        assemble(mode, order, add);
+        assemble(compressed && readsDraco() ? kTriangles : mode, order, add);
     }
 
     std::vector<uint32_t> vertexOrder(const JsonCursor& primitive, size_t count) {
@@ -152,9 +159,13 @@ class MeshReader {
     Range readNormals(const JsonCursor& reference) {
         return append(mesh_.normals, normals_, reference, {"VEC3"}, vector);
     }
-    Range readUvs(const JsonCursor& reference) {  // glTF counts v downwards
-        return append(mesh_.uvs, uvs_, reference, {"VEC2"},
-                      [](const double* v, size_t) { return glm::dvec2(v[0], 1 - v[1]); });
+    Range readUvs(const JsonCursor& reference, const GltfMaterials::Use& use) {
+        const GltfUvTransform turn = use.turned.value_or(GltfUvTransform{});
+        std::map<size_t, Range>& known = use.turned ? turnedUvs_[use.material] : uvs_;
+        return append(mesh_.uvs, known, reference, {"VEC2"}, [&turn](const double* v, size_t) {
+            const glm::dvec2 uv = turn({v[0], v[1]});
+            return glm::dvec2(uv.x, 1 - uv.y);  // glTF counts v downwards
+        });
     }
     Range readColors(const JsonCursor& reference) {
         return append(mesh_.colors, colors_, reference, {"VEC3", "VEC4"},
@@ -177,6 +188,7 @@ class MeshReader {
     GltfMaterials& materials_;
     Mesh mesh_;
     std::map<size_t, Range> positions_, normals_, uvs_, colors_;
+    std::map<uint32_t, std::map<size_t, Range>> turnedUvs_;  // by material
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "import/gltf_accessor.h"
 #include "import/gltf_animation.h"
 #include "import/gltf_file.h"
 #include "import/gltf_material.h"
@@ -107,6 +108,7 @@ class GltfScene::Reader {
     struct Instance {
         size_t node, mesh;
         Affine place;
+        std::string name;
     };
 
     // Later items first, as they go onto a stack.
@@ -157,13 +159,49 @@ class GltfScene::Reader {
 
     void readNode(const JsonCursor& node, size_t index, const Affine& place) {
         if (const auto mesh = node.find("mesh"))
-            instances_.push_back({index, file_.index(GltfList::Meshes, *mesh), place});
+            addInstances(node, {index, file_.index(GltfList::Meshes, *mesh), place, node.pointer()});
         if (node.find("skin")) file_.warn("skins are ignored: meshes stand as they were modelled");
         if (const auto camera = node.find("camera")) addCamera(*camera, node, place);
         withExtension(node, "KHR_lights_punctual", [&](const JsonCursor& extension) {
             readLight(file_.item(GltfList::Lights, file_.index(GltfList::Lights, extension.require("light"))),
                       place);
         });
+    }
+
+    // One, or as many as EXT_mesh_gpu_instancing gives places for.
+    void addInstances(const JsonCursor& node, const Instance& instance) {
+        const auto addMany = [&](const JsonCursor& extension) {
+            const JsonCursor attributes = extension.require("attributes");
+            attributes.expectObject();
+            const auto read = [&](std::string_view key, std::string_view type) {
+                const auto accessor = attributes.find(key);
+                return accessor ? readAccessor(file_, file_.index(GltfList::Accessors, *accessor), {type})
+                                : GltfNumbers{};
+            };
+            const GltfNumbers move = read("TRANSLATION", "VEC3"), turn = read("ROTATION", "VEC4"),
+                              scale = read("SCALE", "VEC3");
+            const size_t count = std::max({move.count, turn.count, scale.count});
+            for (const GltfNumbers* list : {&move, &turn, &scale})
+                if (list->count != 0 && list->count != count)
+                    attributes.fail("the attributes must have the same number of elements");
+            file_.files().take(count * 2 * sizeof(Object), file_.name() + ": " + node.pointer());
+            for (size_t i = 0; i < count; i++) {
+                const auto element = [&](const GltfNumbers& list) {
+                    return list.values.data() + i * list.components;
+                };
+                const auto vector = [&](const GltfNumbers& list) {
+                    const double* v = element(list);
+                    return glm::dvec3(v[0], v[1], v[2]);
+                };
+                Affine local = scaling(scale.count ? vector(scale) : glm::dvec3(1));
+                if (turn.count)
+                    local.linear = rotationOf(node, {element(turn), element(turn) + 4}) * local.linear;
+                if (move.count) local.offset = vector(move);
+                instances_.push_back({instance.node, instance.mesh, then(local, instance.place),
+                                      instance.name + "/" + std::to_string(i)});
+            }
+        };
+        if (!withExtension(node, "EXT_mesh_gpu_instancing", addMany)) instances_.push_back(instance);
     }
 
     // The camera's own name, or its node's; each once.
@@ -187,8 +225,7 @@ class GltfScene::Reader {
             scene_.cameras.back().name = name;
         } catch (const Error& error) {
             if (scene_.cameras.empty()) throw;
-            const std::string what = error.what(), file = file_.name() + ": ";
-            file_.warn(what.substr(what.starts_with(file) ? file.size() : 0) + "; this camera is left out");
+            file_.warnOf(error, "this camera is left out");
         }
     }
 
@@ -274,37 +311,61 @@ class GltfScene::Reader {
         return found == places_.end() ? GltfPlace{} : found->second;
     }
 
+    // To a plane, a line or a point.
     bool flattened(const Instance& instance) const {
-        const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
-        const double condition = conditionNumber(instance.place.linear);
-        const glm::dvec3& offset = instance.place.offset;
-        if (std::isnan(condition) || !std::isfinite(offset.x + offset.y + offset.z))
-            node.fail("its transform, with those of its parents, is not finite");
-        return condition > kMaxCondition;
+        const glm::dmat3& m = instance.place.linear;
+        const auto finite = [](const glm::dvec3& v) {
+            return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+        };
+        if (!(finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(instance.place.offset)))
+            file_.item(GltfList::Nodes, instance.node)
+                .fail("its transform, with those of its parents, is not finite");
+        return !(conditionNumber(m) <= kMaxCondition);
     }
 
-    // What is flattened may grow in an animation.
+    // To a line or a point.
+    static bool vanishes(const glm::dmat3& m) {
+        const double size = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+        if (size == 0) return true;
+        const glm::dmat3 unit = m / size;
+        return std::max({glm::length(glm::cross(unit[0], unit[1])), glm::length(glm::cross(unit[1], unit[2])),
+                         glm::length(glm::cross(unit[2], unit[0]))}) < 1 / kMaxCondition;
+    }
+
+    // What vanishes may grow in an animation.
     void readMeshes(GltfMaterials& materials) {
         const ProgressPart all(0.2, 1);  // the JSON text is done
         for (size_t i = 0; i < instances_.size(); i++) {
             const ProgressPart part = ProgressPart::step(i, instances_.size());
             const Instance& instance = instances_[i];
-            if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !flattened(instance)))
+            if (meshes_.count(instance.mesh) == 0 && (!channels_.empty() || !vanishes(instance.place.linear)))
                 meshes_[instance.mesh] = readGltfMesh(file_, materials, instance.mesh);
         }
+    }
+
+    // Rays cannot be taken back through a place that flattens, so the vertices are moved. The shape is a part
+    // of a plane and needs no normals.
+    std::shared_ptr<const Mesh> flattenedMesh(const Mesh& mesh, const Affine& place) {
+        file_.files().take(mesh.positions.size() * sizeof(glm::dvec3), file_.name());
+        Mesh flat = transformed(mesh, place);
+        flat.normals.clear();
+        flat.normalCorners.clear();
+        return std::make_shared<const Mesh>(std::move(flat));
     }
 
     void addObjects() {
         for (const Instance& instance : instances_) {
             const JsonCursor node = file_.item(GltfList::Nodes, instance.node);
-            if (flattened(instance)) {
+            const bool flat = flattened(instance);
+            if (flat && vanishes(instance.place.linear)) {
                 file_.warn(node.pointer() + ": flattened by its transform; not drawn");
                 continue;
             }
             const std::shared_ptr<const Mesh>& mesh = meshes_.at(instance.mesh);
             if (!mesh) continue;
-            Object object{node.pointer(), MeshShape{mesh}, mesh->materials.front()};
-            if (instance.place != Affine{}) object.transform = instance.place;
+            Object object{instance.name, MeshShape{mesh}, mesh->materials.front()};
+            if (flat) object.shape = MeshShape{flattenedMesh(*mesh, instance.place)};
+            if (!flat && instance.place != Affine{}) object.transform = instance.place;
             scene_.objects.push_back(std::move(object));
         }
     }

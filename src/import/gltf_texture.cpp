@@ -29,14 +29,15 @@ bool startsWith(std::string_view bytes, std::string_view magic, size_t at = 0) {
     return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
 }
 
-// PNG and JPEG are all that glTF itself allows.
+// PNG and JPEG are all that glTF itself allows, WebP is an extension.
 bool known(std::string_view bytes) {
-    return startsWith(bytes, "\x89PNG\r\n\x1a\n") || startsWith(bytes, "\xff\xd8\xff");
+    return startsWith(bytes, "WEBP", 8) || startsWith(bytes, "\x89PNG\r\n\x1a\n") ||
+           startsWith(bytes, "\xff\xd8\xff");
 }
 
 }  // namespace
 
-// Nothing, with a warning, for a picture of a kind that only extensions allow.
+// Nothing, with a warning, for a picture that is not there or cannot be read.
 std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
     if (const auto known = images_.find(index); known != images_.end()) return known->second;
     const JsonCursor image = file_.item(GltfList::Images, index);
@@ -44,26 +45,18 @@ std::shared_ptr<const Image> GltfMaterials::image(size_t index) {
     const std::string source = uri ? uri->string() : "";
     if (const auto known = byUri_.find(source); uri && known != byUri_.end())
         return images_[index] = known->second;
-    std::string owned;
-    std::string_view bytes;
-    if (uri) {
-        owned = file_.readUri(*uri);
-        bytes = owned;
-    } else {
-        bytes = file_.bufferView(file_.index(GltfList::BufferViews, image.require("bufferView")));
-    }
     std::shared_ptr<const Image> decoded;
-    if (!known(bytes)) {
-        file_.warn(image.pointer() + ": neither PNG nor JPEG; drawn without this picture");
-    } else {
-        try {
-            const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
-            decoded = std::make_shared<const Image>(decodeImage(
-                {data, bytes.size()}, file_.name() + ": " + image.pointer(), file_.files().mostPixels()));
-            file_.files().takePicture(*decoded);
-        } catch (const Error& error) {
-            throw Error(ErrorKind::Scene, error.what());
-        }
+    try {
+        const std::string owned = uri ? file_.readUri(*uri, true) : "";
+        const std::string_view bytes =
+            uri ? owned : file_.bufferView(file_.index(GltfList::BufferViews, image.require("bufferView")));
+        if (!known(bytes)) image.fail("neither PNG, JPEG nor WebP");
+        const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
+        decoded = std::make_shared<const Image>(decodeImage(
+            {data, bytes.size()}, file_.name() + ": " + image.pointer(), file_.files().mostPixels()));
+        file_.files().takePicture(*decoded);
+    } catch (const Error& error) {
+        file_.warnOf(error, "drawn without this picture");
     }
     if (uri) byUri_[source] = decoded;
     return images_[index] = decoded;
@@ -73,8 +66,12 @@ std::optional<size_t> GltfMaterials::imageOf(const JsonCursor& info) {
     info.expectObject();
     const JsonCursor texture =
         file_.item(GltfList::Textures, file_.index(GltfList::Textures, info.require("index")));
-    const auto source = texture.find("source");
-    if (source) return file_.index(GltfList::Images, *source);
+    if (const auto source = texture.find("source")) return file_.index(GltfList::Images, *source);
+    std::optional<size_t> webp;
+    withExtension(texture, "EXT_texture_webp", [&](const JsonCursor& extension) {
+        webp = file_.index(GltfList::Images, extension.require("source"));
+    });
+    if (webp) return webp;
     file_.warn(texture.pointer() + ": no \"source\"; drawn without this texture");
     return std::nullopt;
 }
@@ -102,20 +99,26 @@ GltfMaterials::Reference GltfMaterials::texture(const JsonCursor& info) {
         file_.item(GltfList::Textures, file_.index(GltfList::Textures, info.require("index"))), picture);
     std::get<ImageTexture>(texture.source).file = file_.name() + ": /images/" + std::to_string(*index);
     double texCoord = gltfNumber(info, "texCoord", 0);
+    std::optional<GltfUvTransform> turned;
     withExtension(info, "KHR_texture_transform", [&](const JsonCursor& transform) {
         const std::vector<double> offset = gltfNumbers(transform, "offset", 2);
         const std::vector<double> scale = gltfNumbers(transform, "scale", 2);
-        if (gltfNumber(transform, "rotation", 0) != 0)
-            file_.warn("the rotation of KHR_texture_transform is ignored");
-        if (!scale.empty()) texture.scale = {scale[0], scale[1]};
-        const glm::dvec2 shift = offset.empty() ? glm::dvec2(0) : glm::dvec2(offset[0], offset[1]);
-        // glTF's v' = shift + scale v counts downwards; with v = 1 - V, V' = 1 - v':
-        texture.offset = {shift.x, 1 - shift.y - texture.scale.y};
+        const double rotation = gltfNumber(transform, "rotation", 0);
         texCoord = gltfNumber(transform, "texCoord", texCoord);
+        const glm::dvec2 size = scale.empty() ? glm::dvec2(1) : glm::dvec2(scale[0], scale[1]);
+        const glm::dvec2 shift = offset.empty() ? glm::dvec2(0) : glm::dvec2(offset[0], offset[1]);
+        if (rotation != 0) {  // counter-clockwise, v counting downwards
+            const double c = std::cos(rotation), s = std::sin(rotation);
+            turned = GltfUvTransform{{c * size.x, -s * size.x}, {s * size.y, c * size.y}, shift};
+            return;
+        }
+        texture.scale = size;
+        // glTF's v' = shift + scale v counts downwards; with v = 1 - V, V' = 1 - v':
+        texture.offset = {shift.x, 1 - shift.y - size.y};
     });
     if (!(texCoord >= 0 && texCoord < 1000)) info.fail("texCoord must be a small whole number");
     scene_.textures.push_back(std::move(texture));
-    return {static_cast<uint32_t>(scene_.textures.size() - 1), static_cast<size_t>(texCoord)};
+    return {static_cast<uint32_t>(scene_.textures.size() - 1), static_cast<size_t>(texCoord), turned};
 }
 
 std::optional<GltfMaterials::Means> GltfMaterials::means(const JsonCursor& info) {

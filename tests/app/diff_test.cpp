@@ -71,7 +71,7 @@ TEST_F(Diff, FaultsAreOneLine) {
         {"c.pfm", "a.pfm, c.pfm: the pictures differ in size: 2x2 and 3x2"},
         {"no.png", "no.png: cannot read: No such file or directory"},
         {"folder.png", "folder.png: cannot read: Is a directory"},
-        {"text.png", "text.png: not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)"}};
+        {"text.png", "text.png: not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)"}};
     for (const auto& [file, line] : cases) {
         const Ran ran = runGlint({"diff", "a.pfm", file, "-o", "d.png"});
         EXPECT_EQ(ran.err, "glint: " + line + "\n");

@@ -11,6 +11,10 @@
 #include "png_file.h"
 #include "support/support.h"
 
+#if GLINT_WEBP
+#include <webp/encode.h>
+#endif
+
 namespace glint::decode_test {
 namespace {
 
@@ -120,7 +124,7 @@ TEST_F(Decode, FilesThatAreNoPictures) {
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }), path + ": the file is empty");
     writeBytes(path, textBytes("solid cube"));
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(path); }),
-              path + ": not a picture of a known kind (PNG, JPEG, EXR, PFM or HDR)");
+              path + ": not a picture of a known kind (PNG, JPEG, EXR, PFM, HDR or WebP)");
     EXPECT_EQ(errorOf(ErrorKind::Failed, [&] { readImage(folder_); }),
               folder_.string() + ": cannot read: Is a directory");
 }
@@ -206,6 +210,45 @@ TEST(Damaged, ExrWhoseHeaderDoesNotFit) {
     file.insert(file.begin() + 8, attribute.begin(), attribute.end());
     EXPECT_EQ(reasonOf(file, decodeExr), "the file is truncated");
 }
+
+#if GLINT_WEBP
+
+Bytes webpOf(int width, int height, bool alpha) {
+    Bytes samples;
+    const int channels = alpha ? 4 : 3;
+    for (int i = 0; i < width * height * channels; i++) samples.push_back(static_cast<uint8_t>(7 * i));
+    uint8_t* encoded = nullptr;
+    const size_t size = alpha ? WebPEncodeLosslessRGBA(samples.data(), width, height, 4 * width, &encoded)
+                              : WebPEncodeLosslessRGB(samples.data(), width, height, 3 * width, &encoded);
+    Bytes bytes(encoded, encoded + size);
+    WebPFree(encoded);
+    return bytes;
+}
+
+TEST(Webp, LosslessPictures) {
+    const Image image = decodeWebp(webpOf(5, 3, false));
+    ASSERT_EQ(image.width, 5);
+    ASSERT_EQ(image.height, 3);
+    ASSERT_EQ(image.channels, 3);
+    const std::vector<float> linear = linearOfCodes(256);
+    for (size_t i = 0; i < 45; i++) EXPECT_EQ(image.pixels[i], linear[7 * i % 256]);
+    const Image clear = decodeWebp(webpOf(2, 2, true));
+    ASSERT_EQ(clear.channels, 4);
+    EXPECT_EQ(clear.at(1, 0, 3), 49 / 255.0f) << "alpha is linear";
+}
+
+TEST(Webp, DamageIsRefused) {
+    expectEveryPrefixRefused(webpOf(5, 3, false), decodeWebp);
+    EXPECT_THROW(decodeWebp(webpOf(5, 3, false), 14), CodecError) << "a pixel too many";
+}
+
+#else
+
+TEST(Webp, IsNotReadByThisBuild) {
+    EXPECT_NE(reasonOf(textBytes("RIFF"), decodeWebp).find("libwebp-dev"), std::string::npos);
+}
+
+#endif
 
 // Two rows of three pixels: exponent 129 makes the mantissa 128 a 1.
 Image hdrOf(const std::string& header, const std::string& size, const std::string& pixels) {

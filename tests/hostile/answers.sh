@@ -43,7 +43,7 @@ printf '{"\xc2\x9b31m\xe2\x80\xae": 1}' >steer.json
 { printf 'mtllib ' && seq -s ' ' -f 'm%.0f.mtl' 20000 && printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n'; } >gone.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
 # Legal, but for names that warnings repeat, or that are nowhere, or what many materials ask for again: drawn.
-drawn=" escape.obj loop.obj longlib.obj obj-crash-a4f60e32ab.obj cover.obj "
+drawn=" escape.obj loop.obj longlib.obj obj-crash-a4f60e32ab.obj cover.obj img_http.gltf img_nul.gltf img_pct.gltf jpegbomb1.gltf "
 faults=0 count=0
 
 # answer CODE ARGUMENT...

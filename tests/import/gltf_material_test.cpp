@@ -288,8 +288,53 @@ TEST(GltfMaterial, WhatIsIgnoredIsNamed) {
                                         "baked shadows (occlusionTexture) are ignored: rays find shadows "
                                         "themselves"}));
     EXPECT_TRUE(scene.textures.empty());
-    EXPECT_EQ(textured(pbr(R"("baseColorTexture": {"index": 0})"), "RIFF....WEBP").warnings,
-              std::vector<std::string>{"/images/0: neither PNG nor JPEG; drawn without this picture"});
+    EXPECT_EQ(textured(pbr(R"("baseColorTexture": {"index": 0})"), "KTX").warnings,
+              std::vector<std::string>{"/images/0: neither PNG, JPEG nor WebP; drawn without this picture"});
+}
+
+// The shape is worth more than its picture.
+TEST(GltfMaterial, PicturesThatCannotBeReadAreWarnedOf) {
+    const TemporaryFolder folder;
+    folder.write("damaged.png", "\x89PNG\r\n\x1a\n");
+    for (const std::string uri : {"gone.png", "../gone.png", "https://example.org/a.png", "damaged.png"}) {
+        const auto path = folder.write(
+            "a.gltf",
+            triangleGltf(R"("materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+                "textures": [{"source": 0}], "images": [{"uri": ")" +
+                         uri + "\"}]"));
+        const Scene scene = loadScene(path);
+        EXPECT_EQ(scene.objects.size(), 1u);
+        EXPECT_EQ(scene.materials.at(0).diffuseTexture, Material::kNoTexture);
+        ASSERT_EQ(scene.warnings.size(), 1u) << uri;
+        EXPECT_TRUE(scene.warnings[0].starts_with(path.string() + ": /images/0")) << scene.warnings[0];
+        EXPECT_TRUE(scene.warnings[0].ends_with("; drawn without this picture")) << scene.warnings[0];
+    }
+    folder.write("a.png", png(1, 1, 3, {255, 255, 255}));
+    const Scene beside = loadScene(folder.write(
+        "a.gltf", triangleGltf(R"("materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+            "textures": [{"source": 0}], "images": [{"uri": "C:%5Ctextures%5Ca.png"}])")));
+    EXPECT_EQ(beside.textures.size(), 1u) << "the file of that name beside the model";
+}
+
+// KHR_texture_transform: uv' = offset + R (scale uv), counter-clockwise as seen with v downwards.
+TEST(GltfMaterial, TurnedTextures) {
+    const double a = 0.5, c = std::cos(a), s = std::sin(a);
+    const std::string turn = R"("extensions": {"KHR_texture_transform": {"offset": [0.1, 0.2],
+        "rotation": 0.5, "scale": [2, 3]}})";
+    const Scene scene =
+        textured(pbr("\"baseColorTexture\": {\"index\": 0, " + turn + "}"), png(1, 1, 3, {9, 9, 9}));
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(scene.textures.at(0).scale, glm::dvec2(1));
+    EXPECT_EQ(scene.textures[0].offset, glm::dvec2(0));
+    const glm::dvec2 from(0.25, 0.75), uv = meshOf(scene).uvs.at(2);
+    EXPECT_NEAR(uv.x, 0.1 + c * 2 * from.x + s * 3 * from.y, 1e-15);
+    EXPECT_NEAR(1 - uv.y, 0.2 - s * 2 * from.x + c * 3 * from.y, 1e-15);
+    const Scene two = textured(pbr("\"baseColorTexture\": {\"index\": 0, " + turn + "}") +
+                                   R"(, "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0})",
+                               png(1, 1, 3, {9, 9, 9}));
+    EXPECT_EQ(two.warnings,
+              std::vector<std::string>{"a material's textures are turned differently; all are turned "
+                                       "as the first one"});
 }
 
 TEST(GltfMaterial, PicturesInBufferViewsAndFiles) {

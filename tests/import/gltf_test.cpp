@@ -160,10 +160,55 @@ TEST(Gltf, OnlyTheDefaultSceneIsShown) {
     EXPECT_EQ(load(triangleGltf("", node)).objects.size(), 2u);  // no scenes: all roots
 }
 
-TEST(Gltf, AFlattenedNodeIsNotDrawn) {
-    const Scene scene = load(triangleGltf("", R"(}, {"mesh": 0, "scale": [0, 0, 0])"));
-    EXPECT_EQ(scene.objects.size(), 1u);
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{"/nodes/1: flattened by its transform; not drawn"});
+TEST(Gltf, ANodeThatIsFlattenedToALineIsNotDrawn) {
+    for (const char* scale : {"[0, 0, 0]", "[1, 0, 0]"}) {
+        const Scene scene = load(triangleGltf("", std::string(R"(}, {"mesh": 0, "scale": )") + scale));
+        EXPECT_EQ(scene.objects.size(), 1u);
+        EXPECT_EQ(scene.warnings,
+                  std::vector<std::string>{"/nodes/1: flattened by its transform; not drawn"});
+    }
+}
+
+// The specification leaves nodes out only if all three factors are 0.
+TEST(Gltf, ANodeThatIsFlattenedToAPlaneIsDrawn) {
+    const Scene scene = load(triangleGltf("", R"(, "scale": [2, 3, 0], "translation": [0, 0, 5])"));
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_FALSE(scene.objects[0].transform.has_value());
+    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh->positions,
+              (std::vector<glm::dvec3>{{0, 0, 5}, {2, 0, 5}, {0, 3, 5}}));
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+}
+
+TEST(Gltf, InstancesOfANode) {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+    maker.floats({0, 0, 0, 5, 0, 0}, "VEC3");
+    maker.floats({0, 0, 0, 1, 0, 0, 1, 0}, "VEC4");  // none, half a turn about z
+    maker.floats({1, 1, 1, 2, 2, 2}, "VEC3");
+    maker.floats({1, 1, 1}, "VEC3");
+    const auto text = [&](const std::string& attributes) {
+        return maker.text(R"("extensionsRequired": ["EXT_mesh_gpu_instancing"], "nodes": [{"mesh": 0,
+            "translation": [0, 0, 1], "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {)" +
+                          attributes +
+                          R"(}}}}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}])");
+    };
+    const Scene scene = load(text(R"("TRANSLATION": 1, "ROTATION": 2, "SCALE": 3)"));
+    ASSERT_EQ(scene.objects.size(), 2u);
+    EXPECT_EQ(scene.objects[1].name, "/nodes/0/1");
+    EXPECT_EQ(scene.objects[0].transform->offset, glm::dvec3(0, 0, 1));
+    const Affine place = *scene.objects[1].transform;
+    EXPECT_EQ(place.linear * glm::dvec3(1, 0, 0) + place.offset, glm::dvec3(3, 0, 1));
+    EXPECT_EQ(std::get<MeshShape>(scene.objects[0].shape).mesh,
+              std::get<MeshShape>(scene.objects[1].shape).mesh);
+    const std::string message = errorOf([&] { load(text(R"("TRANSLATION": 1, "SCALE": 4)")); });
+    EXPECT_NE(message.find("must have the same number of elements"), std::string::npos) << message;
+}
+
+TEST(Gltf, VariantsShowTheirDefault) {
+    EXPECT_EQ(load(triangleGltf(R"("extensionsRequired": ["KHR_materials_variants"],
+        "extensionsUsed": ["KHR_materials_variants"])"))
+                  .warnings,
+              std::vector<std::string>{});
 }
 
 TEST(Gltf, PerspectiveCamera) {
