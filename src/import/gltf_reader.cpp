@@ -67,8 +67,11 @@ class GltfScene::Reader {
         scene_.background = kModelBackground;
         scene_.ambient = kModelAmbient;
         channels_ = readGltfChannels(file_);
-        if (!channels_.empty()) scene_.animation = spanOf(channels_);
         walk();
+        if (moves_)
+            scene_.animation = spanOf(channels_);
+        else if (!channels_.empty())
+            file_.warn("the animation moves nothing that is shown");
         if (!scene_.cameras.empty()) {
             scene_.camera = scene_.cameras.front().camera;
             scene_.image.width = pictureWidth(scene_.image, scene_.cameras.front().aspect);
@@ -104,6 +107,7 @@ class GltfScene::Reader {
     struct Visit {
         size_t node;
         Affine parent;
+        bool moves = false;  // a node above it is animated
     };
     struct Instance {
         size_t node, mesh;
@@ -112,9 +116,9 @@ class GltfScene::Reader {
     };
 
     // Later items first, as they go onto a stack.
-    void push(const JsonCursor& list, const Affine& parent, std::vector<Visit>& stack) {
+    void push(const JsonCursor& list, const Affine& parent, bool moves, std::vector<Visit>& stack) {
         for (size_t i = list.size(); i-- > 0;)
-            stack.push_back({file_.index(GltfList::Nodes, list.item(i)), parent});
+            stack.push_back({file_.index(GltfList::Nodes, list.item(i)), parent, moves});
     }
 
     void walk() {
@@ -126,7 +130,7 @@ class GltfScene::Reader {
                 file_.warn("of " + std::to_string(file_.count(GltfList::Scenes)) + " scenes only number " +
                            std::to_string(index) + " is shown");
             const JsonCursor scene = file_.item(GltfList::Scenes, index);
-            if (const auto nodes = scene.find("nodes")) push(*nodes, {}, stack);
+            if (const auto nodes = scene.find("nodes")) push(*nodes, {}, false, stack);
         } else {
             pushRoots(stack);
         }
@@ -139,8 +143,13 @@ class GltfScene::Reader {
             if (seen[visit.node]) node.fail("is reached twice: nodes must form trees");
             seen[visit.node] = true;
             const Affine place = then(placeOf(node, animated(visit.node)), visit.parent);
+            const bool moves =
+                visit.moves || std::any_of(channels_.begin(), channels_.end(),
+                                           [&](const auto& c) { return c.node == visit.node; });
+            const bool shows = node.find("mesh") || node.find("camera") || node.find("extensions");
+            moves_ = moves_ || (moves && shows);
             readNode(node, visit.node, place);
-            if (const auto children = node.find("children")) push(*children, place, stack);
+            if (const auto children = node.find("children")) push(*children, place, moves, stack);
         }
     }
 
@@ -374,6 +383,7 @@ class GltfScene::Reader {
     Scene scene_;
     const ImageSettings restImage_;
     std::vector<GltfChannel> channels_;
+    bool moves_ = false;                  // the animation moves something that is shown
     std::map<size_t, GltfPlace> places_;  // of the time that is shown; empty: the file's
     std::map<size_t, std::shared_ptr<const Mesh>> meshes_;
     std::vector<Instance> instances_;

@@ -1,12 +1,10 @@
 #include "view/gui.h"
 
 #include <imgui.h>
-
+#include <imgui_internal.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "view/fonts.h"
 
 namespace glint::view {
 
@@ -162,6 +160,14 @@ void mapKeys(ImGuiIO& io) {
     io.KeyMap[ImGuiKey_X] = 'X';
 }
 
+constexpr FontPlace kPlaces[] = {
+    {"fonts-dejavu-core", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"},
+    {"fonts-noto-core", "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"},
+    {"fonts-liberation2", "/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf"},
+    {"fonts-liberation", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"},
+    {"fonts-freefont-ttf", "/usr/share/fonts/truetype/freefont/FreeSans.ttf"},
+};
+
 }  // namespace
 
 Gui::Gui(float scale, Clipboard clipboard) : scale_(scale), clipboard_(std::move(clipboard)) {
@@ -256,18 +262,6 @@ bool Gui::wantsKeys() const {
     return ImGui::GetIO().WantTextInput || ImGui::IsAnyItemActive();
 }
 
-double Gui::covered(int left, int width, int height) const {
-    std::vector<bool> hidden(static_cast<size_t>(width) * static_cast<size_t>(height));
-    for (const Rectangle& r : windows_) {
-        for (int y = std::max(0, static_cast<int>(r.y0)); y < std::min(height, static_cast<int>(r.y1)); ++y)
-            for (int x = std::max(left, static_cast<int>(r.x0)); x < std::min(width, static_cast<int>(r.x1));
-                 ++x)
-                hidden[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = true;
-    }
-    return static_cast<double>(std::count(hidden.begin(), hidden.end(), true)) /
-           std::max(1.0, static_cast<double>(width - left) * height);
-}
-
 std::optional<Gui::Place> Gui::controlAt(const std::string& label) const {
     const auto found = controls_.find(label);
     if (found == controls_.end()) return std::nullopt;
@@ -282,6 +276,12 @@ void Gui::begin(int width, int height, double seconds) {
     nextControls_.clear();
     nextTip_.clear();
     ImGui::NewFrame();
+    if (std::exchange(closesPopups_, false)) ImGui::ClosePopupToLevel(0, true);
+}
+
+bool Gui::closePopups() {
+    closesPopups_ = anyPopup_;
+    return anyPopup_;
 }
 
 void Gui::noteWindow(bool takesMouse) {
@@ -311,6 +311,18 @@ void Gui::end(Canvas& target) {
             if (command.UserCallback == nullptr) drawCommand(target, command, list, font);
         }
     }
+}
+
+std::span<const FontPlace> fontPlaces() {
+    return kPlaces;
+}
+
+std::optional<std::filesystem::path> findFont() {
+    for (const FontPlace& place : kPlaces) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(place.file, error)) return place.file;
+    }
+    return std::nullopt;
 }
 
 }  // namespace glint::view

@@ -1,16 +1,17 @@
-// Dear ImGui on a Canvas: takes the viewer's events, and draws with the host's own hand. So the panel needs
-// no graphics queue and no shader, and looks the same on every device.
+
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "view/canvas.h"
-#include "view/events.h"
+#include "view/display.h"
+#include "view/keys.h"
 
 namespace glint::view {
 
@@ -31,9 +32,14 @@ class Gui {
     // on.
     bool covers(double x, double y) const;
     bool wantsKeys() const;  // something is being typed, or a control is held
-    // The part of the picture that windows hide, 0..1; of the last frame. The picture reaches from `left` to
-    // `width`.
-    double covered(int left, int width, int height) const;
+    // Closes open lists and pickers in the next frame; false if there are none.
+    bool closePopups();
+    // Windows of the last frame, in pixels.
+    struct Rectangle {
+        float x0, y0, x1, y1;
+        bool takesMouse;
+    };
+    const std::vector<Rectangle>& windows() const { return windows_; }
     // The middle of a control of the last frame, by its label.
     struct Place {
         double x, y;
@@ -53,10 +59,6 @@ class Gui {
     void noteTip(const char* text) { nextTip_ = text; }
 
   private:
-    struct Rectangle {
-        float x0, y0, x1, y1;
-        bool takesMouse;
-    };
     bool held(int first, int second) const;
 
     float scale_;
@@ -66,9 +68,20 @@ class Gui {
     std::vector<Rectangle> windows_, nextWindows_;
     std::map<std::string, Place> controls_, nextControls_;
     std::string tip_, nextTip_;
-    bool anyPopup_ = false;
+    bool anyPopup_ = false, closesPopups_ = false;
     std::vector<unsigned char> font_;  // coverage, a byte for each texel
     int fontWidth_ = 0, fontHeight_ = 0;
 };
+
+struct FontPlace {
+    const char* package;  // of Debian
+    const char* file;
+};
+
+// In the order in which they are looked for.
+std::span<const FontPlace> fontPlaces();
+
+// The first that is there; empty: Dear ImGui's own font, which is made of pixels, must do.
+std::optional<std::filesystem::path> findFont();
 
 }  // namespace glint::view

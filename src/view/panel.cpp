@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "core/quantize.h"
 #include "view/panel_parts.h"
 
 namespace glint::view {
@@ -64,6 +65,61 @@ bool button(Gui& gui, const char* label, const char* help) {
     return pressed;
 }
 
+namespace {
+
+float srgbFromLinear(double linear) {
+    const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+    return static_cast<float>(encoded);
+}
+
+bool hexEdit(glm::vec3& srgb) {
+    char typed[8];
+    const auto byte = [](float c) {
+        return static_cast<unsigned>(std::lround(255 * std::clamp(c, 0.0f, 1.0f)));
+    };
+    std::snprintf(typed, sizeof(typed), "#%02x%02x%02x", byte(srgb.x), byte(srgb.y), byte(srgb.z));
+    ImGui::SetNextItemWidth(5 * ImGui::GetFontSize());
+    ImGui::InputText("##hex", typed, sizeof(typed), ImGuiInputTextFlags_CharsNoBlank);
+    unsigned r = 0, g = 0, b = 0;
+    if (!ImGui::IsItemEdited() || std::sscanf(typed, "#%2x%2x%2x", &r, &g, &b) != 3 || typed[6] == 0)
+        return false;
+    srgb = glm::vec3(r, g, b) / 255.0f;
+    return true;
+}
+
+}  // namespace
+
+bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright) {
+    const double greatest = std::max({value.x, value.y, value.z});
+    double strength = bright && greatest > 1 ? greatest : 1;
+    glm::vec3 srgb;
+    for (int i = 0; i < 3; ++i) srgb[i] = srgbFromLinear(std::clamp(value[i] / strength, 0.0, 1.0));
+    const glm::vec3 before = srgb;
+    ImGui::PushID(label);
+    if (ImGui::ColorButton("##swatch", ImVec4(srgb.x, srgb.y, srgb.z, 1), ImGuiColorEditFlags_NoTooltip))
+        ImGui::OpenPopup("picker");
+    tip(gui, label, help);
+    ImGui::SameLine();
+    bool changed = hexEdit(srgb);
+    gui.noteControl((std::string(label) + " hex").c_str());
+    ImGui::SameLine();
+    text(label);
+    if (ImGui::BeginPopup("picker")) {
+        changed = ImGui::ColorPicker3("##picker", &srgb.x, ImGuiColorEditFlags_NoSidePreview) || changed;
+        ImGui::Text("linear %.4g %.4g %.4g", value.x, value.y, value.z);
+        if (bright && slider(gui, "strength", strength, 0.01, std::max(10.0, 2 * strength), "x %.3g",
+                             "the greatest component", true)) {
+            for (int i = 0; i < 3; ++i) value[i] *= strength / std::max(greatest, 1e-9);
+            changed = true;
+        }
+        ImGui::EndPopup();
+    }
+    ImGui::PopID();
+    for (int i = 0; i < 3; ++i)
+        if (srgb[i] != before[i]) value[i] = strength * linearFromSrgb(static_cast<double>(srgb[i]));
+    return changed;
+}
+
 bool group(Gui& gui, const char* name, bool open, const char* help) {
     const bool shown = ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     tip(gui, name, help);
@@ -94,10 +150,10 @@ bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, 
 namespace {
 
 // How the bound has fallen, both axes in powers: from the first look to what was asked for.
-void drawFall(const PanelModel& m) {
-    if (m.goal == nullptr || m.goal->looks.size() < 2) return;
+void drawFall(const Model& m) {
+    if (m.session->goal() == nullptr || m.session->goal()->looks.size() < 2) return;
     std::vector<float> bounds;
-    for (const GoalFacts::Look& look : m.goal->looks)
+    for (const GoalFacts::Look& look : m.session->goal()->looks)
         if (std::isfinite(look.bound)) bounds.push_back(static_cast<float>(std::log(look.bound)));
     if (bounds.size() < 2) return;
     const auto wanted = static_cast<float>(std::log(m.settings.until.error));
@@ -107,32 +163,38 @@ void drawFall(const PanelModel& m) {
                      ImVec2(ImGui::GetContentRegionAvail().x, 2 * ImGui::GetFontSize()));
 }
 
-void drawGoal(const PanelModel& m) {
+void drawGoal(const Model& m) {
     const ErrorSetting& until = m.settings.until;
-    const std::string line = m.goal ? inWords(*m.goal, until) : inWords(GoalFacts(), until);
+    const std::string line =
+        m.session->goal() ? inWords(*m.session->goal(), until) : inWords(GoalFacts(), until);
     // Samples grow with about the -5/3rd power of the error.
-    const double error = m.goal ? m.goal->state.estimate : 0;
-    const double part = m.goal && m.goal->stop ? 1
-                        : error > until.error  ? std::pow(until.error / error, 5.0 / 3)
-                                               : 0.99;
-    ImGui::ProgressBar(static_cast<float>(m.goal && !m.goal->looks.empty() ? part : 0.0), ImVec2(-1, 0),
-                       line.c_str());
+    const double error = m.session->goal() ? m.session->goal()->state.estimate : 0;
+    const double part = m.session->goal() && m.session->goal()->stop ? 1
+                        : error > until.error                        ? std::pow(until.error / error, 5.0 / 3)
+                                                                     : 0.99;
+    ImGui::ProgressBar(
+        static_cast<float>(m.session->goal() && !m.session->goal()->looks.empty() ? part : 0.0),
+        ImVec2(-1, 0), line.c_str());
     drawFall(m);
 }
 
-void drawStatus(const PanelModel& m) {
-    if (!m.moving && m.settings.until.error > 0) return drawGoal(m);
+void drawStatus(const Model& m) {
+    if (!m.moving() && m.settings.until.error > 0) return drawGoal(m);
     char line[96];
-    if (m.moving) {
-        std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", m.facts.width, m.facts.height,
-                      m.facts.depth);
-    } else if (m.finished) {
-        std::snprintf(line, sizeof(line), "done: %d sample%s", m.samples, m.samples == 1 ? "" : "s");
+    if (m.moving()) {
+        std::snprintf(line, sizeof(line), "moving: %d x %d, depth %d", m.session->facts().width,
+                      m.session->facts().height, m.session->facts().depth);
+    } else if (m.session->finished()) {
+        std::snprintf(line, sizeof(line), "done: %d sample%s", m.session->samples(),
+                      m.session->samples() == 1 ? "" : "s");
     } else {
-        std::snprintf(line, sizeof(line), "sample %d of %d", m.samples + 1, m.settings.sampleLimit);
+        std::snprintf(line, sizeof(line), "sample %d of %d", m.session->samples() + 1,
+                      m.settings.sampleLimit);
     }
     const double all = std::max(m.settings.sampleLimit, 1);
-    const double part = m.moving ? 0 : m.finished ? 1 : (m.samples + m.progress) / all;
+    const double part = m.moving()              ? 0
+                        : m.session->finished() ? 1
+                                                : (m.session->samples() + m.session->progress()) / all;
     ImGui::ProgressBar(static_cast<float>(std::clamp(part, 0.0, 1.0)), ImVec2(-1, 0), line);
 }
 
@@ -164,25 +226,23 @@ bool beginDocked(float width, float height) {
     return ImGui::Begin("glint - F1: keys, H: hide##docked", nullptr, kFlags);
 }
 
-// Its groups are closed at first in a small window, so that the picture is seen.
-void drawMain(Gui& gui, PanelModel& m) {
+void drawMain(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const bool docked = m.docked && m.left > 0;
     const float width = docked ? static_cast<float>(m.left) : std::min(kPanelLines * line, screen.x);
-    const bool large = screen.y >= 50 * line;
     m.timelineHeight = drawTimeline(gui, m, width);
     const float height = screen.y - m.timelineHeight;
     if (docked ? beginDocked(width, height) : beginOverlay(width, height)) {
         ImGui::PushItemWidth(width - 8 * line - (docked ? ImGui::GetStyle().ScrollbarSize : 0));
         drawStatus(m);
         drawView(gui, m);
+        drawLights(gui, m);
+        drawMaterials(gui, m);
         drawFiles(gui, m);
         drawCompare(gui, m);
         drawCameras(gui, m);
-        drawLights(gui, m);
-        drawMaterials(gui, m);
-        if (group(gui, "tracing", large, "what rays do, and how fast frames must come")) drawTracing(gui, m);
+        drawTracing(gui, m);
         drawSampling(gui, m);
         drawSpeed(gui, m);
         ImGui::PopItemWidth();
@@ -198,7 +258,7 @@ int dockWidth(const Gui& gui, int window) {
     return std::min(static_cast<int>(wanted), window / 2);
 }
 
-void drawPanel(Gui& gui, PanelModel& model) {
+void drawPanel(Gui& gui, Model& model) {
     if (model.helpVisible) {  // alone: it takes the whole window
         drawHelp(gui, model);
         drawProgress(gui, model);
@@ -206,14 +266,15 @@ void drawPanel(Gui& gui, PanelModel& model) {
     }
     drawMarks(model);
     drawLegend(gui, model);
-    if (model.hints != nullptr) drawHints(gui, model);
+    if (model.hints.any()) drawHints(gui, model);
     if (!model.panelVisible) model.timelineHeight = 0;
     if (model.panelVisible) drawMain(gui, model);
     if (model.saveAsVisible) drawSaveAs(gui, model);
+    if (model.saveSceneVisible) drawSaveScene(gui, model);
     if (model.openVisible) drawOpen(gui, model);
     if (model.inspects) drawInspector(gui, model);
-    if (model.pick->has_value()) drawPickWindow(gui, model);
-    drawToasts(gui, model);
+    if (model.pick.has_value()) drawPickWindow(gui, model);
+    drawMessages(gui, model);
     drawProgress(gui, model);
 }
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "view/keys.h"
 #include "view/panel_parts.h"
 
 namespace glint::view {
@@ -75,7 +74,7 @@ void drawRayTree(const Pick& pick) {
 }
 
 // The pixels about the mouse, each as a square of one colour.
-void drawMagnifier(const PanelModel& m, const PixelFacts& pixel) {
+void drawMagnifier(const Model& m, const PixelFacts& pixel) {
     const int across = m.zoom | 1;
     const float side = std::floor(11 * ImGui::GetFontSize() / static_cast<float>(across));
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -83,9 +82,9 @@ void drawMagnifier(const PanelModel& m, const PixelFacts& pixel) {
     for (int dy = 0; dy < across; ++dy) {
         for (int dx = 0; dx < across; ++dx) {
             const int x = pixel.x + dx - across / 2, y = pixel.y + dy - across / 2;
-            if (x < 0 || y < 0 || x >= m.picture->width || y >= m.picture->height) continue;
+            if (x < 0 || y < 0 || x >= m.picture.width || y >= m.picture.height) continue;
             const ImVec2 corner(at.x + side * static_cast<float>(dx), at.y + side * static_cast<float>(dy));
-            list.AddRectFilled(corner, ImVec2(corner.x + side, corner.y + side), m.picture->row(y)[x]);
+            list.AddRectFilled(corner, ImVec2(corner.x + side, corner.y + side), m.picture.row(y)[x]);
         }
     }
     const float middle = side * static_cast<float>(across / 2);
@@ -117,8 +116,8 @@ void drawLayers(const PixelFacts& p) {
 }
 
 // The pick's window is above where the picked pixel, or the inspector, is below.
-bool picksAbove(const PanelModel& m) {
-    return m.pick->has_value() && (m.inspects || 2 * (**m.pick).y > (**m.pick).height);
+bool picksAbove(const Model& m) {
+    return m.pick.has_value() && (m.inspects || 2 * (*m.pick).y > (*m.pick).height);
 }
 
 // Numbers of a range, as the legend's ends.
@@ -130,24 +129,33 @@ std::string numberOf(double value) {
 
 }  // namespace
 
-void drawHelp(Gui& gui, PanelModel& m) {
-    std::vector<HelpLine> mouse, keys;
-    for (const MouseHelp& line : mouseHelp()) mouse.push_back({line.gesture, line.help});
-    for (const KeyBinding& b : keyBindings()) keys.push_back({b.name, b.help});
+void drawHelp(Gui& gui, Model& m) {
+    struct Group {
+        const char* heading;
+        std::vector<HelpLine> lines;
+    };
+    std::vector<Group> groups = {{"mouse", {}}};
+    for (const MouseHelp& line : mouseHelp()) groups[0].lines.push_back({line.gesture, line.help});
+    for (const KeyBinding& b : keyBindings()) {
+        if (b.heading != nullptr) groups.push_back({b.heading, {}});
+        groups.back().lines.push_back({b.name, b.help});
+    }
     const float width = 62 * ImGui::GetFontSize();
     const bool wide = ImGui::GetIO().DisplaySize.x >= width;
     if (beginCorner(0, "keys and mouse (F1 or Esc closes; the wheel scrolls)", ImVec2(0.5f, 0.5f), width)) {
-        drawHelpTable("mouse", mouse, wide);
-        ImGui::Separator();
-        drawHelpTable("keys", keys, wide);
+        for (const Group& group : groups) {
+            ImGui::Separator();
+            text(group.heading);
+            drawHelpTable(group.heading, group.lines, wide);
+        }
         m.helpScroll = static_cast<double>(ImGui::GetScrollY());
     }
     gui.noteWindow();
     ImGui::End();
 }
 
-void drawPickWindow(Gui& gui, PanelModel& m) {
-    const Pick& pick = **m.pick;
+void drawPickWindow(Gui& gui, Model& m) {
+    const Pick& pick = *m.pick;
     if (beginCorner(m.left, "picked (F frames it, Esc closes)", ImVec2(1, picksAbove(m) ? 0.0f : 1.0f),
                     25 * ImGui::GetFontSize(), 0, 0.6f)) {
         if (m.pickIsOld) wrapped("from an earlier view", kDim);
@@ -155,8 +163,9 @@ void drawPickWindow(Gui& gui, PanelModel& m) {
         checkbox(gui, "keep while moving", m.pinsPick, "the pick and its rays stay when the camera moves");
         ImGui::SameLine();
         checkbox(gui, "draw rays", m.drawsRays, "white from the eye, orange reflected, blue transmitted");
-        if (m.perspective && pick.hit() && !m.pickIsOld && button(gui, "focus here", "of the lens"))
-            m.wish = Wish::FocusPicked;
+        if (m.control.camera().projection == Projection::Perspective && pick.hit() && !m.pickIsOld &&
+            button(gui, "focus here", "of the lens"))
+            m.wish = Action::FocusPicked;
         ImGui::Separator();
         drawRayTree(pick);
     }
@@ -164,7 +173,7 @@ void drawPickWindow(Gui& gui, PanelModel& m) {
     ImGui::End();
 }
 
-void drawInspector(Gui& gui, PanelModel& m) {
+void drawInspector(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
     if (beginCorner(m.left, "inspector (I closes)", ImVec2(1, 1), 18 * line)) {
         if (!m.pixel) {
@@ -172,7 +181,7 @@ void drawInspector(Gui& gui, PanelModel& m) {
         } else {
             const PixelFacts& p = *m.pixel;
             drawMagnifier(m, p);
-            const uint32_t shown = m.picture->row(p.y)[p.x];
+            const uint32_t shown = m.picture.row(p.y)[p.x];
             ImGui::Text("pixel %d, %d", p.x, p.y);
             if (p.hasColor)
                 ImGui::Text("linear %.5g %.5g %.5g", static_cast<double>(p.linear.x),
@@ -188,23 +197,31 @@ void drawInspector(Gui& gui, PanelModel& m) {
     ImGui::End();
 }
 
-void drawToasts(Gui& gui, const PanelModel& m) {
-    if (m.toasts->empty() && m.verdict.empty() && m.sceneError.empty()) return;
+void drawMessages(Gui& gui, const Model& m) {
+    const std::string waiting = m.waitingComparison();
+    if (m.toasts.shown().empty() && m.verdict.empty() && m.sceneError.empty() && m.warnings.empty() &&
+        waiting.empty())
+        return;
     const float width = 26 * ImGui::GetFontSize();
-    const bool both = m.inspects && m.pick->has_value();
+    const bool both = m.inspects && m.pick.has_value();
     const ImVec2 corner(both ? 0.5f : 1.0f, picksAbove(m) ? 1.0f : 0.0f);
     if (beginCorner(m.left, "##toasts", corner, width, kUnderMouse)) {
         if (!m.sceneError.empty()) {
             wrapped(m.sceneError, kRed);
-            wrapped("The picture is of the scene as it was before.", kDim);
+            wrapped("The image shows the scene as it was before.", kDim);
         }
-        if (!m.verdict.empty()) {
-            wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
-            if (m.differenceShown)
-                wrapped("Shown: |difference| x 64; red unexplained, yellow edge, blue tie. Esc closes.",
-                        kDim);
-        }
-        for (const Toast& toast : *m.toasts)
+        constexpr size_t kWarnings = 5;
+        for (size_t i = 0; i < std::min(kWarnings, m.warnings.size()); ++i)
+            wrapped("warning: " + m.warnings[i], kYellow);
+        if (m.warnings.size() > kWarnings)
+            wrapped(std::to_string(m.warnings.size() - kWarnings) + " more warnings on standard error",
+                    kYellow);
+        if (!m.warnings.empty()) wrapped("Esc closes.", kDim);
+        if (!m.verdict.empty()) wrapped("verify " + m.verdict, m.verdictPassed ? kGreen : kRed);
+        if (m.difference)
+            wrapped("Shown: |difference| x 64; red unexplained, yellow edge, blue tie. Esc closes.", kDim);
+        if (!waiting.empty()) wrapped(waiting, kYellow);
+        for (const Toast& toast : m.toasts.shown())
             wrapped(toast.text, toast.kind == ToastKind::Error ? kRed : kGreen);
     }
     gui.noteWindow(false);
@@ -212,7 +229,7 @@ void drawToasts(Gui& gui, const PanelModel& m) {
 }
 
 // Where neither the panel nor a pick lies, unless the window is small.
-void drawHints(Gui& gui, const PanelModel& m) {
+void drawHints(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const auto left = static_cast<float>(m.left);
@@ -225,24 +242,24 @@ void drawHints(Gui& gui, const PanelModel& m) {
     if (ImGui::Begin("first steps", &open,
                      kFixedWindow | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse)) {
         for (const EnumEntry<Hint>& entry : kEnumEntries<Hint>)
-            if (m.hints->wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
+            if (m.hints.wanted(entry.value)) wrapped(std::string(entry.help), kGreen);
         wrapped("F1: every key. A control explains itself under the mouse.", kDim);
     }
-    if (!open) m.hints->close();
+    if (!open) m.hints.close();
     gui.noteWindow();
     ImGui::End();
 }
 
 // Also while the panel is hidden.
-void drawProgress(Gui& gui, const PanelModel& m) {
+void drawProgress(Gui& gui, const Model& m) {
     struct Task {
         const char* name;
         double progress;
     };
-    const Task tasks[] = {{m.closing ? "saving, then closing" : "saving", m.saveProgress},
+    const Task tasks[] = {{m.isClosing ? "saving, then closing" : "saving", m.saveProgress},
                           {"verifying", m.verifyProgress},
                           {"tracing the reference", m.referenceProgress},
-                          {"loading the scene", m.loading ? 0.0 : -1.0}};
+                          {"loading the scene", m.isLoading ? 0.0 : -1.0}};
     if (std::all_of(std::begin(tasks), std::end(tasks), [](const Task& t) { return t.progress < 0; })) return;
     if (beginCorner(m.left, "##progress", ImVec2(0.5f, 1), 16 * ImGui::GetFontSize(), kUnderMouse)) {
         for (const Task& task : tasks) {
@@ -256,12 +273,13 @@ void drawProgress(Gui& gui, const PanelModel& m) {
     ImGui::End();
 }
 
-void drawLegend(Gui& gui, const PanelModel& m) {
+void drawLegend(Gui& gui, const Model& m) {
     const ViewLayer layer = m.settings.layer;
     if (!hasLegend(layer, m.display)) return;
     const bool colors = layer == ViewLayer::Color;
     const bool grey = layer == ViewLayer::Depth && m.display.toneMap != ToneMap::False;
     const float line = ImGui::GetFontSize();
+    const LayerRange range = m.session->range();
     if (beginCorner(m.left, "##legend", ImVec2(0.5f, 0), 14 * line, kUnderMouse)) {
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float width = ImGui::GetContentRegionAvail().x;
@@ -277,8 +295,8 @@ void drawLegend(Gui& gui, const PanelModel& m) {
                                                       ImVec2(at.x + right, at.y + line), color);
         }
         ImGui::Dummy(ImVec2(width, line));
-        const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(m.range.lo);
-        const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(m.range.hi);
+        const std::string lo = colors ? numberOf(-kFalseStops) + " stops" : numberOf(range.lo);
+        const std::string hi = colors ? "+" + numberOf(kFalseStops) : numberOf(range.hi);
         text(lo);
         ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(nameOf(layer).data()).x));
         text(colors ? "luminance" : std::string(nameOf(layer)));
@@ -290,18 +308,23 @@ void drawLegend(Gui& gui, const PanelModel& m) {
 }
 
 // The picked pixel and its tree of rays, in the picture itself.
-void drawMarks(const PanelModel& m) {
-    if (!m.pick->has_value()) return;
-    const Pick& pick = **m.pick;
+void drawMarks(const Model& m) {
+    if (!m.pick.has_value()) return;
+    const Pick& pick = *m.pick;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const auto left = static_cast<float>(m.left);
     list.PushClipRect(ImVec2(left, 0), ImGui::GetIO().DisplaySize);
-    for (size_t i = 0; i < m.pickLines.size(); ++i) {
-        const Segment& s = m.pickLines[i];
+    const shared::Camera camera = m.session->packedCamera();
+    const glm::dvec3& origin = m.scene->packed.origin;
+    for (size_t i = 0; m.drawsRays && i < pick.rays.size(); ++i) {
+        const PickRay& ray = pick.rays[i];
+        const std::optional<Segment> line = projected(camera, ray.from - origin, ray.to - origin);
+        if (!line) continue;
+        const Segment& s = *line;
         const ImVec2 from(left + static_cast<float>(s.from.x), static_cast<float>(s.from.y));
         const ImVec2 to(left + static_cast<float>(s.to.x), static_cast<float>(s.to.y));
         list.AddLine(from, to, kOutline, 3);
-        list.AddLine(from, to, colorOf(pick.rays[i].kind), 1.5f);
+        list.AddLine(from, to, colorOf(ray.kind), 1.5f);
     }
     if (!m.pickIsOld) {
         const ImVec2 at(left + static_cast<float>(pick.x) + 0.5f, static_cast<float>(pick.y) + 0.5f);

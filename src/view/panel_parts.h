@@ -1,4 +1,4 @@
-// Pieces that all parts of the panel are made of. For panel*.cpp alone: it needs Dear ImGui.
+// Parts of the panel. For panel*.cpp alone: it needs Dear ImGui.
 #pragma once
 
 #include <imgui.h>
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "view/gui.h"
-#include "view/panel.h"
+#include "view/model.h"
 
 namespace glint::view {
 
@@ -14,13 +14,13 @@ inline constexpr ImGuiWindowFlags kFixedWindow = ImGuiWindowFlags_NoResize |
                                                  ImGuiWindowFlags_NoSavedSettings |
                                                  ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 inline const ImVec4 kRed(1.0f, 0.45f, 0.4f, 1.0f), kGreen(0.5f, 0.95f, 0.55f, 1.0f),
-    kDim(0.68f, 0.68f, 0.72f, 1.0f);
+    kYellow(1.0f, 0.85f, 0.4f, 1.0f), kDim(0.68f, 0.68f, 0.72f, 1.0f);
 
 void text(const std::string& line);
 void wrapped(const std::string& line, const ImVec4& color);
 
-// Controls, each with its label to the right, a tooltip, and a place that scripts know it by. True if the
-// value has changed, which never leaves lo..hi.
+// Controls, each with its label to the right, a tooltip, and a place under its label (Gui::controlAt). True
+// if the value has changed, which never leaves lo..hi.
 bool slider(Gui& gui, const char* label, double& value, double lo, double hi, const char* format,
             const char* help, bool logarithmic = false);
 bool slider(Gui& gui, const char* label, int& value, int lo, int hi, const char* help,
@@ -49,6 +49,10 @@ bool choice(Gui& gui, const char* label, E& value, const char* help) {
     return changed;
 }
 
+// A linear color: its swatch and hex code as the screen shows it (sRGB); a click opens a picker. Of a
+// `bright` color above 1 the swatch shows color / strength, its greatest component.
+bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help, bool bright = false);
+
 // A heading that opens and closes what follows.
 bool group(Gui& gui, const char* name, bool open, const char* help);
 // "reset" at the right of a line; true if it was pressed. Nothing is drawn unless something `differs`.
@@ -60,29 +64,30 @@ bool beginCorner(int left, const char* title, const ImVec2& pivot, float width, 
                  float part = 1);
 
 // panel_settings.cpp
-void drawView(Gui& gui, PanelModel& m);
-void drawLens(Gui& gui, PanelModel& m);
-void drawTracing(Gui& gui, PanelModel& m);
-void drawSampling(Gui& gui, PanelModel& m);
-void drawLights(Gui& gui, PanelModel& m);
-void drawMaterials(Gui& gui, PanelModel& m);
+void drawView(Gui& gui, Model& m);
+void drawLens(Gui& gui, Model& m);
+void drawTracing(Gui& gui, Model& m);
+void drawSampling(Gui& gui, Model& m);
+void drawLights(Gui& gui, Model& m);
+void drawMaterials(Gui& gui, Model& m);
 // panel_tools.cpp
-void drawFiles(Gui& gui, PanelModel& m);
-void drawCameras(Gui& gui, PanelModel& m);
-void drawCompare(Gui& gui, PanelModel& m);
-void drawSpeed(Gui& gui, PanelModel& m);
-void drawSaveAs(Gui& gui, PanelModel& m);
-void drawOpen(Gui& gui, PanelModel& m);
+void drawFiles(Gui& gui, Model& m);
+void drawCameras(Gui& gui, Model& m);
+void drawCompare(Gui& gui, Model& m);
+void drawSpeed(Gui& gui, Model& m);
+void drawSaveAs(Gui& gui, Model& m);
+void drawSaveScene(Gui& gui, Model& m);
+void drawOpen(Gui& gui, Model& m);
 // panel_timeline.cpp: at the bottom of the panel's column, so wide. Returns its height; 0 without animation.
-float drawTimeline(Gui& gui, PanelModel& m, float width);
+float drawTimeline(Gui& gui, Model& m, float width);
 // panel_overlays.cpp
-void drawHelp(Gui& gui, PanelModel& m);
-void drawPickWindow(Gui& gui, PanelModel& m);
-void drawInspector(Gui& gui, PanelModel& m);
-void drawToasts(Gui& gui, const PanelModel& m);
-void drawHints(Gui& gui, const PanelModel& m);
-void drawProgress(Gui& gui, const PanelModel& m);
-void drawLegend(Gui& gui, const PanelModel& m);
-void drawMarks(const PanelModel& m);
+void drawHelp(Gui& gui, Model& m);
+void drawPickWindow(Gui& gui, Model& m);
+void drawInspector(Gui& gui, Model& m);
+void drawMessages(Gui& gui, const Model& m);
+void drawHints(Gui& gui, Model& m);
+void drawProgress(Gui& gui, const Model& m);
+void drawLegend(Gui& gui, const Model& m);
+void drawMarks(const Model& m);
 
 }  // namespace glint::view

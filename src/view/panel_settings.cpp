@@ -8,13 +8,16 @@
 
 namespace glint::view {
 
-void drawView(Gui& gui, PanelModel& m) {
+void drawView(Gui& gui, Model& m) {
     choice(gui, "layer", m.settings.layer, "what the colours stand for (L: next)");
     slider(gui, "exposure", m.display.exposure, -kMostExposure, kMostExposure, "%+.1f stops",
            "brighter or darker, in powers of two (- and +)");
     choice(gui, "tone map", m.display.toneMap, "from radiance to the screen (T: next)");
-    if (m.hasFov)
-        slider(gui, "fov", m.fovY, 1, 170, "%.1f deg", "field of view, from the picture's bottom to its top");
+    const Camera& camera = m.control.camera();
+    double fov = camera.fovY;
+    if (!camera.window && camera.projection == Projection::Perspective &&
+        slider(gui, "fov", fov, 1, 170, "%.1f deg", "vertical field of view"))
+        m.control.zoom(fov / camera.fovY);
     checkbox(gui, "fly", m.flying, "W A S D, Q and E move through the scene (Tab)");
     ImGui::SameLine();
     checkbox(gui, "inspect", m.inspects, "what is under the mouse, in numbers (I)");
@@ -26,15 +29,18 @@ void drawView(Gui& gui, PanelModel& m) {
     m.flySpeed = 1;
 }
 
-void drawLens(Gui& gui, PanelModel& m) {
-    if (!m.perspective) return;
+void drawLens(Gui& gui, Model& m) {
+    const Camera& camera = m.control.camera();
+    if (camera.projection != Projection::Perspective) return;
     ImGui::Separator();
     text("lens");
-    slider(gui, "radius", m.lensRadius, 0, 0.2 * m.reach, "%.4g",
+    double radius = camera.lensRadius, focus = camera.focusDistance;
+    slider(gui, "radius", radius, 0, 0.2 * boundsOf(*m.scene).radius, "%.4g",
            "of the lens; 0 is a pinhole: all is sharp");
-    slider(gui, "focus", m.focusDistance, 0, 10 * m.reach, "%.5g",
+    slider(gui, "focus", focus, 0, 10 * boundsOf(*m.scene).radius, "%.5g",
            "distance that is sharp; 0: the camera's target. Ctrl+click on the picture sets it", true);
-    wrapped("Ctrl+click on the picture focuses there.", kDim);
+    if (radius != camera.lensRadius || focus != camera.focusDistance) m.control.setLens(radius, focus);
+    wrapped("Ctrl+click on the image focuses there.", kDim);
 }
 
 namespace {
@@ -42,7 +48,7 @@ namespace {
 constexpr double kFirstError = 0.01, kLeastError = 1e-4, kMostError = 0.1;
 
 // How long the picture at rest gathers samples: so many, or until its error is small enough.
-void drawLimit(Gui& gui, PanelModel& m) {
+void drawLimit(Gui& gui, Model& m) {
     ErrorSetting& until = m.settings.until;
     if (until.error > 0)
         slider(gui, "error", until.error, kLeastError, kMostError, "%.2g",
@@ -54,7 +60,7 @@ void drawLimit(Gui& gui, PanelModel& m) {
                true);
 }
 
-void drawUntil(Gui& gui, PanelModel& m) {
+void drawUntil(Gui& gui, Model& m) {
     ErrorSetting& until = m.settings.until;
     bool byError = until.error > 0;
     if (checkbox(gui, "until error", byError,
@@ -67,7 +73,8 @@ void drawUntil(Gui& gui, PanelModel& m) {
 
 }  // namespace
 
-void drawTracing(Gui& gui, PanelModel& m) {
+void drawTracing(Gui& gui, Model& m) {
+    if (!group(gui, "tracing", false, "what rays do, and how fast frames must come")) return;
     PictureSettings& s = m.settings;
     const PictureSettings& file = m.fileSettings;
     slider(gui, "depth", s.maxDepth, 0, std::max({16, file.maxDepth, s.maxDepth}),
@@ -76,10 +83,10 @@ void drawTracing(Gui& gui, PanelModel& m) {
     ImGui::SameLine();
     checkbox(gui, "reflections", s.reflections, "off: as with depth 0");
     drawLimit(gui, m);
-    ImGui::ColorEdit3("background", &s.background.x,
-                      ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_NoInputs);
-    tip(gui, "background", "what rays see that hit nothing; the factor of an environment map");
-    ImGui::SameLine();
+    glm::dvec3 background(s.background);
+    if (colorEdit(gui, "background", background,
+                  "what rays see that hit nothing; the factor of an environment map", true))
+        s.background = background;
     drawUntil(gui, m);
     choice(gui, "triangles", s.methods.triangles,
            "how rays are tried against triangles; watertight is right, the others show why");
@@ -106,7 +113,7 @@ void drawTracing(Gui& gui, PanelModel& m) {
     s.methods = file.methods;
 }
 
-void drawSampling(Gui& gui, PanelModel& m) {
+void drawSampling(Gui& gui, Model& m) {
     if (!group(gui, "sampling", false, "of rendered pictures (Alt+S); filter and seed of the window's too"))
         return;
     SamplingSettings& s = m.settings.sampling;
@@ -139,18 +146,8 @@ bool drag(Gui& gui, const char* label, glm::dvec3& value, double speed, const ch
     return changed;
 }
 
-bool colorOf(Gui& gui, const char* label, glm::dvec3& value, const char* help) {
-    float numbers[3] = {static_cast<float>(value.x), static_cast<float>(value.y),
-                        static_cast<float>(value.z)};
-    const bool changed = ImGui::ColorEdit3(
-        label, numbers, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_NoInputs);
-    tip(gui, label, help);
-    for (int i = 0; changed && i < 3; ++i) value[i] = std::max(0.0, static_cast<double>(numbers[i]));
-    return changed;
-}
-
 void drawLight(Gui& gui, const Light& kind, LightSetting& light, double reach) {
-    colorOf(gui, "intensity", light.intensity, "colour and strength");
+    colorEdit(gui, "intensity", light.intensity, "color and strength", true);
     const double step = 0.01 * reach;
     if (!std::holds_alternative<DirectionalLight>(kind))
         drag(gui, "position", light.position, step, "drag, or Ctrl+click and type");
@@ -164,14 +161,24 @@ void drawLight(Gui& gui, const Light& kind, LightSetting& light, double reach) {
 
 }  // namespace
 
-void drawLights(Gui& gui, PanelModel& m) {
+namespace {
+
+// In a small window all groups are closed at first, so that the image is seen.
+bool opensWide() {
+    return ImGui::GetIO().DisplaySize.y >= 50 * ImGui::GetFontSize();
+}
+
+}  // namespace
+
+void drawLights(Gui& gui, Model& m) {
     std::vector<LightSetting>& lights = m.settings.lights;
-    if (lights.empty() || !group(gui, "lights", false, "switch, dim, move; C copies them as JSON")) return;
+    if (lights.empty() || !group(gui, "lights", opensWide(), "switch, dim, move; C copies them as JSON"))
+        return;
     for (size_t i = 0; i < lights.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));
         ImGui::Checkbox("##on", &lights[i].on);
         ImGui::SameLine();
-        const Light& kind = m.scene->lights[i];
+        const Light& kind = m.scene->scene.lights[i];
         const char* name = std::holds_alternative<PointLight>(kind)  ? "point"
                            : std::holds_alternative<SpotLight>(kind) ? "spot"
                                                                      : "sun";
@@ -181,7 +188,7 @@ void drawLights(Gui& gui, PanelModel& m) {
         tip(gui, label, "times the light's intensity");
         ImGui::SameLine();
         if (ImGui::TreeNode(label)) {
-            drawLight(gui, kind, lights[i], m.reach);
+            drawLight(gui, kind, lights[i], boundsOf(*m.scene).radius);
             ImGui::TreePop();
         }
         ImGui::PopID();
@@ -189,10 +196,9 @@ void drawLights(Gui& gui, PanelModel& m) {
     if (resetButton(gui, "lights", lights != m.fileSettings.lights)) lights = m.fileSettings.lights;
 }
 
-void drawMaterials(Gui& gui, PanelModel& m) {
+void drawMaterials(Gui& gui, Model& m) {
     std::vector<Material>& all = m.edits.materials;
-    if (all.empty() ||
-        !group(gui, "materials", false, "colours and glass; C copies what has changed as JSON"))
+    if (all.empty() || !group(gui, "materials", opensWide(), "colors and glass; C copies changes as JSON"))
         return;
     m.material = std::min(m.material, all.size() - 1);
     if (ImGui::BeginCombo("material", all[m.material].name.c_str())) {
@@ -205,18 +211,22 @@ void drawMaterials(Gui& gui, PanelModel& m) {
     }
     tip(gui, "material", "the one to change; a pick chooses its own");
     Material& material = all[m.material];
-    colorOf(gui, "diffuse", material.diffuse, "what is scattered; multiplied with a texture");
-    colorOf(gui, "ambient", material.ambient, "of ambient light");
-    colorOf(gui, "specular", material.specular, "of the highlight");
+    glm::dvec3 diffuse = material.diffuse;
+    if (colorEdit(gui, "diffuse", diffuse, "scattered light; multiplied with a texture"))
+        setDiffuse(material, diffuse);
+    colorEdit(gui, "ambient", material.ambient, "of ambient light; follows diffuse while both are equal");
+    colorEdit(gui, "specular", material.specular, "of the highlight");
     slider(gui, "shininess", material.shininess, 0, 10'000, "%.4g", "a greater one makes a smaller highlight",
            true);
-    colorOf(gui, "mirror", material.mirror, "what is reflected");
-    colorOf(gui, "transmission", material.transmission, "what passes through; black: opaque");
+    colorEdit(gui, "mirror", material.mirror, "what is reflected");
+    colorEdit(gui, "transmission", material.transmission, "what passes through; black: opaque");
     for (Color* part : {&material.mirror, &material.transmission}) *part = glm::clamp(*part, 0.0, 1.0);
     if (material.transmission != Color(0))
         slider(gui, "ior", material.ior, 0.5, 4, "%.3f", "index of refraction: water 1.333, glass 1.5");
     choice(gui, "glass shadows", m.edits.transmissiveShadows, "coloured by what the light passes, or full");
     if (resetButton(gui, "materials", !same(m.edits, m.fileEdits))) m.edits = m.fileEdits;
+    if (m.hasJsonFile() && m.edited() && button(gui, "save scene", "lights and materials, into a scene file"))
+        m.wish = Action::SaveScene;
 }
 
 }  // namespace glint::view

@@ -8,20 +8,20 @@ namespace glint::view {
 
 namespace {
 
-void wish(PanelModel& m, bool pressed, Wish what) {
+void wish(Model& m, bool pressed, Action what) {
     if (pressed) m.wish = what;
 }
 
-void openFile(PanelModel& m, const std::filesystem::path& file) {
+void openFile(Model& m, const std::filesystem::path& file) {
     std::snprintf(m.openName.data(), m.openName.size(), "%s", file.c_str());
     m.openVisible = false;
-    m.wish = Wish::Open;
+    m.wish = Action::OpenNamed;
 }
 
 // By name; the folder is in the tooltip.
-void drawRecent(Gui& gui, PanelModel& m) {
-    for (size_t i = 1; i < m.recent->size(); ++i) {
-        const std::filesystem::path& file = (*m.recent)[i];
+void drawRecent(Gui& gui, Model& m) {
+    for (size_t i = 1; i < m.recent.list().size(); ++i) {
+        const std::filesystem::path& file = m.recent.list()[i];
         ImGui::PushID(static_cast<int>(i));
         const std::string name = file.filename().string();
         const bool pressed = ImGui::Selectable(name.c_str());
@@ -37,23 +37,23 @@ double milliseconds(double seconds) {
 
 }  // namespace
 
-void drawFiles(Gui& gui, PanelModel& m) {
+void drawFiles(Gui& gui, Model& m) {
     if (!group(gui, "save and open", false, "pictures to files, other scenes into the window")) return;
-    wish(m, button(gui, "PNG", "save what is seen (S)"), Wish::SavePng);
+    wish(m, button(gui, "PNG", "save what is seen (S)"), Action::SavePng);
     ImGui::SameLine();
-    wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), Wish::SaveExr);
+    wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), Action::SaveExr);
     ImGui::SameLine();
     if (button(gui, "save as", "under a name of your choice (Ctrl+Shift+S)")) m.saveAsVisible = true;
     wish(m, button(gui, "render PNG", "with the scene's own sampling, as `glint render` does (Alt+S)"),
-         Wish::RenderPng);
+         Action::RenderPng);
     ImGui::SameLine();
-    wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Wish::RenderExr);
+    wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Action::RenderExr);
     if (button(gui, "open", "another scene, or a picture to compare with (Ctrl+O); or drop it here"))
         m.openVisible = true;
     drawRecent(gui, m);
 }
 
-void drawOpen(Gui& gui, PanelModel& m) {
+void drawOpen(Gui& gui, Model& m) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.5f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
@@ -69,7 +69,7 @@ void drawOpen(Gui& gui, PanelModel& m) {
         ImGui::SameLine();
         if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
         std::filesystem::path next;
-        const size_t earlier = m.recent->size() - std::min<size_t>(m.recent->size(), 1);
+        const size_t earlier = m.recent.list().size() - std::min<size_t>(m.recent.list().size(), 1);
         if (earlier > 0) {
             text("looked at before");
             const float lines = static_cast<float>(std::min<size_t>(earlier, 4));
@@ -99,7 +99,7 @@ void drawOpen(Gui& gui, PanelModel& m) {
     ImGui::End();
 }
 
-void drawSaveAs(Gui& gui, PanelModel& m) {
+void drawSaveAs(Gui& gui, Model& m) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetFontSize();
     ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
@@ -117,7 +117,31 @@ void drawSaveAs(Gui& gui, PanelModel& m) {
         ImGui::RadioButton("the scene's own sampling", &which, 1);
         tip(gui, "the scene's own sampling", "as `glint render` would draw this view");
         m.savesSeen = which == 0;
-        wish(m, button(gui, "save", "") || entered, Wish::SaveAs);
+        wish(m, button(gui, "save", "") || entered, Action::SaveNamed);
+        ImGui::PopItemWidth();
+    }
+    gui.noteWindow();
+    ImGui::End();
+}
+
+void drawSaveScene(Gui& gui, Model& m) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetFontSize();
+    ImGui::SetNextWindowPos(ImVec2(0.5f * size.x, 0.4f * size.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+    if (ImGui::Begin("save scene", &m.saveSceneVisible,
+                     kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+        ImGui::PushItemWidth(std::min(22 * line, size.x - 2 * line));
+        if (ImGui::IsWindowAppearing()) {
+            std::snprintf(m.sceneName.data(), m.sceneName.size(), "%s-edited.json",
+                          m.scene->path.stem().c_str());
+            ImGui::SetKeyboardFocusHere();
+        }
+        const bool entered = ImGui::InputText("##scene", m.sceneName.data(), m.sceneName.size(),
+                                              ImGuiInputTextFlags_EnterReturnsTrue);
+        tip(gui, "scene file", "beside the scene's file, so that meshes and images are found");
+        checkbox(gui, "replace the file", m.replacesFile, "if it exists; comments in it are lost");
+        wish(m, button(gui, "write", "the scene with the changed lights and materials") || entered,
+             Action::WriteScene);
         ImGui::PopItemWidth();
     }
     gui.noteWindow();
@@ -126,65 +150,64 @@ void drawSaveAs(Gui& gui, PanelModel& m) {
 
 namespace {
 
-void drawCameraName(Gui& gui, const std::string& name, size_t index, PanelModel& m) {
+void drawCameraName(Gui& gui, const std::string& name, size_t index, Model& m) {
     ImGui::PushID(static_cast<int>(index));
     if (ImGui::Selectable(name.empty() ? "(no name)" : name.c_str(), index == m.camera)) {
         m.camera = index;
-        m.wish = Wish::GoToCamera;
+        m.wish = Action::GoToCamera;
     }
     gui.noteControl(name.c_str());
     ImGui::PopID();
 }
 
 // The file's cameras, then those that are kept here, whose names can be changed.
-void drawCameraList(Gui& gui, PanelModel& m) {
-    const size_t inFile = m.fileCameras->size();
-    for (size_t i = 0; i < inFile; ++i) drawCameraName(gui, (*m.fileCameras)[i].name, i, m);
-    if (m.bookmarks->empty()) return;
+void drawCameraList(Gui& gui, Model& m) {
+    const size_t inFile = m.file->cameras.size();
+    for (size_t i = 0; i < inFile; ++i) drawCameraName(gui, m.file->cameras[i].name, i, m);
+    if (m.bookmarks.empty()) return;
     ImGui::Separator();
-    for (size_t i = 0; i < m.bookmarks->size(); ++i)
-        drawCameraName(gui, (*m.bookmarks)[i].name, inFile + i, m);
-    if (m.camera >= inFile && m.camera - inFile < m.bookmarks->size()) {
-        std::string& name = (*m.bookmarks)[m.camera - inFile].name;
+    for (size_t i = 0; i < m.bookmarks.size(); ++i) drawCameraName(gui, m.bookmarks[i].name, inFile + i, m);
+    if (m.camera >= inFile && m.camera - inFile < m.bookmarks.size()) {
+        std::string& name = m.bookmarks[m.camera - inFile].name;
         std::array<char, 128> typed{};
         std::snprintf(typed.data(), typed.size(), "%s", name.c_str());
         if (ImGui::InputText("name", typed.data(), typed.size())) name = typed.data();
         tip(gui, "name", "of this bookmark");
     }
-    if (!m.holdsCameras) return;
+    if (!m.hasJsonFile()) return;
     wish(m,
          button(
              gui, "write to file",
              "adds the bookmarks to the \"cameras\" of the scene's file, where `glint render --camera NAME` "
              "finds them; all else in the file stays as it is"),
-         Wish::WriteCameras);
+         Action::WriteCameras);
 }
 
 }  // namespace
 
-void drawCameras(Gui& gui, PanelModel& m) {
+void drawCameras(Gui& gui, Model& m) {
     if (!group(gui, "camera", false, "where one has been, where to go back to, and the lens")) return;
-    wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Wish::Undo);
+    wish(m, button(gui, "undo", "the camera before the last movement (Ctrl+Z)"), Action::Undo);
     ImGui::SameLine();
-    wish(m, button(gui, "redo", "(Ctrl+Y)"), Wish::Redo);
+    wish(m, button(gui, "redo", "(Ctrl+Y)"), Action::Redo);
     ImGui::SameLine();
-    wish(m, button(gui, "scene's", "the camera of the scene's file (R)"), Wish::ResetCamera);
-    wish(m, button(gui, "bookmark", "keep this camera (M)"), Wish::Bookmark);
+    wish(m, button(gui, "scene's", "the camera of the scene's file (R)"), Action::Reset);
+    wish(m, button(gui, "bookmark", "keep this camera (M)"), Action::Bookmark);
     ImGui::SameLine();
-    wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"), Wish::PrintCamera);
+    wish(m, button(gui, "copy JSON", "print and copy the camera as scene JSON (C)"), Action::PrintCamera);
     drawCameraList(gui, m);
     drawLens(gui, m);
 }
 
-void drawCompare(Gui& gui, PanelModel& m) {
+void drawCompare(Gui& gui, Model& m) {
     if (!group(gui, "compare", false, "this picture with another one")) return;
-    Comparison& c = *m.comparison;
-    wish(m, button(gui, "keep", "this picture, to compare others with (K)"), Wish::Keep);
+    Comparison& c = m.comparison;
+    wish(m, button(gui, "keep", "this picture, to compare others with (K)"), Action::Keep);
     ImGui::SameLine();
     wish(m, button(gui, "reference", "the same samples by the tracer in double precision, on the processor"),
-         Wish::TraceReference);
+         Action::TraceReference);
     ImGui::SameLine();
-    wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Wish::Verify);
+    wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Action::Verify);
     if (!c.any()) {
         wrapped("Keep a picture, trace the reference, or drop a picture file here.", kDim);
         return;
@@ -204,18 +227,19 @@ void drawCompare(Gui& gui, PanelModel& m) {
     }
 }
 
-void drawSpeed(Gui& gui, PanelModel& m) {
+void drawSpeed(Gui& gui, Model& m) {
     if (!group(gui, "speed", false, "the device, and what a frame's time goes into")) return;
     wrapped(m.device->name, kDim);
-    ImGui::Text("frame %.1f ms, %.3g Mrays/s", milliseconds(m.frameSeconds), m.facts.raysPerSecond * 1e-6);
-    if (m.frameTimes->size() > 1) {
-        const float most = *std::max_element(m.frameTimes->begin(), m.frameTimes->end());
+    ImGui::Text("frame %.1f ms, %.3g Mrays/s", milliseconds(m.frameSeconds),
+                m.session->facts().raysPerSecond * 1e-6);
+    if (m.frameTimes.size() > 1) {
+        const float most = *std::max_element(m.frameTimes.begin(), m.frameTimes.end());
         char label[48];
         std::snprintf(label, sizeof(label), "0 to %.0f ms", static_cast<double>(most));
-        ImGui::PlotLines("##times", m.frameTimes->data(), static_cast<int>(m.frameTimes->size()), 0, label, 0,
+        ImGui::PlotLines("##times", m.frameTimes.data(), static_cast<int>(m.frameTimes.size()), 0, label, 0,
                          most, ImVec2(17 * ImGui::GetFontSize(), 3.2f * ImGui::GetFontSize()));
     }
-    const render::StageTimes& t = m.facts.times;
+    const render::StageTimes& t = m.session->facts().times;
     ImGui::Text("trace %.1f, read back %.1f ms", milliseconds(t.trace), milliseconds(t.readback));
     ImGui::Text("draw %.1f, present %.1f ms", milliseconds(m.drawSeconds), milliseconds(m.presentSeconds));
 }

@@ -1,10 +1,13 @@
-// What lies under the mouse.
+// A picked pixel: what was hit, the tree of rays behind its color, and where they are in the image.
 #pragma once
 
+#include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "reference/tracer.h"
+#include "shared/layout.h"
 #include "trace/picture.h"
 #include "view/session.h"
 
@@ -38,5 +41,13 @@ std::string pickCsv(const Pick& pick);
 
 // One line for each ray, indented by its depth.
 std::string pickTree(const Pick& pick);
+
+struct Segment {
+    glm::dvec2 from{0}, to{0};  // pixels, from the picture's top left corner
+};
+
+// The part of the line from `from` to `to` (local coordinates, as the camera's) that lies before the eye;
+// empty if none does.
+std::optional<Segment> projected(const shared::Camera& camera, const glm::dvec3& from, const glm::dvec3& to);
 
 }  // namespace glint::view

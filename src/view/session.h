@@ -1,7 +1,4 @@
-// The picture of the window: what must be traced next, in pieces short enough for the window to stay alive,
-// and what there is to show by now. While the camera moves, whole coarse pictures; at rest the full picture
-// band by band, then more samples, then what the other layers show, then nothing. All layers are kept, so
-// that switching between them traces nothing.
+
 #pragma once
 
 #include <functional>
@@ -12,14 +9,38 @@
 #include "gpu/device.h"
 #include "pack/pack_samples.h"
 #include "render/renderer.h"
-#include "view/canvas.h"
+#include "view/display.h"
 #include "view/error_goal.h"
-#include "view/layers.h"
-#include "view/pace.h"
 #include "view/settings.h"
 #include "view/view_scene.h"
 
 namespace glint::view {
+
+class Pace {
+  public:
+    explicit Pace(double targetSeconds) : target_(targetSeconds) {}
+
+    double target() const { return target_; }
+    void setTarget(double seconds) { target_ = seconds; }
+
+    // A frame of `pixels` took `renderSeconds` to trace, and everything else `otherSeconds`.
+    void measured(double pixels, double renderSeconds, double otherSeconds);
+
+    // Width and height to render, as a part of those of a window of `fullPixels`: kLeast..1.
+    double scale(double fullPixels) const;
+    // Reflections to follow out of `maxDepth`: fewer once the resolution has had to fall.
+    // In glass at least kGlassDepth: a ray that is not followed through glass is black.
+    int depth(int maxDepth, double fullPixels, bool glass = false) const;
+
+    static constexpr int kGlassDepth = 3;  // into an object, one reflection within, and out of it
+
+    static constexpr double kLeast = 0.125;
+
+  private:
+    double target_;
+    double secondsPerPixel_ = 0;  // 0: nothing measured yet
+    double other_ = 0;
+};
 
 struct FrameFacts {
     int width = 0, height = 0;  // traced

@@ -1,7 +1,10 @@
 #include "view/settings.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
 
+#include "core/error.h"
 #include "scene/limits.h"
 
 namespace glint::view {
@@ -33,6 +36,53 @@ void followSampling(SamplingSettings& mine, const SamplingSettings& before, cons
     followOne(mine.adaptive, before.adaptive, now.adaptive);
     followOne(mine.maxSamples, before.maxSamples, now.maxSamples);
     followOne(mine.threshold, before.threshold, now.threshold);
+}
+
+using Json = nlohmann::ordered_json;
+
+Json vectorJson(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+Json lightJson(const Light& light) {
+    Json json;
+    if (const auto* point = std::get_if<PointLight>(&light)) {
+        json = {{"type", "point"}, {"position", vectorJson(point->position)}};
+        json["intensity"] = vectorJson(point->intensity);
+        json["falloff"] = nameOf(point->falloff);
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+        json = {{"type", "spot"}, {"position", vectorJson(spot->position)}};
+        json["direction"] = vectorJson(spot->direction);
+        json["angle"] = spot->angle;
+        json["penumbra"] = spot->penumbra;
+        json["intensity"] = vectorJson(spot->intensity);
+        json["falloff"] = nameOf(spot->falloff);
+    } else {
+        const auto& sun = std::get<DirectionalLight>(light);
+        json = {{"type", "directional"}, {"direction", vectorJson(sun.direction)}};
+        json["intensity"] = vectorJson(sun.intensity);
+    }
+    return json;
+}
+
+// Calls visit(name, field) for each that a scene file may hold and the panel can change.
+template <typename Visit>
+void forFields(const Visit& visit) {
+    visit("ambient", &Material::ambient);
+    visit("diffuse", &Material::diffuse);
+    visit("specular", &Material::specular);
+    visit("shininess", &Material::shininess);
+    visit("mirror", &Material::mirror);
+    visit("transmission", &Material::transmission);
+    visit("ior", &Material::ior);
+    visit("attenuation", &Material::attenuation);
+}
+
+Json numberJson(double value) {
+    return value;
+}
+Json numberJson(const glm::dvec3& value) {
+    return vectorJson(value);
 }
 
 }  // namespace
@@ -121,6 +171,122 @@ void PictureSettings::follow(const PictureSettings& before, const PictureSetting
 
 double steppedExposure(double exposure, double step) {
     return std::clamp(exposure + step, -kMostExposure, kMostExposure);
+}
+
+bool same(const Material& a, const Material& b) {
+    bool equal = a.name == b.name;
+    forFields([&](const char*, auto field) { equal = equal && a.*field == b.*field; });
+    return equal;
+}
+
+bool same(const SceneEdits& a, const SceneEdits& b) {
+    return a.transmissiveShadows == b.transmissiveShadows &&
+           std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(),
+                      [](const Material& x, const Material& y) { return same(x, y); });
+}
+
+SceneEdits SceneEdits::of(const Scene& scene) {
+    return {scene.materials, scene.transmissiveShadows};
+}
+
+void SceneEdits::follow(const SceneEdits& before, const SceneEdits& now) {
+    if (transmissiveShadows == before.transmissiveShadows) transmissiveShadows = now.transmissiveShadows;
+    const std::vector<Material> mine = std::exchange(materials, now.materials);
+    for (size_t i = 0; i < std::min({mine.size(), before.materials.size(), materials.size()}); ++i) {
+        if (mine[i].name != materials[i].name) continue;
+        forFields([&](const char*, auto field) {
+            if (mine[i].*field != before.materials[i].*field) materials[i].*field = mine[i].*field;
+        });
+    }
+}
+
+Scene edited(Scene scene, const SceneEdits& edits) {
+    scene.materials = edits.materials;
+    scene.transmissiveShadows = edits.transmissiveShadows;
+    return scene;
+}
+
+void setDiffuse(Material& material, const Color& diffuse) {
+    if (material.ambient == material.diffuse) material.ambient = diffuse;
+    material.diffuse = diffuse;
+}
+
+namespace {
+
+Json lightsOf(const std::vector<LightSetting>& settings, const Scene& scene) {
+    Json json = Json::array();
+    for (size_t i = 0; i < std::min(settings.size(), scene.lights.size()); ++i) {
+        if (!settings[i].on || settings[i].dim <= 0) continue;
+        Light light = settings[i].applied(scene.lights[i]);
+        std::visit([&](auto& l) { l.intensity *= static_cast<double>(settings[i].dim); }, light);
+        json.push_back(lightJson(light));
+    }
+    return json;
+}
+
+// Without an "ambient", the format takes "diffuse" for it; so both are written if one has changed.
+Json materialsOf(const std::vector<Material>& materials, const std::vector<Material>& before) {
+    Json json;
+    for (size_t i = 0; i < std::min(materials.size(), before.size()); ++i) {
+        const Material &now = materials[i], &then = before[i];
+        forFields([&](const char* name, auto field) {
+            if (now.*field != then.*field) json[now.name][name] = numberJson(now.*field);
+        });
+        if (now.diffuse != then.diffuse) json[now.name]["ambient"] = vectorJson(now.ambient);
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string lightsJson(const std::vector<LightSetting>& settings, const Scene& scene) {
+    return lightsOf(settings, scene).dump();
+}
+
+std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before) {
+    const Json json = materialsOf(materials, before);
+    return json.is_null() ? "" : json.dump();
+}
+
+std::string editedSceneText(const std::string& text, const Scene& scene, const Undoable& state) {
+    Json json = Json::parse(text, nullptr, true, true);
+    if (state.lights != state.fileSettings.lights) json["lights"] = lightsOf(state.lights, scene);
+    const Json materials = materialsOf(state.edits.materials, state.fileEdits.materials);
+    for (const auto& [name, fields] : materials.items()) {
+        if (!json["materials"].contains(name))
+            throw Error(ErrorKind::Argument,
+                        "the material \"" + name + "\" comes from another file: edit that file");
+        json["materials"][name].update(fields);
+    }
+    if (state.edits.transmissiveShadows != state.fileEdits.transmissiveShadows)
+        json["transmissiveShadows"] = nameOf(state.edits.transmissiveShadows);
+    return json.dump(2) + '\n';
+}
+
+void History::note(Undoable now, double seconds) {
+    if (std::exchange(stepEnded_, false) || seconds - changedAt_ > kStepSeconds) {
+        before_.push_back(std::move(seen_));
+        if (before_.size() > kMost) before_.pop_front();
+        after_.clear();
+    }
+    changedAt_ = seconds;
+    seen_ = std::move(now);
+}
+
+std::optional<Undoable> History::undo() {
+    if (before_.empty()) return std::nullopt;
+    after_.push_back(std::exchange(seen_, std::move(before_.back())));
+    before_.pop_back();
+    stepEnded_ = true;
+    return seen_;
+}
+
+std::optional<Undoable> History::redo() {
+    if (after_.empty()) return std::nullopt;
+    before_.push_back(std::exchange(seen_, std::move(after_.back())));
+    after_.pop_back();
+    stepEnded_ = true;
+    return seen_;
 }
 
 }  // namespace glint::view

@@ -1,12 +1,16 @@
-// What the panel changes and the picture depends on.
+// What the panel changes (settings that tracing depends on, edits that need the scene packed again), and its
+// undo.
 #pragma once
 
+#include <deque>
 #include <glm/glm.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "scene/scene.h"
 #include "trace/methods.h"
-#include "view/layers.h"
+#include "view/display.h"
 
 namespace glint::view {
 
@@ -70,5 +74,64 @@ struct PictureSettings {
 
 // A multiple of 0.5 stops further, within kMostExposure.
 double steppedExposure(double exposure, double step);
+
+struct SceneEdits {
+    std::vector<Material> materials;  // as in Scene::materials
+    TransmissiveShadows transmissiveShadows = TransmissiveShadows::Colored;
+
+    static SceneEdits of(const Scene& scene);
+    // After the file has changed, as PictureSettings::follow. Materials are told apart by their place.
+    void follow(const SceneEdits& before, const SceneEdits& now);
+};
+bool same(const Material& a, const Material& b);
+bool same(const SceneEdits& a, const SceneEdits& b);
+
+Scene edited(Scene scene, const SceneEdits& edits);
+
+// Changes the diffuse color, and the ambient color with it while both are equal: in a scene file "ambient" is
+// "diffuse" unless it is given.
+void setDiffuse(Material& material, const Color& diffuse);
+
+// Values of "lights" and "materials" in a scene file: all lights that are on, and the changed fields of
+// materials (empty if nothing differs from `before`).
+std::string lightsJson(const std::vector<LightSetting>& settings, const Scene& scene);
+std::string materialsJson(const std::vector<Material>& materials, const std::vector<Material>& before);
+
+struct Undoable {
+    Camera camera;
+    std::vector<LightSetting> lights;
+    glm::vec3 background{0};
+    SceneEdits edits;
+    // The file at that time: values equal to it follow the file when the state is restored.
+    PictureSettings fileSettings;
+    SceneEdits fileEdits;
+};
+// The text of a JSON scene with changed lights and materials; comments are lost. `scene`: as read from the
+// text. Throws Error(Argument) if a changed material is not in the text.
+std::string editedSceneText(const std::string& text, const Scene& scene, const Undoable& state);
+
+class History {
+  public:
+    // `now` becomes the state that changes are measured from, without a step to undo.
+    void reset(Undoable now) { seen_ = std::move(now); }
+    const Undoable& seen() const { return seen_; }
+    // Takes a change, at `seconds` of any clock. It is a step of its own if endStep() was called since the
+    // last change, or if that one is older than kStepSeconds.
+    void note(Undoable now, double seconds);
+    void endStep() { stepEnded_ = true; }
+
+    // The state before or after; empty if there is none.
+    std::optional<Undoable> undo();
+    std::optional<Undoable> redo();
+
+    static constexpr size_t kMost = 100;
+    static constexpr double kStepSeconds = 0.5;
+
+  private:
+    Undoable seen_;
+    std::deque<Undoable> before_, after_;
+    bool stepEnded_ = true;
+    double changedAt_ = 0;
+};
 
 }  // namespace glint::view

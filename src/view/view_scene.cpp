@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
+#include "core/available_memory.h"
+#include "pack/camera_change.h"
 #include "pack/kind_packer.h"
 #include "pack/scene_arrays.h"
 
@@ -45,6 +48,8 @@ void visitBalls(const PackedScene& p, uint32_t object, const KindPacker::VisitBa
     });
 }
 
+namespace fs = std::filesystem;
+
 }  // namespace
 
 Scene withOverrides(Scene scene, const Loading& loading) {
@@ -60,6 +65,8 @@ std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path
     loaded->scene = std::move(scene);
     loaded->packed = packScene(loaded->scene, 0, quality, true, memory);
     const auto& materials = loaded->packed.materials;
+    loaded->hasGlass = std::any_of(loaded->scene.materials.begin(), loaded->scene.materials.end(),
+                                   [](const Material& m) { return m.transmission != Color(0); });
     loaded->also.mirrors = std::any_of(materials.begin(), materials.end(), reflects);
     loaded->also.parallelCamera = loaded->also.thinLens = true;  // the panel may ask for them
     return loaded;
@@ -91,6 +98,87 @@ Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, do
         reach = std::max(reach, glm::length(point - center) + radius);
     });
     return {p.origin + center, reach};
+}
+
+Moments::Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time)
+    : path_(path),
+      loading_(loading),
+      reader_(path, {loading.allowOutside, availableMemory(), loading.camera}, time),
+      time_(time),
+      remembers_(reader_.scene().animation.has_value()) {}
+
+Moment Moments::packed(Moment moment) {
+    const bool kept = last_ && !moved_ && same(moment.edits, lastEdits_) &&
+                      (sameCamera(moment.file->camera, last_->scene.camera) ||
+                       keepsArrays(last_->packed, last_->scene, moment.file->camera));
+    if (kept) return moment;
+    // Trees are kept for whoever asks for the scene again, not for one that is shown once.
+    remembers_ = remembers_ || last_ != nullptr;
+    moment.scene = packViewScene(path_, edited(*moment.file, moment.edits), loading_.quality,
+                                 remembers_ ? &memory_ : nullptr);
+    moved_ = false;
+    last_ = moment.scene;
+    lastEdits_ = moment.edits;
+    return moment;
+}
+
+Moment Moments::show() {
+    auto file = std::make_shared<const Scene>(withOverrides(reader_.scene(), loading_));
+    Moment moment = {time_, file, SceneEdits::of(*file), nullptr};
+    return packed(std::move(moment));
+}
+
+Moment Moments::show(std::optional<double> time, const SceneEdits& edits, const SceneEdits& before) {
+    if (time && time != time_) {
+        moved_ = reader_.moveTo(*time) == SceneReader::Change::Scene || moved_;
+        time_ = time;
+    }
+    auto file = std::make_shared<const Scene>(withOverrides(reader_.scene(), loading_));
+    Moment moment = {time_, file, edits, nullptr};
+    moment.edits.follow(before, SceneEdits::of(*file));
+    return packed(std::move(moment));
+}
+
+std::vector<fs::path> sceneFiles(const fs::path& scene, const Scene& read) {
+    std::vector<fs::path> files = {scene.lexically_normal()};
+    for (const SourceFile& source : read.sources)
+        files.push_back((scene.parent_path() / source.name).lexically_normal());
+    return files;
+}
+
+FileWatch::Stamp FileWatch::stampOf(const fs::path& file) {
+    std::error_code error;
+    Stamp stamp;
+    stamp.time = fs::last_write_time(file, error);
+    if (error) return {};
+    stamp.size = fs::file_size(file, error);
+    return error ? Stamp{} : stamp;
+}
+
+void FileWatch::watch(const std::vector<fs::path>& files) {
+    known_.clear();
+    for (const fs::path& file : files) known_[file] = stampOf(file);
+    seen_ = known_;
+}
+
+bool FileWatch::changed() {
+    std::map<fs::path, Stamp> now;
+    for (const auto& [file, stamp] : known_) now[file] = stampOf(file);
+    const bool settled = now == seen_;
+    seen_ = now;
+    if (!settled || now == known_) return false;
+    known_ = now;
+    return true;
+}
+
+std::string objectName(const Scene& scene, uint32_t object) {
+    return object < scene.objects.size() ? scene.objects[object].name : "?";
+}
+
+std::string materialName(const Scene& scene, uint32_t material) {
+    if (material >= scene.materials.size()) return "?";
+    const std::string& name = scene.materials[material].name;
+    return name.empty() ? "(no name)" : name;
 }
 
 }  // namespace glint::view

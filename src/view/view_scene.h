@@ -1,13 +1,18 @@
-// A scene as the window holds it.
+// A scene as the window holds it, at the moments of its animation, and the files that it is made of.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "import/scene_reader.h"
 #include "pack/packed_scene.h"
+#include "pack/tree_memory.h"
 #include "scene/scene.h"
 #include "view/camera_control.h"
+#include "view/settings.h"
 #include "view/view.h"
 
 namespace glint::view {
@@ -19,6 +24,7 @@ struct ViewScene {
     // What the panel may switch on though the scene does without: mirrors, if a material reflects, cameras
     // with parallel rays, and a lens.
     SceneFeatures also;
+    bool hasGlass = false;  // a material transmits light
 };
 
 // With what the command line says instead of the file.
@@ -32,5 +38,64 @@ std::shared_ptr<const ViewScene> packViewScene(const std::filesystem::path& path
 Ball boundsOf(const ViewScene& scene);
 // Around an object; around `hit` (world), as large as a tenth of the way there, for one without end.
 Ball boundsOf(const ViewScene& scene, uint32_t object, const glm::dvec3& hit, double distance);
+
+struct Moment {
+    std::optional<double> time;              // seconds; empty: as the file says it
+    std::shared_ptr<const Scene> file;       // without the panel's changes
+    SceneEdits edits;                        // that `scene` has
+    std::shared_ptr<const ViewScene> scene;  // null: as before, the camera aside
+};
+
+// For one thread at a time.
+class Moments {
+  public:
+    // Reads the file. Throws Error(Scene) as loadScene does.
+    Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time);
+
+    // As it is now, and as it is then with those of `edits` that differ from the file as it was, `before`.
+    // What has not moved keeps its tree, and if nothing but the camera has, nothing is packed. Throws
+    // Error(Scene) where the animation comes to what is no scene; then the moment before stays.
+    Moment show();
+    Moment show(std::optional<double> time, const SceneEdits& edits, const SceneEdits& before);
+
+    uint64_t treesBuilt() const { return memory_.built(); }
+
+  private:
+    Moment packed(Moment moment);
+
+    std::filesystem::path path_;
+    Loading loading_;
+    SceneReader reader_;
+    std::optional<double> time_;
+    TreeMemory memory_;
+    bool remembers_ = false, moved_ = true;  // moved: since the last time that it was packed
+    std::shared_ptr<const ViewScene> last_;  // that was packed
+    SceneEdits lastEdits_;
+};
+
+// The scene's file and the files that it was read from.
+std::vector<std::filesystem::path> sceneFiles(const std::filesystem::path& scene, const Scene& read);
+
+class FileWatch {
+  public:
+    // Remembers how the files are now.
+    void watch(const std::vector<std::filesystem::path>& files);
+    // True once for each change: a file has another time or size than at the last call, and both have been
+    // the same for two calls, so that a file which is still being written is left in peace.
+    bool changed();
+
+  private:
+    struct Stamp {
+        std::filesystem::file_time_type time{};
+        std::uintmax_t size = 0;
+        bool operator==(const Stamp&) const = default;
+    };
+    static Stamp stampOf(const std::filesystem::path& file);
+    std::map<std::filesystem::path, Stamp> known_, seen_;
+};
+
+// "?" for an unknown index.
+std::string objectName(const Scene& scene, uint32_t object);
+std::string materialName(const Scene& scene, uint32_t material);
 
 }  // namespace glint::view

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/device.h"
-#include "view/events.h"
+#include "view/keys.h"
 
 struct GLFWwindow;
 

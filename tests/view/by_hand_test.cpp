@@ -51,12 +51,13 @@ TEST_F(ByHand, WhatThePanelHasMovedStaysOnReload) {
     write("one.json", 1, {0.1, 0.8, 0.2});
     write("four.json", 4, {0.9, 0.2, 0.1});
     write("two-of-four.json", 2, {0.9, 0.2, 0.1});
-    const Ran ran =
-        view("set samples 1\nsettle\ncopy one.json scene.json\nreload\nexpect depth 1\nkey alt+S\nsettle\n" +
-                 typed("depth", "2") +
-                 "expect depth 2\ncopy four.json scene.json\nreload\nexpect depth 2\nkey alt+S\nsettle\nkey "
-                 "F5\nsettle\nexpect depth 2\npress reset_tracing\nexpect depth 4\nkey alt+S\nsettle\n",
-             {"--spp", "1"});
+    const Ran ran = view(
+        "set samples 1\npress tracing\nwait 2\nsettle\ncopy one.json scene.json\nreload\nexpect depth 1\nkey "
+        "alt+S\nsettle\n" +
+            typed("depth", "2") +
+            "expect depth 2\ncopy four.json scene.json\nreload\nexpect depth 2\nkey alt+S\nsettle\nkey "
+            "F5\nsettle\nexpect depth 2\npress reset_tracing\nexpect depth 4\nkey alt+S\nsettle\n",
+        {"--spp", "1"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     int number = 0;
     for (const char* file : {"one", "two-of-four", "four"}) {
@@ -138,15 +139,16 @@ TEST_F(ByHand, RowsOfADataLayerAreNormalisedTogether) {
 // with those options. The material is the one that was picked.
 TEST_F(ByHand, ThePanelChangesThePicture) {
     size_ = "640x1000";
-    const Ran ran =
-        view("set samples 1\nsettle\nclick 420 470\nexpect-object 1\nkey Esc\n" +
-             chosen("triangles", "barycentric") + chosen("spheres", "algebraic") + typed("depth", "2") +
-             "press tracing\nwait 2\npress sampling\nwait 2\n" + typed("per_pixel", "4") +
-             chosen("sampler", "jittered") + chosen("filter", "tent") +
-             "press sampling\nwait 2\npress lights\nwait 2\n" + typed("0_point", "0.5") +
-             "press lights\nwait 2\npress materials\nwait 2\n" + typed("shininess", "12") +
-             chosen("glass_shadows", "full") + "press materials\nwait 2\npress camera\nwait 2\n" +
-             typed("radius", "0.125") + "press camera\nwait 2\nsettle\nkey alt+S\nsettle\nkey C\n");
+    const Ran ran = view(
+        "set samples 1\npress lights\nwait 2\npress materials\nwait 2\npress tracing\nwait 2\nsettle\nclick "
+        "420 470\nexpect-object 1\nkey Esc\n" +
+        chosen("triangles", "barycentric") + chosen("spheres", "algebraic") + typed("depth", "2") +
+        "press tracing\nwait 2\npress sampling\nwait 2\n" + typed("per_pixel", "4") +
+        chosen("sampler", "jittered") + chosen("filter", "tent") +
+        "press sampling\nwait 2\npress lights\nwait 2\n" + typed("0_point", "0.5") +
+        "press lights\nwait 2\npress materials\nwait 2\n" + typed("shininess", "12") +
+        chosen("glass_shadows", "full") + "press materials\nwait 2\npress camera\nwait 2\n" +
+        typed("radius", "0.125") + "press camera\nwait 2\nsettle\nkey alt+S\nsettle\nkey C\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const Json changed = copied(ran);
     EXPECT_EQ(changed["camera"]["lensRadius"], 0.125);

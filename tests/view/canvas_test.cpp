@@ -1,4 +1,4 @@
-#include "view/canvas.h"
+#include "view/display.h"
 
 #include <gtest/gtest.h>
 

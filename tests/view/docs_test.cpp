@@ -1,7 +1,7 @@
 // docs/guide/window.md names every key, gesture and layer with the words of the window.
 #include "support/support.h"
+#include "view/display.h"
 #include "view/keys.h"
-#include "view/layers.h"
 
 namespace glint::view::docs_test {
 namespace {

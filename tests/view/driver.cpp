@@ -11,8 +11,8 @@
 #include "core/image_io.h"
 namespace glint::view::test {
 
-Driver::Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& out)
-    : viewer_(viewer), out_(out), script_(std::move(script)), stays_(viewer.options_.frames > 0) {}
+Driver::Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& out, bool stays)
+    : viewer_(viewer), out_(out), script_(std::move(script)), stays_(stays) {}
 
 namespace {
 
@@ -49,17 +49,9 @@ void Driver::fail(const ScriptCommand& command, const std::string& what) {
     throw Error(ErrorKind::Failed, command.place + ": " + command.name + ": " + what);
 }
 
-bool Driver::settled() const {
-    return !viewer_.moving() && viewer_.session_->finished() && !viewer_.saving_.running() &&
-           !viewer_.verifying_.running() && !viewer_.referring_.running() && !viewer_.loading_.running() &&
-           !viewer_.packing_.running() && !viewer_.timeline_.playing() &&
-           viewer_.timeline_.time() == viewer_.timeAtWork_ &&
-           same(viewer_.model_.edits, viewer_.editsAtWork_);
-}
-
 void Driver::waitFrames(int frames) {
-    const uint64_t until = viewer_.frames_ + static_cast<uint64_t>(std::max(frames, 0));
-    wait_ = [this, until] { return viewer_.frames_ >= until; };
+    const uint64_t until = viewer_.frames() + static_cast<uint64_t>(std::max(frames, 0));
+    wait_ = [this, until] { return viewer_.frames() >= until; };
 }
 
 void Driver::run() {
@@ -68,8 +60,9 @@ void Driver::run() {
     do {
         advance();
         const bool scripted = wait_ || next_ < script_.size();
-        viewer_.setRestless(viewer_.options_.frames > 0 || (scripted && !idles_));
-        if (!scripted && !stays_ && !std::exchange(closed, true)) viewer_.push({.type = Event::Type::Close});
+        viewer_.setRestless(!idles_ && (scripted || script_.empty()));
+        if (!scripted && !stays_ && !std::exchange(closed, true))
+            viewer_.input().push({.type = Event::Type::Close});
     } while (viewer_.step());
     viewer_.close();
 }
@@ -80,9 +73,9 @@ void Driver::run() {
 void Driver::advance() {
     const auto repeats = [this](const Event& event) {
         return (event.type == Event::Type::Key && event.repeat) ||
-               (event.type == Event::Type::Text && !viewer_.held_.empty());
+               (event.type == Event::Type::Text && viewer_.input().flies());
     };
-    if (!std::all_of(viewer_.queue_.begin(), viewer_.queue_.end(), repeats)) return;
+    if (!std::all_of(viewer_.input().queue().begin(), viewer_.input().queue().end(), repeats)) return;
     if (wait_ && !wait_()) return;
     wait_ = nullptr;
     if (next_ < script_.size()) start(script_[next_++]);
@@ -94,19 +87,19 @@ void Driver::start(const ScriptCommand& command) {
     if (name == "wait") {
         waitFrames(wholeOf(command, 0));
     } else if (name == "settle") {
-        wait_ = [this] { return settled(); };
+        wait_ = [this] { return viewer_.commands().settled(); };
     } else if (name == "resize") {
         const PixelSize wanted = {wholeOf(command, 0), wholeOf(command, 1)};
-        viewer_.window_.resize(wanted);
+        viewer_.window().resize(wanted);
         wait_ = [this, wanted] {
-            return viewer_.window_.size() == wanted &&
-                   viewer_.session_->width() == wanted.width - viewer_.left_;
+            return viewer_.window().size() == wanted &&
+                   viewer_.model().session->width() == wanted.width - viewer_.model().left;
         };
     } else if (name == "minimise") {
-        viewer_.window_.setMinimised(true);
+        viewer_.window().setMinimised(true);
         wait_ = [this, left = wholeOf(command, 0)]() mutable {
             if (left-- > 0) return false;
-            viewer_.window_.setMinimised(false);
+            viewer_.window().setMinimised(false);
             return true;
         };
     } else if (name == "aov") {
@@ -114,17 +107,19 @@ void Driver::start(const ScriptCommand& command) {
         if (!layer)
             throw Error(ErrorKind::Argument,
                         command.place + ": no such layer: '" + command.arguments[0] + "'");
-        viewer_.model_.settings.layer = *layer;
-        viewer_.takeSettings();
+        viewer_.model().settings.layer = *layer;
+        viewer_.commands().takeSettings();
     } else if (name == "set") {
         set(command);
     } else if (name == "reload") {
-        wait_ = [this, before = viewer_.reloads_] { return viewer_.reloads_ > before; };
+        wait_ = [this, before = viewer_.commands().reloads()] {
+            return viewer_.commands().reloads() > before;
+        };
     } else if (name == "verify") {
-        viewer_.startVerifying();
+        viewer_.commands().perform(Action::Verify);
         wait_ = [this, &command] {
-            if (viewer_.verifying_.running()) return false;
-            if (!viewer_.model_.verdictPassed) fail(command, viewer_.model_.verdict);
+            if (viewer_.model().verifyProgress >= 0) return false;
+            if (!viewer_.model().verdictPassed) fail(command, viewer_.model().verdict);
             return true;
         };
     } else if (name == "pace") {
@@ -142,40 +137,41 @@ void Driver::start(const ScriptCommand& command) {
 
 bool Driver::startInput(const ScriptCommand& command) {
     const std::string& name = command.name;
-    const double x = viewer_.left_ + viewer_.session_->width() / 2, y = viewer_.session_->height() / 2;
+    const double x = viewer_.model().left + viewer_.model().session->width() / 2,
+                 y = viewer_.model().session->height() / 2;
     if (name == "orbit" || name == "pan") {
         const int mods = name == "pan" ? kShift : 0;
-        viewer_.push(cursorAt(x, y));
-        viewer_.push(press(Button::Left, true, mods));
-        viewer_.push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
-        viewer_.push(press(Button::Left, false, mods));
+        viewer_.input().push(cursorAt(x, y));
+        viewer_.input().push(press(Button::Left, true, mods));
+        viewer_.input().push(cursorAt(x + numberOf(command, 0), y + numberOf(command, 1)));
+        viewer_.input().push(press(Button::Left, false, mods));
     } else if (name == "dolly") {
-        viewer_.push(cursorAt(x, y));
-        viewer_.push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
+        viewer_.input().push(cursorAt(x, y));
+        viewer_.input().push({.type = Event::Type::Wheel, .y = numberOf(command, 0)});
     } else if (name == "key") {
-        viewer_.push(keyEvent(keyOf(command), true));
-        viewer_.push(keyEvent(keyOf(command), false));
+        viewer_.input().push(keyEvent(keyOf(command), true));
+        viewer_.input().push(keyEvent(keyOf(command), false));
     } else if (name == "hold") {
-        viewer_.push(keyEvent(keyOf(command), true));
-        wait_ = [this, until = viewer_.frames_ + static_cast<uint64_t>(wholeOf(command, 1)),
+        viewer_.input().push(keyEvent(keyOf(command), true));
+        wait_ = [this, until = viewer_.frames() + static_cast<uint64_t>(wholeOf(command, 1)),
                  k = keyOf(command)] {
-            if (viewer_.frames_ < until) return false;
-            viewer_.push(keyEvent(k, false));
+            if (viewer_.frames() < until) return false;
+            viewer_.input().push(keyEvent(k, false));
             return true;
         };
     } else if (name == "click") {
-        viewer_.push(cursorAt(viewer_.left_ + wholeOf(command, 0), wholeOf(command, 1)));
-        viewer_.push(press(Button::Left, true));
-        viewer_.push(press(Button::Left, false));
+        viewer_.input().push(cursorAt(viewer_.model().left + wholeOf(command, 0), wholeOf(command, 1)));
+        viewer_.input().push(press(Button::Left, true));
+        viewer_.input().push(press(Button::Left, false));
     } else if (name == "press") {
         const Gui::Place place = placeOf(command, "@" + command.arguments[0]);
-        viewer_.push(cursorAt(place.x, place.y));
-        viewer_.push({.type = Event::Type::Redraw});
-        viewer_.push(press(Button::Left, true));
-        viewer_.push(press(Button::Left, false));
+        viewer_.input().push(cursorAt(place.x, place.y));
+        viewer_.input().push({.type = Event::Type::Redraw});
+        viewer_.input().push(press(Button::Left, true));
+        viewer_.input().push(press(Button::Left, false));
         waitFrames(4);
     } else if (name == "drop") {
-        viewer_.push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
+        viewer_.input().push({.type = Event::Type::Drop, .files = {command.arguments[0]}});
     } else if (name == "hand") {
         startHand(command);
     } else {
@@ -186,10 +182,10 @@ bool Driver::startInput(const ScriptCommand& command) {
 
 Gui::Place Driver::placeOf(const ScriptCommand& command, const std::string& word) const {
     double x = 0, y = 0;
-    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {viewer_.left_ + x, y};
+    if (std::sscanf(word.c_str(), "@%lf,%lf", &x, &y) == 2) return {viewer_.model().left + x, y};
     std::string label = word.substr(1);
     std::replace(label.begin(), label.end(), '_', ' ');
-    const std::optional<Gui::Place> place = viewer_.gui_.controlAt(label);
+    const std::optional<Gui::Place> place = viewer_.gui().controlAt(label);
     if (!place) fail(command, "no control '" + label + "' is to be seen");
     return *place;
 }
@@ -203,15 +199,15 @@ void Driver::startHand(const ScriptCommand& command) {
             continue;
         }
         const Gui::Place place = placeOf(command, word);
-        const PixelSize screen = viewer_.window_.onScreen(place.x, place.y);
+        const PixelSize screen = viewer_.window().onScreen(place.x, place.y);
         words.push_back(std::to_string(screen.width));
         words.push_back(std::to_string(screen.height));
     }
     hand_.start(words);
     wait_ = [this, until = uint64_t{0}]() mutable {
         if (!hand_.done()) return false;
-        if (until == 0) until = viewer_.frames_ + 4;
-        return viewer_.frames_ >= until;
+        if (until == 0) until = viewer_.frames() + 4;
+        return viewer_.frames() >= until;
     };
 }
 
@@ -220,16 +216,16 @@ void Driver::startFile(const ScriptCommand& command) {
     if (command.name == "screenshot" || command.name == "save") {
         if (!isWritableImagePath(file))
             throw Error(ErrorKind::Argument, command.place + ": expected a .png or .exr file");
-        viewer_.startSaving(file, command.name == "save");
+        viewer_.commands().save(file, command.name == "save");
         wait_ = [this, &command, file] {
-            if (viewer_.saving_.running()) return false;
-            if (!std::filesystem::exists(file)) fail(command, viewer_.lastSaid_);
+            if (viewer_.model().saveProgress >= 0) return false;
+            if (!std::filesystem::exists(file)) fail(command, viewer_.commands().lastError());
             return true;
         };
     } else if (command.name == "window") {
-        wait_ = [this, file, until = viewer_.frames_ + 2] {
-            if (viewer_.frames_ < until) return false;
-            writeImage(file, toImage(viewer_.frame_));
+        wait_ = [this, file, until = viewer_.frames() + 2] {
+            if (viewer_.frames() < until) return false;
+            writeImage(file, toImage(viewer_.frame()));
             return true;
         };
     } else if (command.name == "copy") {
@@ -242,7 +238,7 @@ void Driver::startFile(const ScriptCommand& command) {
 
 void Driver::set(const ScriptCommand& command) {
     const std::string& what = command.arguments[0];
-    PictureSettings& s = viewer_.model_.settings;
+    PictureSettings& s = viewer_.model().settings;
     if (what == "depth") {
         s.maxDepth = std::max(wholeOf(command, 1), 0);
     } else if (what == "shadows") {
@@ -254,26 +250,28 @@ void Driver::set(const ScriptCommand& command) {
     } else if (what == "error") {
         s.until.error = std::max(numberOf(command, 1), 0.0);
     } else if (what == "exposure") {
-        viewer_.model_.display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
+        viewer_.model().display.exposure = std::clamp(numberOf(command, 1), -kMostExposure, kMostExposure);
     } else if (what == "tonemap" && named<ToneMap>(command.arguments[1])) {
-        viewer_.model_.display.toneMap = *named<ToneMap>(command.arguments[1]);
+        viewer_.model().display.toneMap = *named<ToneMap>(command.arguments[1]);
     } else if (what == "lens" || what == "focus") {
-        const Camera& camera = viewer_.control_.camera();
-        viewer_.control_.setLens(what == "lens" ? numberOf(command, 1) : camera.lensRadius,
-                                 what == "focus" ? numberOf(command, 1) : camera.focusDistance);
-        viewer_.touchMotion();
+        const Camera& camera = viewer_.model().control.camera();
+        viewer_.model().control.setLens(what == "lens" ? numberOf(command, 1) : camera.lensRadius,
+                                        what == "focus" ? numberOf(command, 1) : camera.focusDistance);
+        viewer_.model().touch();
     } else if (what == "fov") {
-        viewer_.control_.zoom(numberOf(command, 1) / viewer_.control_.camera().fovY);
-        viewer_.touchMotion();
+        viewer_.model().control.zoom(numberOf(command, 1) / viewer_.model().control.camera().fovY);
+        viewer_.model().touch();
     } else if (what == "glass" && named<TransmissiveShadows>(command.arguments[1])) {
-        viewer_.model_.edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
+        viewer_.model().edits.transmissiveShadows = *named<TransmissiveShadows>(command.arguments[1]);
     } else if (what == "diffuse" && command.arguments.size() == 5) {
-        std::vector<Material>& all = viewer_.model_.edits.materials;
+        std::vector<Material>& all = viewer_.model().edits.materials;
         const auto found = std::find_if(all.begin(), all.end(),
                                         [&](const Material& m) { return m.name == command.arguments[1]; });
         if (found == all.end()) fail(command, "there is no such material");
+        Color diffuse;
         for (int c = 0; c < 3; ++c)
-            found->diffuse[c] = std::clamp(numberOf(command, static_cast<size_t>(c) + 2), 0.0, 1.0);
+            diffuse[c] = std::clamp(numberOf(command, static_cast<size_t>(c) + 2), 0.0, 1.0);
+        setDiffuse(*found, diffuse);
     } else if (what == "background" && command.arguments.size() == 4) {
         for (int c = 0; c < 3; ++c)
             s.background[c] = static_cast<float>(numberOf(command, static_cast<size_t>(c) + 1));
@@ -286,24 +284,24 @@ void Driver::set(const ScriptCommand& command) {
         throw Error(ErrorKind::Argument,
                     command.place + ": cannot set '" + command.rest + "' (tests/view/script.cpp)");
     }
-    viewer_.takeSettings();
+    viewer_.commands().takeSettings();
 }
 
 void Driver::startIdling(double seconds) {
     const auto processor = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
-    wait_ = [this, processor, watch = Stopwatch(), frames = viewer_.frames_, before = processor(),
+    wait_ = [this, processor, watch = Stopwatch(), frames = viewer_.frames(), before = processor(),
              seconds]() mutable {
         if (!idles_) {  // the rest begins when there is nothing left to trace
-            if (!viewer_.session_->rested()) return false;
+            if (!viewer_.model().session->rested()) return false;
             idles_ = true;
             watch.restart();
-            frames = viewer_.frames_;
+            frames = viewer_.frames();
             before = processor();
         }
         if (watch.seconds() < seconds) return false;
         char line[120];
         std::snprintf(line, sizeof(line), "idle: %.2f s, %llu frames, %.3f s of processor time",
-                      watch.seconds(), static_cast<unsigned long long>(viewer_.frames_ - frames),
+                      watch.seconds(), static_cast<unsigned long long>(viewer_.frames() - frames),
                       processor() - before);
         out_ << line << std::endl;
         idles_ = false;
@@ -319,20 +317,20 @@ void Driver::startPace(int frames) {
         int leastWidth = 1 << 30, leastHeight = 0;
     };
     auto run = std::make_shared<Run>();
-    run->last = viewer_.frames_;
+    run->last = viewer_.frames();
     wait_ = [this, run, frames] {
-        if (viewer_.frames_ != run->last) {
-            run->last = viewer_.frames_;
+        if (viewer_.frames() != run->last) {
+            run->last = viewer_.frames();
             run->seconds.push_back(run->frame.seconds());
             run->frame.restart();
-            if (viewer_.session_->facts().width < run->leastWidth) {
-                run->leastWidth = viewer_.session_->facts().width;
-                run->leastHeight = viewer_.session_->facts().height;
+            if (viewer_.model().session->facts().width < run->leastWidth) {
+                run->leastWidth = viewer_.model().session->facts().width;
+                run->leastHeight = viewer_.model().session->facts().height;
             }
         }
         if (static_cast<int>(run->seconds.size()) < frames) {
-            viewer_.control_.orbit(0.01745, 0);
-            viewer_.touchMotion();
+            viewer_.model().control.orbit(0.01745, 0);
+            viewer_.model().touch();
             return false;
         }
         // The first frames find the pace, and compile.
@@ -345,8 +343,8 @@ void Driver::startPace(int frames) {
                       "pace: %zu frames, %.1f frames/s, median %.1f ms, 95th percentile %.1f ms, now %d x %d "
                       "(least %d x %d)",
                       s.size(), static_cast<double>(s.size()) / sum, s[s.size() / 2] * 1e3,
-                      s[s.size() * 95 / 100] * 1e3, viewer_.session_->facts().width,
-                      viewer_.session_->facts().height, run->leastWidth, run->leastHeight);
+                      s[s.size() * 95 / 100] * 1e3, viewer_.model().session->facts().width,
+                      viewer_.model().session->facts().height, run->leastWidth, run->leastHeight);
         out_ << line << std::endl;
         return true;
     };

@@ -13,7 +13,8 @@ namespace glint::view::test {
 
 class Driver {
   public:
-    Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& out);
+    // `stays`: the window closes by itself, not at the script's end.
+    Driver(Viewer& viewer, std::vector<ScriptCommand> script, std::ostream& out, bool stays = false);
 
     // Steps the viewer until the script has ended, or with `stay` until the window is closed. Throws
     // Error(Failed) "PLACE: COMMAND: ..." where an expectation is not met.
@@ -30,7 +31,6 @@ class Driver {
     void startPace(int frames);
     void startIdling(double seconds);
     void waitFrames(int frames);
-    bool settled() const;
     std::string stateOf(const ScriptCommand& command) const;
     std::string cameraNames() const;
     Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;

@@ -62,6 +62,7 @@ TEST_F(Hand, ControlClickOnASliderTypes) {
 
 // All at once, faster than a frame: no digit reaches the camera, and what is out of range is not taken.
 TEST_F(Hand, TypedDigitsStayInTheSlider) {
+    size_ = "640x640";
     const Ran ran = view(
         "set samples 1\nprint camera\n"
         "hand mousemove @exposure keydown ctrl click 1 keyup ctrl key 1 key 2 key 3 key Return\n"
@@ -107,12 +108,12 @@ TEST_F(Hand, ControlClickFocuses) {
 TEST_F(Hand, MovingTakesWhatIsStaleAway) {
     size_ = "240x180";
     const Ran ran = view(
-        "set samples 1\nkey H\nsettle\nkey S\nsettle\nkey V\nsettle\nwait 2\nexpect difference on\nhand "
+        "set samples 1\nkey H\nsettle\nkey S\nsettle\nkey V\nsettle\nwait 2\nexpect verdict passed\nhand "
         "mousemove @10,175 "
-        "mousedown 1 mousemove @40,175 mousemove @80,175 mouseup 1\nexpect difference off\nkey "
+        "mousedown 1 mousemove @40,175 mousemove @80,175 mouseup 1\nexpect verdict none\nkey "
         "R\nsettle\nkey S\nsettle\n"
-        "key V\nsettle\nwait 2\nexpect difference on\nhand mousemove @10,175 click 4\nexpect difference "
-        "off\nhand mousemove @20,150 click 1\nwait 1\nprint pick\n"
+        "key V\nsettle\nwait 2\nexpect verdict passed\nhand mousemove @10,175 click 4\nexpect verdict "
+        "none\nhand mousemove @20,150 click 1\nwait 1\nprint pick\n"
         "hand mousemove @10,175 click 4\nexpect pick none\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("pick "), std::string::npos);
@@ -253,7 +254,7 @@ TEST_F(Hand, NamesAreClaimed) {
 TEST_F(Hand, QuittingTwiceDropsTheSave) {
     const Ran ran = view("set samples 1\nstay\nhand key alt+s key ctrl+q key ctrl+q\n", {"--spp", "4096"});
     EXPECT_EQ(ran.code, 1);
-    EXPECT_NE(ran.err.find("before the picture was saved"), std::string::npos) << ran.err;
+    EXPECT_NE(ran.err.find("before the image was saved"), std::string::npos) << ran.err;
     EXPECT_FALSE(std::filesystem::exists("scene-view-001.png"));
 }
 

@@ -1,4 +1,4 @@
-#include "view/layers.h"
+#include "view/display.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What another moment, and what the panel has changed, take to be packed.
-#include "view/moments.h"
+#include "view/view_scene.h"
 
 #include <gtest/gtest.h>
 

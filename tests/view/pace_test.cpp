@@ -1,4 +1,4 @@
-#include "view/pace.h"
+#include "view/session.h"
 
 #include <gtest/gtest.h>
 

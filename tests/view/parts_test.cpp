@@ -3,17 +3,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "import/load.h"
 #include "pack/packed_scene.h"
 #include "support.h"
 #include "view/camera_control.h"
-#include "view/compare.h"
-#include "view/edits.h"
-#include "view/file_list.h"
-#include "view/history.h"
-#include "view/ray_lines.h"
+#include "view/display.h"
+#include "view/files.h"
+#include "view/messages.h"
+#include "view/picker.h"
 #include "view/settings.h"
-#include "view/toasts.h"
 
 namespace glint::view::test::parts_test {
 namespace {
@@ -24,21 +23,38 @@ Camera cameraAt(double x) {
     return camera;
 }
 
-TEST(CameraHistory, GoesBackAndForth) {
-    CameraHistory history;
-    history.remember(cameraAt(0));
-    history.remember(cameraAt(1));
-    Camera now = cameraAt(2);
-    EXPECT_FALSE(history.redo(now));
-    now = history.undo(now).value();
-    EXPECT_EQ(now.eye.x, 1);
-    now = history.undo(now).value();
-    EXPECT_EQ(now.eye.x, 0);
-    EXPECT_FALSE(history.undo(now));
-    now = history.redo(now).value();
-    EXPECT_EQ(now.eye.x, 1);
-    history.remember(now);  // another way from here on
-    EXPECT_FALSE(history.redo(cameraAt(7)));
+Undoable stateAt(double x) {
+    Undoable state;
+    state.camera = cameraAt(x);
+    return state;
+}
+
+TEST(History, GoesBackAndForth) {
+    History history;
+    history.reset(stateAt(0));
+    for (const double x : {1.0, 2.0}) {
+        history.endStep();
+        history.note(stateAt(x), x);
+    }
+    EXPECT_FALSE(history.redo());
+    EXPECT_EQ(history.undo().value().camera.eye.x, 1);
+    EXPECT_EQ(history.undo().value().camera.eye.x, 0);
+    EXPECT_FALSE(history.undo());
+    EXPECT_EQ(history.redo().value().camera.eye.x, 1);
+    history.note(stateAt(7), 9);  // another way from here on
+    EXPECT_FALSE(history.redo());
+    EXPECT_EQ(history.undo().value().camera.eye.x, 1);
+}
+
+// A drag is one step however many rounds it takes; a pause starts another one.
+TEST(History, ChangesOfOneGestureAreOneStep) {
+    History history;
+    history.reset(stateAt(0));
+    history.note(stateAt(1), 10);
+    history.note(stateAt(2), 10 + 0.9 * History::kStepSeconds);
+    history.note(stateAt(3), 10 + 2 * History::kStepSeconds);
+    EXPECT_EQ(history.undo().value().camera.eye.x, 2);
+    EXPECT_EQ(history.undo().value().camera.eye.x, 0);
 }
 
 TEST(Toasts, ExpireInTheirTime) {
@@ -103,9 +119,10 @@ TEST(Edits, JsonIsWhatAFileTakes) {
     for (Material& material : changed.materials)
         if (material.name == "mirror") material.mirror = {0.1, 0.2, 0.3};
     EXPECT_EQ(materialsJson(before.materials, before.materials), "");
-    scene["lights"] = nlohmann::json::parse("{" + lightsJson(changed.lights) + "}")["lights"];
-    const nlohmann::json fields =
-        nlohmann::json::parse("{" + materialsJson(changed.materials, before.materials) + "}")["materials"];
+    std::vector<LightSetting> lights;
+    for (const Light& light : changed.lights) lights.push_back(LightSetting::of(light));
+    scene["lights"] = nlohmann::json::parse(lightsJson(lights, before));
+    const nlohmann::json fields = nlohmann::json::parse(materialsJson(changed.materials, before.materials));
     ASSERT_EQ(fields.size(), 1u);
     scene["materials"]["mirror"].update(fields["mirror"]);
     const Scene again = parseScene(scene.dump(), "b.json", ".");
@@ -113,6 +130,42 @@ TEST(Edits, JsonIsWhatAFileTakes) {
         EXPECT_EQ(LightSetting::of(again.lights[i]), LightSetting::of(changed.lights[i])) << i;
     EXPECT_TRUE(same(SceneEdits::of(again), SceneEdits::of(changed)));
     EXPECT_FALSE(same(SceneEdits::of(again), SceneEdits::of(before)));
+}
+
+// Whether the file gives an ambient color or not, the copied JSON means the edited material.
+TEST(Edits, ADefaultAmbientColorFollowsTheDiffuseOne) {
+    const Scene scene = parseScene(sceneText(), "a.json", ".");
+    SceneEdits edits = SceneEdits::of(scene);
+    for (Material& material : edits.materials) {
+        if (material.name == "one") material.ambient = {0, 0, 0.5};  // as if given by the file
+        if (material.name == "one" || material.name == "two") setDiffuse(material, {0.75, 0.25, 0.5});
+    }
+    const auto json = nlohmann::json::parse(materialsJson(edits.materials, scene.materials));
+    EXPECT_EQ(json["two"]["ambient"], nlohmann::json({0.75, 0.25, 0.5}));
+    EXPECT_EQ(json["one"]["ambient"], nlohmann::json({0, 0, 0.5}));
+}
+
+TEST(Edits, ASavedSceneIsTheEditedOne) {
+    const Scene scene = parseScene(sceneText(), "a.json", ".");
+    Undoable state;
+    state.fileSettings = PictureSettings::of(scene);
+    state.lights = state.fileSettings.lights;
+    state.edits = state.fileEdits = SceneEdits::of(scene);
+    const auto plain = nlohmann::json::parse(sceneText());
+    EXPECT_EQ(nlohmann::json::parse(editedSceneText("// mine\n" + sceneText(), scene, state)), plain);
+    state.lights[0].dim = 0.5f;
+    state.lights[1].on = false;
+    for (Material& material : state.edits.materials)
+        if (material.name == "two") setDiffuse(material, {0.75, 0.25, 0.5});
+    const std::string text = editedSceneText(sceneText(), scene, state);
+    const Scene again = parseScene(text, "b.json", ".");
+    ASSERT_EQ(again.lights.size(), 1u);
+    EXPECT_EQ(std::get<PointLight>(again.lights[0]).intensity, Color(0.35));
+    EXPECT_TRUE(same(SceneEdits::of(again), state.edits));
+    state.edits.materials[0].name = "of a mesh";
+    state.fileEdits.materials[0].name = "of a mesh";
+    state.edits.materials[0].shininess += 1;
+    EXPECT_THROW(editedSceneText(sceneText(), scene, state), Error);
 }
 
 TEST(Edits, FollowTheFileWhereTheyAreUntouched) {

@@ -1,12 +1,11 @@
 // What is remembered of scenes between windows.
-#include "view/recent_files.h"
+#include "view/files.h"
 
 #include <sys/stat.h>
 
 #include "support/environment.h"
 #include "support/support.h"
-#include "view/hints.h"
-#include "view/state_folder.h"
+#include "view/messages.h"
 
 namespace glint::view::test::recent_test {
 namespace {

@@ -3,7 +3,6 @@
 #include <set>
 
 #include "support/support.h"
-#include "view/events.h"
 #include "view/keys.h"
 
 namespace glint::view::test::script_test {

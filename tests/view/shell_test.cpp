@@ -202,7 +202,9 @@ TEST_F(Shell, ASceneIsOpenedThatWasSeenBefore) {
 TEST_F(Shell, TraversalsDrawTheSame) {
     size_ = "400x900";  // the whole panel is seen
     const Ran ran = view(
-        "set samples 1\nsettle\nsave auto.png\npress traversal\nwait 3\npress "
+        "set samples 1\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress tracing\nwait "
+        "2\nsettle\nsave "
+        "auto.png\npress traversal\nwait 3\npress "
         "lane\nwait 3\n"
         "settle\nsave lane.png\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
@@ -213,7 +215,9 @@ TEST_F(Shell, TraversalsDrawTheSame) {
 TEST_F(Shell, ResetsGiveTheFileBack) {
     size_ = "400x1000";  // the whole panel is seen
     const Ran ran = view(
-        "set samples 1\nset exposure 2\nset tonemap aces\nwait 3\npress reset_view\nexpect exposure "
+        "set samples 1\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress tracing\nwait 2\nset "
+        "exposure "
+        "2\nset tonemap aces\nwait 3\npress reset_view\nexpect exposure "
         "0\nexpect "
         "tonemap linear\n"
         "set depth 0\nset reflections off\nset background 1 0 0\nwait 3\npress reset_tracing\nexpect depth "

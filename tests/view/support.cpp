@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/quantize.h"
 #include "driver.h"
-#include "view/state_folder.h"
+#include "view/files.h"
 
 namespace glint::view::test {
 
@@ -67,8 +67,9 @@ Ran runView(const std::vector<std::string>& args, const std::vector<ScriptComman
     std::ostringstream out, err;
     Ran ran;
     try {
-        Viewer viewer(optionsOf(args), out, err);
-        Driver(viewer, script, out).run();
+        const Options options = optionsOf(args);
+        Viewer viewer(options, out, err);
+        Driver(viewer, script, out, options.frames > 0).run();
         ran.code = 0;
     } catch (const Error& e) {
         err << "glint: " << e.what() << '\n';

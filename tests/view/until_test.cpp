@@ -35,17 +35,19 @@ TEST_F(Until, StopsWhereRenderStops) {
 TEST_F(Until, IsSetInThePanelAndBeginsAnew) {
     size_ = "400x800";
     const Ran ran = view(
-        "set samples 1\nset depth 0\nsettle\nexpect error none\npress until_error\nsettle\nprint "
+        "set samples 1\nset depth 0\nwait 3\npress lights\nwait 2\npress materials\nwait 2\npress "
+        "tracing\nwait "
+        "2\nsettle\nexpect error none\npress until_error\nsettle\nprint "
         "error\nprint "
         "samples\n"
-        "press within_depth\nsettle\nprint error\norbit 30 0\nsettle\nprint error\n"
+        "press within_depth\nsettle\nprint error\nkey H\norbit 30 0\nkey H\nwait 3\nsettle\nprint error\n"
         "press until_error\nsettle\nexpect error none\nexpect samples 1\n");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const std::vector<std::string> errors = printed(ran, "error");
     EXPECT_EQ(errors.at(0).rfind("out of reach: with depth 0 ", 0), 0u) << errors[0];
     for (const size_t i : {1u, 2u}) EXPECT_EQ(errors.at(i).rfind("error <= 0.0", 0), 0u) << errors[i];
     // After a movement all begins anew, as if the window had been opened there.
-    const Ran there = view("set depth 0\norbit 30 0\nsettle\nprint error\n", asked_);
+    const Ran there = view("set depth 0\nkey H\norbit 30 0\nsettle\nprint error\n", asked_);
     ASSERT_EQ(there.code, 0) << there.err;
     EXPECT_EQ(printed(there, "error").at(0), errors.at(2));
 }

@@ -12,7 +12,7 @@
 #include "driver.h"
 #include "support.h"
 #include "support/environment.h"
-#include "view/layers.h"
+#include "view/display.h"
 #include "view/session.h"
 
 namespace glint::view::test::window_test {
@@ -269,7 +269,7 @@ TEST_F(Window, PicturesBeyondMemoryAreRefused) {
         std::ostringstream out, err;
         try {
             Viewer viewer(options, out, err);
-            Driver(viewer, parseScript(script, "grow.txt"), out).run();
+            Driver(viewer, parseScript(script, "grow.txt"), out, options.frames > 0).run();
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::Failed);
             return error.what();

@@ -1,12 +1,40 @@
-// What somebody who has never seen the window needs to know: shown until it has been done once.
+// What the window says: messages that go away by themselves, and the first steps of a new user.
 #pragma once
 
 #include <array>
+#include <deque>
 #include <filesystem>
+#include <string>
 
 #include "core/enum_names.h"
 
 namespace glint::view {
+
+enum class ToastKind { Info, Error };
+
+struct Toast {
+    std::string text;
+    ToastKind kind = ToastKind::Info;
+    double until = 0;  // seconds of the clock that add() was told
+};
+
+class Toasts {
+  public:
+    // An error stays twice as long. One that says the same as a shown one replaces it.
+    void add(const std::string& text, ToastKind kind, double now);
+    // Drops what has expired; true if anything has.
+    bool expire(double now);
+    void clear() { toasts_.clear(); }
+    const std::deque<Toast>& shown() const { return toasts_; }
+    // Seconds until the next one goes; negative: there is none.
+    double next(double now) const;
+
+    static constexpr double kSeconds = 5;  // to read a line of text and look back at the picture
+    static constexpr size_t kMost = 4;
+
+  private:
+    std::deque<Toast> toasts_;
+};
 
 enum class Hint { Turn, Pick, Save, Compare };
 constexpr auto entriesOf(Hint) {

@@ -1,0 +1,308 @@
+#include "view/display.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/parallel.h"
+#include "core/quantize.h"
+
+namespace glint::view {
+
+namespace {
+
+constexpr int kRowsAtOnce = 32;  // a thread's share must outweigh its start
+
+// The two neighbours of each target pixel along an axis, and the weight of the second in 1/256.
+struct Tap {
+    int first, second;
+    uint32_t weight;
+};
+
+std::vector<Tap> tapsOf(int from, int to, bool smooth) {
+    std::vector<Tap> taps(static_cast<size_t>(to));
+    for (int i = 0; i < to; ++i) {
+        const double at = (i + 0.5) * from / to - (smooth ? 0.5 : 0.0);
+        const double inside = std::clamp(at, 0.0, static_cast<double>(from - 1));
+        const int first = static_cast<int>(inside);
+        const auto weight = smooth ? static_cast<uint32_t>((inside - first) * 256) : 0u;
+        taps[static_cast<size_t>(i)] = {first, std::min(first + 1, from - 1), weight};
+    }
+    return taps;
+}
+
+// Two channels at once: bytes 0 and 2 of each word, with room for the carry between them.
+uint32_t mix(uint32_t a, uint32_t b, uint32_t weight) {
+    constexpr uint32_t kEven = 0x00ff00ffu;
+    const uint32_t even = ((a & kEven) * (256 - weight) + (b & kEven) * weight) >> 8 & kEven;
+    const uint32_t odd = ((a >> 8 & kEven) * (256 - weight) + (b >> 8 & kEven) * weight) & ~kEven;
+    return even | odd;
+}
+
+constexpr uint32_t kNothing = packColor(0, 0, 0);
+
+uint32_t packUnit(double r, double g, double b) {
+    return packColor(linearByte(r), linearByte(g), linearByte(b));
+}
+
+// Well-spread bits for numbers in a row: the finaliser of MurmurHash3 (Appleby 2008).
+uint32_t scatter(uint32_t h) {
+    h ^= h >> 16;
+    h *= 0x85ebca6bu;
+    h ^= h >> 13;
+    h *= 0xc2b2ae35u;
+    return h ^ h >> 16;
+}
+
+uint32_t idColor(uint32_t id) {
+    if (id == PixelData::kNoIndex) return kNothing;
+    const uint32_t h = scatter(id + 1);
+    return packColor(64 + (h & 127u) + (h >> 24 & 63u), 64 + (h >> 8 & 127u) + (h >> 26 & 63u),
+                     64 + (h >> 16 & 127u) + (h >> 20 & 63u));
+}
+
+uint32_t heat(double x) {
+    const glm::dvec3 color = heatOf(x);
+    return packUnit(color.x, color.y, color.z);
+}
+
+using PixelColor = std::function<uint32_t(const PixelData&)>;
+
+// A floor reaches to the horizon; its last pixels would leave one grey to all the rest.
+LayerRange depthRange(const Picture& picture) {
+    std::vector<double> depths;
+    depths.reserve(picture.data.size());
+    for (const PixelData& d : picture.data) {
+        if (std::isfinite(d.depth)) depths.push_back(d.depth);
+    }
+    if (depths.empty()) return {};
+    const auto last =
+        depths.begin() + static_cast<long>(std::min(depths.size() - 1, depths.size() * 95 / 100));
+    std::nth_element(depths.begin(), last, depths.end());
+    return {*std::min_element(depths.begin(), last + 1), *last};
+}
+
+PixelColor depthColor(const LayerRange& range, const Display& display) {
+    const double width = range.hi > range.lo ? range.hi - range.lo : 1;
+    const bool colored = display.toneMap == ToneMap::False;
+    return [lo = range.lo, width, colored](const PixelData& d) {
+        if (!std::isfinite(d.depth)) return kNothing;
+        const double at = std::clamp((d.depth - lo) / width, 0.0, 1.0);
+        if (colored) return heat(at);
+        const double grey = 1 - 0.85 * at;
+        return packUnit(grey, grey, grey);
+    };
+}
+
+PixelColor heatColor(const LayerRange& range, uint32_t PixelData::*field) {
+    return
+        [field, most = range.hi](const PixelData& d) { return heat(static_cast<double>(d.*field) / most); };
+}
+
+PixelColor colorOf(ViewLayer layer, const Display& display, const LayerRange& range) {
+    const auto id = [](uint32_t PixelData::*field) {
+        return [field](const PixelData& d) { return idColor(d.*field); };
+    };
+    switch (layer) {
+        case ViewLayer::Depth:
+            return depthColor(range, display);
+        case ViewLayer::Normal:
+            return [](const PixelData& d) {
+                if (d.object == PixelData::kNoIndex) return kNothing;
+                const glm::dvec3 n = 0.5 * glm::dvec3(d.normal) + 0.5;
+                return packUnit(n.x, n.y, n.z);
+            };
+        case ViewLayer::Uv:
+            return [](const PixelData& d) {
+                if (d.object == PixelData::kNoIndex) return kNothing;
+                return packUnit(static_cast<double>(d.u), static_cast<double>(d.v), 0.25);
+            };
+        case ViewLayer::Object:
+            return id(&PixelData::object);
+        case ViewLayer::Primitive:
+            return [](const PixelData& d) {
+                if (d.object == PixelData::kNoIndex) return kNothing;
+                return idColor(scatter(d.object) ^ d.primitive);
+            };
+        case ViewLayer::Material:
+            return id(&PixelData::material);
+        case ViewLayer::Bounces:
+            return heatColor(range, &PixelData::bounces);
+        default:
+            return heatColor(range, &PixelData::cost);
+    }
+}
+
+void forRows(int height, const std::function<void(int)>& body) {
+    parallelFor(static_cast<size_t>((height + kRowsAtOnce - 1) / kRowsAtOnce), [&](size_t chunk) {
+        const int begin = static_cast<int>(chunk) * kRowsAtOnce;
+        for (int y = begin; y < std::min(begin + kRowsAtOnce, height); ++y) body(y);
+    });
+}
+
+uint32_t shown(const glm::vec3& color, ToneMap toneMap) {
+    if (toneMap == ToneMap::False) return heat(falseColorOf(luminance(glm::dvec3(color))));
+    const glm::vec3 mapped =
+        toneMap == ToneMap::Linear ? color : glm::vec3(toneMapped(glm::dvec3(color), toneMap));
+    return packColor(srgbByte(mapped.x), srgbByte(mapped.y), srgbByte(mapped.z));
+}
+
+// With alpha 1 where there is none.
+Picture pictureOf(const Image& image) {
+    Picture picture;
+    picture.region = {0, 0, image.width, image.height};
+    picture.color = Image(image.width, image.height, 4, 1.0f);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                picture.color.at(x, y, c) = image.at(x, y, std::min(c, image.channels - 1));
+    return picture;
+}
+
+Canvas canvasOf(const Image& image, const Display& display) {
+    return colorize(pictureOf(image), ViewLayer::Color, display, {});
+}
+
+Canvas fitted(Canvas canvas, const Canvas& like) {
+    if (canvas.width == like.width && canvas.height == like.height) return canvas;
+    Canvas target(like.width, like.height);
+    stretch(canvas, target, false);
+    return target;
+}
+
+constexpr uint32_t kLine = packColor(255, 255, 255);
+
+}  // namespace
+
+glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap) {
+    if (toneMap == ToneMap::Reinhard) return color / (1 + std::max(luminance(color), 0.0));
+    if (toneMap == ToneMap::Aces) {
+        const glm::dvec3 x = glm::max(color, glm::dvec3(0));
+        return glm::clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+    }
+    return color;
+}
+
+double falseColorOf(double luminance) {
+    if (!(luminance > 0)) return 0;
+    return std::clamp(0.5 + 0.5 * std::log2(luminance) / kFalseStops, 0.0, 1.0);
+}
+
+glm::dvec3 heatOf(double x) {
+    const double at = 4 * std::clamp(x, 0.0, 1.0);
+    const auto ramp = [](double v) { return std::clamp(v, 0.0, 1.0); };
+    return {ramp(at - 2), at < 2 ? ramp(at) : ramp(4 - at), ramp(2 - at)};
+}
+
+glm::dvec3 heatLinear(double x) {
+    const glm::dvec3 heat = heatOf(x);
+    return {linearFromSrgb(heat.x), linearFromSrgb(heat.y), linearFromSrgb(heat.z)};
+}
+
+void stretch(const Canvas& source, Canvas& target, bool smooth) {
+    if (source.width == target.width && source.height == target.height) {
+        target.pixels = source.pixels;
+        return;
+    }
+    if (source.pixels.empty()) return;
+    const std::vector<Tap> columns = tapsOf(source.width, target.width, smooth);
+    const std::vector<Tap> rows = tapsOf(source.height, target.height, smooth);
+    const size_t chunks = static_cast<size_t>((target.height + kRowsAtOnce - 1) / kRowsAtOnce);
+    parallelFor(chunks, [&](size_t chunk) {
+        const int begin = static_cast<int>(chunk) * kRowsAtOnce;
+        for (int y = begin; y < std::min(begin + kRowsAtOnce, target.height); ++y) {
+            const Tap& down = rows[static_cast<size_t>(y)];
+            const uint32_t* upper = source.row(down.first);
+            const uint32_t* lower = source.row(down.second);
+            uint32_t* out = target.row(y);
+            for (int x = 0; x < target.width; ++x) {
+                const Tap& t = columns[static_cast<size_t>(x)];
+                if (!smooth) {
+                    out[x] = upper[t.first];
+                    continue;
+                }
+                out[x] = mix(mix(upper[t.first], upper[t.second], t.weight),
+                             mix(lower[t.first], lower[t.second], t.weight), down.weight);
+            }
+        }
+    });
+}
+
+Image toImage(const Canvas& canvas) {
+    Image image(canvas.width, canvas.height, 3);
+    for (size_t i = 0; i < canvas.pixels.size(); ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            const double encoded = static_cast<double>(canvas.pixels[i] >> (8 * c) & 0xffu) / 255;
+            image.pixels[i * 3 + c] = static_cast<float>(linearFromSrgb(encoded));
+        }
+    }
+    return image;
+}
+
+LayerRange rangeOf(const Picture& picture, ViewLayer layer) {
+    if (layer == ViewLayer::Depth) return depthRange(picture);
+    if (layer != ViewLayer::Bounces && layer != ViewLayer::Cost) return {};
+    uint32_t most = 1;
+    for (const PixelData& d : picture.data)
+        most = std::max(most, layer == ViewLayer::Cost ? d.cost : d.bounces);
+    return {0, static_cast<double>(most)};
+}
+
+Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range) {
+    Canvas canvas(picture.region.width(), picture.region.height());
+    const size_t width = static_cast<size_t>(canvas.width);
+    if (needsData(layer) && picture.data.size() != canvas.pixels.size()) return canvas;
+    if (needsData(layer)) {
+        const PixelColor color = colorOf(layer, display, range);
+        forRows(canvas.height, [&](int y) {
+            const PixelData* data = picture.data.data() + static_cast<size_t>(y) * width;
+            std::transform(data, data + width, canvas.row(y), color);
+        });
+        return canvas;
+    }
+    const auto gain = static_cast<float>(std::exp2(display.exposure));
+    forRows(canvas.height, [&](int y) {
+        const float* in = picture.color.pixels.data() + static_cast<size_t>(y) * width * 4;
+        uint32_t* out = canvas.row(y);
+        for (size_t x = 0; x < width; ++x, in += 4)
+            out[x] = shown(gain * glm::vec3(in[0], in[1], in[2]), display.toneMap);
+    });
+    return canvas;
+}
+
+void measure(Comparison& comparison, const Image* a) {
+    comparison.figures.reset();
+    comparison.fault.clear();
+    if (!comparison.linear || a == nullptr) {
+        comparison.fault = "no colours to compare";
+    } else if (a->width != comparison.linear->width || a->height != comparison.linear->height) {
+        comparison.fault = "the pictures differ in size";
+    } else {
+        comparison.figures = compareImages(*a, *comparison.linear, 0, 1);
+    }
+}
+
+void compose(const Comparison& comparison, const Image* a, const Display& display, bool flash,
+             Canvas& shown) {
+    if (!comparison.any() || comparison.mode == CompareMode::Off) return;
+    if (comparison.mode == CompareMode::Difference) {
+        if (a == nullptr || !comparison.figures) return;
+        const Image difference = differenceImage(*a, *comparison.linear, static_cast<float>(comparison.gain));
+        shown = fitted(canvasOf(difference, {}), shown);
+        return;
+    }
+    if (comparison.mode == CompareMode::Flicker && !flash) return;
+    const Canvas other =
+        fitted(comparison.linear ? canvasOf(*comparison.linear, display) : comparison.canvas, shown);
+    const int end = comparison.mode == CompareMode::Flicker
+                        ? shown.width
+                        : static_cast<int>(std::lround(comparison.wipe * shown.width));
+    for (int y = 0; y < shown.height; ++y) {
+        std::copy_n(other.row(y), std::clamp(end, 0, shown.width), shown.row(y));
+        if (end > 0 && end < shown.width) shown.row(y)[end] = kLine;
+    }
+}
+
+}  // namespace glint::view

@@ -1,0 +1,153 @@
+// From an image to the pixels of the screen: tone maps, layers, stretching, comparison with another image.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/enum_names.h"
+#include "core/image.h"
+#include "core/image_diff.h"
+#include "trace/picture.h"
+
+namespace glint::view {
+
+// What happens to linear RGB, after the exposure and before the sRGB curve.
+enum class ToneMap { Linear, Reinhard, Aces, False };
+constexpr auto entriesOf(ToneMap) {
+    return std::to_array<EnumEntry<ToneMap>>(
+        {{ToneMap::Linear, "linear", "as it is, cut off at 1: the bytes of `glint render`"},
+         {ToneMap::Reinhard, "reinhard", "luminance L becomes L / (1 + L): nothing is cut off"},
+         {ToneMap::Aces, "aces", "a film's curve: dark shadows, soft highlights"},
+         {ToneMap::False, "false", "false colour: luminance in stops, with a legend; so too the depth"}});
+}
+
+// Of a picture's colours, or of data that is shown as grey or heat.
+struct Display {
+    double exposure = 0;  // stops, of colour alone
+    ToneMap toneMap = ToneMap::Linear;
+    bool operator==(const Display&) const = default;
+};
+
+inline constexpr double kMostExposure = 10;  // stops, either way: 2^10 is 1024 times as bright
+// The stops that false colour shows, about a luminance of 1: blue and darker to red and brighter.
+inline constexpr double kFalseStops = 8;
+
+// Rec. 709.
+inline double luminance(const glm::dvec3& color) {
+    return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
+}
+
+// Linear, for the sRGB curve. Reinhard: E. Reinhard, M. Stark, P. Shirley, J. Ferwerda, "Photographic Tone
+// Reproduction for Digital Images", SIGGRAPH 2002, eq. 3, on the luminance. Aces: K. Narkowicz, "ACES Filmic
+// Tone Mapping Curve", 2016, his fit of the ACES RRT and ODT, on each channel.
+glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap);
+
+// Where false colour puts a luminance, 0 blue to 1 red.
+double falseColorOf(double luminance);
+
+// Blue, cyan, green, yellow, red for 0 to 1, as the screen's own numbers, 0..1.
+glm::dvec3 heatOf(double x);
+// The same as linear numbers, before the sRGB curve.
+glm::dvec3 heatLinear(double x);
+
+struct Canvas {
+    int width = 0, height = 0;
+    std::vector<uint32_t> pixels;
+
+    Canvas() = default;
+    Canvas(int w, int h, uint32_t color = 0xff000000u)
+        : width(w), height(h), pixels(static_cast<size_t>(w) * static_cast<size_t>(h), color) {}
+    uint32_t* row(int y) { return pixels.data() + static_cast<size_t>(y) * static_cast<size_t>(width); }
+    const uint32_t* row(int y) const {
+        return pixels.data() + static_cast<size_t>(y) * static_cast<size_t>(width);
+    }
+};
+
+constexpr uint32_t packColor(uint32_t r, uint32_t g, uint32_t b) {
+    return 0xff000000u | b << 16 | g << 8 | r;
+}
+
+// Fills `target` with `source` stretched to its size; smooth: bilinear, else each pixel takes the nearest.
+// Of equal sizes, a plain copy.
+void stretch(const Canvas& source, Canvas& target, bool smooth);
+
+// The canvas as a linear image of 3 channels, so that writing it as PNG gives its bytes again.
+Image toImage(const Canvas& canvas);
+
+// In the order of the panel and of the key L.
+enum class ViewLayer { Color, Depth, Normal, Uv, Object, Primitive, Material, Bounces, Cost };
+// Named as `glint render --aov` names them; the help says what their colours mean.
+constexpr auto entriesOf(ViewLayer) {
+    return std::to_array<EnumEntry<ViewLayer>>(
+        {{ViewLayer::Color, "color", "radiance"},
+         {ViewLayer::Depth, "depth",
+          "distance from the eye: white is nearest, dark grey the farthest twentieth, black nothing"},
+         {ViewLayer::Normal, "normal", "outward shading normal: x, y, z as red, green, blue"},
+         {ViewLayer::Uv, "uv", "barycentric u, v of a triangle, or texture coordinates, as red, green"},
+         {ViewLayer::Object, "object", "one colour for each object"},
+         {ViewLayer::Primitive, "primitive", "one colour for each face"},
+         {ViewLayer::Material, "material", "one colour for each material"},
+         {ViewLayer::Bounces, "bounces", "reflections followed: blue none, red the most in the picture"},
+         {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the picture"}});
+}
+inline constexpr int kViewLayers = static_cast<int>(kEnumNames<ViewLayer>.size());
+
+// Colour needs Picture::color alone; everything else comes from Picture::data.
+inline bool needsData(ViewLayer layer) {
+    return layer != ViewLayer::Color;
+}
+
+// What a layer's colours span: one range for all of a picture, whatever parts it is shown in.
+struct LayerRange {
+    double lo = 0, hi = 1;
+};
+
+// Depth: from the nearest to the farthest but a twentieth; Bounces, Cost: from 0 to the most; else nothing.
+LayerRange rangeOf(const Picture& picture, ViewLayer layer);
+
+// Whether colours stand for numbers of a range, which a legend should show.
+inline bool hasLegend(ViewLayer layer, const Display& display) {
+    return layer == ViewLayer::Bounces || layer == ViewLayer::Cost || layer == ViewLayer::Depth ||
+           (layer == ViewLayer::Color && display.toneMap == ToneMap::False);
+}
+
+// By default Color gives the bytes that a PNG of the picture holds.
+Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
+
+enum class CompareMode { Off, Wipe, Difference, Flicker };
+constexpr auto entriesOf(CompareMode) {
+    return std::to_array<EnumEntry<CompareMode>>(
+        {{CompareMode::Off, "off", "the other picture is not shown"},
+         {CompareMode::Wipe, "wipe", "the other one left of a line, which the mouse drags"},
+         {CompareMode::Difference, "difference", "|A - B| of the linear colours, brightened"},
+         {CompareMode::Flicker, "flicker", "one after the other, twice a second"}});
+}
+
+// Of `B`, the other picture.
+struct Comparison {
+    std::string name;             // what it is: "reference", "kept", a file's name
+    std::optional<Image> linear;  // its colours, 3 or 4 channels, linear
+    Canvas canvas;                // what was seen, if it was no colour
+    CompareMode mode = CompareMode::Off;
+    double wipe = 0.5;  // the line's place, 0..1 of the width
+    double gain = 16;   // of the difference
+    std::optional<ImageDifference>
+        figures;        // as `glint diff` prints them; without: not of one size, or no colours
+    std::string fault;  // why there are none
+
+    bool any() const { return linear.has_value() || !canvas.pixels.empty(); }
+    int width() const { return linear ? linear->width : canvas.width; }
+    int height() const { return linear ? linear->height : canvas.height; }
+};
+
+// Compares `a` (linear colours; null: not there yet) with the other picture, and fills figures or fault.
+void measure(Comparison& comparison, const Image* a);
+
+// Puts the other picture into `shown`, the window's own. `flash`: of flicker, whether it is the other one's
+// turn; `a`: as for measure.
+void compose(const Comparison& comparison, const Image* a, const Display& display, bool flash, Canvas& shown);
+
+}  // namespace glint::view

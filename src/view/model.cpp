@@ -1,0 +1,97 @@
+#include "view/model.h"
+
+#include <ostream>
+#include <utility>
+
+#include "core/text_file.h"
+
+namespace glint::view {
+
+Model::Model(const Options& options)
+    : path(options.scene),
+      loading(options.loading),
+      moments(std::make_shared<Moments>(path, loading, options.time)),
+      scene(moments->show().scene),
+      time(options.time),
+      control(scene->scene.camera, boundsOf(*scene).radius),
+      hints(stateFile("hints")),
+      recent(stateFile("recent")),
+      docked(options.width == 0),
+      mode(options.presentMode) {
+    file = {scene, &scene->scene};
+    settings = fileSettings = PictureSettings::of(*file);
+    settings.until = options.until;
+    edits = fileEdits = SceneEdits::of(*file);
+    timeline.follow(file->animation);
+    timeline.setTime(time);
+    for (size_t i = 0; i < file->cameras.size(); ++i)
+        if (file->cameras[i].name == loading.camera) camera = i;
+    openFolder = std::filesystem::absolute(path).parent_path();
+    recent.add(path);
+    history.reset(undoable());
+}
+
+void Model::say(const std::string& text, ToastKind kind) {
+    toasts.add(text, kind, clock.seconds());
+    dirty = 3;
+}
+
+const Image* Model::comparable() const {
+    const bool there = session->samples() > 0 && session->width() > 0;
+    return there ? &session->picture().color : nullptr;
+}
+
+bool Model::hasJsonFile() const {
+    return lowerExtension(scene->path) == ".json";
+}
+
+void Model::sayWarnings(std::ostream& err) {
+    warnings = file->warnings;
+    warnings.insert(warnings.end(), scene->packed.warnings.begin(), scene->packed.warnings.end());
+    for (const std::string& w : warnings)
+        err << "glint: warning: " << scene->path.string() << ": " << w << '\n';
+    dirty = 3;
+}
+
+std::string Model::waitingComparison() const {
+    if (!compares() || comparison.mode == CompareMode::Wipe) return "";
+    const std::string name(nameOf(comparison.mode));
+    if (!comparison.fault.empty() && comparison.mode == CompareMode::Difference)
+        return name + " not shown: " + comparison.fault;
+    if (session->finished()) return "";
+    return name + ": waiting for the last sample (" + std::to_string(session->samples()) + " of " +
+           std::to_string(settings.sampleLimit) + ")";
+}
+
+Undoable Model::undoable() const {
+    return {control.camera(), settings.lights, settings.background, edits, fileSettings, fileEdits};
+}
+
+bool Model::changed() const {
+    const Undoable& seen = history.seen();
+    return !sameCamera(control.camera(), seen.camera) || settings.lights != seen.lights ||
+           settings.background != seen.background || !same(edits, seen.edits);
+}
+
+void Model::restore(const Undoable& state) {
+    control.set(state.camera);
+    PictureSettings then = settings;
+    then.lights = state.lights;
+    then.background = state.background;
+    then.follow(state.fileSettings, fileSettings);
+    settings.lights = then.lights;
+    settings.background = then.background;
+    edits = state.edits;
+    edits.follow(state.fileEdits, fileEdits);
+    forgetView();
+    touch();
+}
+
+void Model::forgetView(bool evenPinned) {
+    pickIsOld = pick.has_value();
+    if (!pinsPick || evenPinned) pick.reset();
+    difference.reset();
+    verdict.clear();
+}
+
+}  // namespace glint::view

@@ -1,0 +1,140 @@
+// What the window shows and what the user can change in it: everything but the window, the panel and the
+// keys. Commands (commands.h) change it; it needs a device, but neither GLFW nor Dear ImGui.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/stopwatch.h"
+#include "gpu/device.h"
+#include "gpu/swapchain.h"
+#include "view/camera_control.h"
+#include "view/display.h"
+#include "view/files.h"
+#include "view/keys.h"
+#include "view/messages.h"
+#include "view/picker.h"
+#include "view/session.h"
+#include "view/settings.h"
+#include "view/timeline.h"
+#include "view/view.h"
+#include "view/view_scene.h"
+
+namespace glint::view {
+
+// The pixel that the inspector shows.
+struct PixelFacts {
+    int x = 0, y = 0;
+    bool hasColor = false, hasData = false;
+    glm::vec3 linear{0};
+    PixelData data;
+    std::string object, material;
+};
+
+struct Model {
+    // Loads the scene. Throws Error as loadScene does.
+    explicit Model(const Options& options);
+
+    // ---- the scene ----
+    std::filesystem::path path;  // of the scene to show; that of `scene` while another one is loading
+    Loading loading;
+    std::shared_ptr<Moments> moments;
+    std::shared_ptr<const Scene> file;       // of the moment that is shown, without the user's edits
+    std::shared_ptr<const ViewScene> scene;  // that is shown
+    std::optional<double> time;              // of `scene`, seconds; empty: as the file says it
+    Timeline timeline;
+    std::string sceneError;  // of the file on disk, while an older scene is shown
+
+    // ---- what the user edits; undo covers camera, lights, background and materials ----
+    CameraControl control;
+    PictureSettings settings, fileSettings;  // fileSettings: as the file says it
+    SceneEdits edits, fileEdits;
+    History history;
+    std::vector<NamedCamera> bookmarks;  // not in the file
+    static constexpr size_t kNoCamera = ~size_t{0};
+    size_t camera = kNoCamera;  // last chosen, of the file's cameras, then the bookmarks
+
+    // ---- the image ----
+    const gpu::DeviceInfo* device = nullptr;
+    std::unique_ptr<Session> session;
+    render::Traversal traversal = render::Traversal::Auto;
+    Display display;
+    Comparison comparison;
+    uint64_t compared = 0;  // grows with each new comparison image
+    std::optional<Pick> pick;
+    bool pickIsOld = false;  // from an earlier view
+    std::optional<PixelFacts> pixel;
+    std::string verdict;  // of the last verification; empty: none to show
+    bool verdictPassed = false;
+    std::optional<Canvas> difference;  // of a failed verification, while it is shown
+    Canvas picture;                    // as shown, without the panel
+
+    // ---- messages ----
+    Toasts toasts;
+    Hints hints;
+    RecentFiles recent;
+    std::vector<std::string> warnings;  // of the scene's files, until Esc
+    // Of jobs beside the window, 0..1; negative: not running.
+    double saveProgress = -1, verifyProgress = -1, referenceProgress = -1;
+    bool isLoading = false, isClosing = false;
+
+    // ---- controls of the panel ----
+    int left = 0;  // of the image in the window: width of the docked panel
+    bool panelVisible = true, docked = true, helpVisible = false, inspects = false;
+    bool saveAsVisible = false, saveSceneVisible = false, openVisible = false;
+    bool flying = false, pinsPick = false, drawsRays = true;
+    double flySpeed = 1;
+    size_t material = 0;  // shown in the group "materials"
+    int zoom = 9;         // pixels across the inspector's magnifier
+    std::array<char, 4096> saveName{}, sceneName{}, openName{};
+    bool savesSeen = true;      // save as: as shown, or at the scene's own sampling
+    bool replacesFile = false;  // save scene: over an existing file
+    std::filesystem::path openFolder;
+    std::vector<FileEntry> openFiles;  // in openFolder
+    double helpScroll = 0;             // pixels
+    float timelineHeight = 0;          // pixels, of the last frame; 0: there is none
+    std::optional<Action> wish;        // of a button, for the next round
+
+    // ---- speed ----
+    double targetSeconds = 0;  // of a frame while the camera moves
+    double frameSeconds = 0, drawSeconds = 0, presentSeconds = 0;
+    std::vector<float> frameTimes;  // milliseconds, oldest first
+    gpu::PresentMode mode = gpu::PresentMode::Fifo;
+    std::vector<gpu::PresentMode> modes;  // of the screen
+
+    int dirty = 3;     // frames to draw even if nothing happens
+    Stopwatch clock;   // of toasts, flicker and the timeline
+    Stopwatch motion;  // since the image last changed as a whole
+
+    static constexpr double kRestSeconds = 0.2;  // without motion until the image is refined
+    bool moving() const { return motion.seconds() < kRestSeconds; }
+    void touch() { motion.restart(); }
+    void say(const std::string& text, ToastKind kind = ToastKind::Info);
+
+    bool compares() const { return comparison.any() && comparison.mode != CompareMode::Off; }
+    // Linear colours of the image; null before the first sample.
+    const Image* comparable() const;
+    // The scene's file can hold cameras, lights and materials.
+    bool hasJsonFile() const;
+
+    // Shows the warnings of loading, and writes them to `err`.
+    void sayWarnings(std::ostream& err);
+    // Lights or materials differ from the file.
+    bool edited() const { return settings.lights != fileSettings.lights || !same(edits, fileEdits); }
+    // While a comparison cannot be shown yet: what it waits for; else empty.
+    std::string waitingComparison() const;
+
+    // The state that undo restores; whether it differs from the one that the history has seen.
+    Undoable undoable() const;
+    bool changed() const;
+    void restore(const Undoable& state);
+
+    // Forgets what belongs to an earlier view: pick (unless it is pinned), verdict and difference.
+    void forgetView(bool evenPinned = false);
+};
+
+}  // namespace glint::view
