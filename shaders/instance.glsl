@@ -25,6 +25,15 @@ float greatestComponent(vec3 v) {
     return larger(a.x, larger(a.y, a.z));
 }
 
+// RayFrame::slip: each coordinate of the origin errs by gamma_5 of the magnitudes that it sums, in any
+// direction by at most sqrt(3) of the greatest.
+float slipOfWayIn(Instance instance, vec3 origin) {
+    precise vec3 away = abs(origin - instance.place);
+    precise vec3 sums =
+        timesRows(abs(instance.toObjectX), abs(instance.toObjectY), abs(instance.toObjectZ), away);
+    return 9.0 * kUnit * greatestComponent(sums);
+}
+
 // Normals go by the inverse transpose: by W^T.
 vec3 turnNormal(Instance instance, vec3 normal) {
     precise vec3 n =

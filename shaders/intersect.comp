@@ -32,7 +32,7 @@ void main() {
         live = live && loadRow(treeRow(kTreeRowBranch), path).z == dispatch.rayClass;
     traversal.ray.tMax = live ? traversal.hit.t : -1.0;
     uvec4 instanceRow = loadInstanceRow(path);
-    uint slot = traceNearest(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
+    uint slot = trace(traversal, loadEnvironment(0u), walkRow.x, instanceRow.zw);
     Hit hit = traversal.hit;
     // Stores are dear on lavapipe (packet_intersect.comp): a camera ray's rows stay as they are where nothing
     // changes.

@@ -37,17 +37,6 @@ const bool kMayGoThrough = FEATURE_ALPHA_MASK || FEATURE_COLORED_SHADOWS;
 const bool kMayGoThrough = FEATURE_ALPHA_MASK;
 #endif
 
-// See kLooksAgain. Light goes through dielectrics, nearest hits through holes alone.
-bool looksAtOnce(bool shadowRay) {
-    return kLooksAgain && (MODE_RESUME || FEATURE_ALPHA_MASK || (shadowRay && kMayGoThrough));
-}
-bool looksLast(bool shadowRay) { return kLooksAgain && !looksAtOnce(shadowRay); }
-
-// The primitive that the ray starts on, in whatever space it is.
-uint sourceOf(Traversal traversal) {
-    return FEATURE_INSTANCES ? traversal.world.source : traversal.ray.source;
-}
-
 // Whether the ray goes on through what it meets at t: a hole of the surface, or as a shadow ray a dielectric,
 // which then takes of the light.
 bool goesThrough(inout Traversal traversal, uint kind, Met met, float t) {
@@ -62,18 +51,10 @@ bool goesThrough(inout Traversal traversal, uint kind, Met met, float t) {
 // Planes, which stand in no leaf, are asked by code of their own, where there are any to ask.
 bool mayBeOpen(uint kind) { return FEATURE_OPEN_PLANES || kind != kKindPlane; }
 
-// Whether a triangle that the ray is found to meet lies behind it.
-bool isBehindAtOnce(Traversal traversal, Triangle triangle, float u, float v) {
-    return looksAtOnce(isShadowRay(traversal)) && sourceOf(traversal) != kNone &&
-           liesBehind(traversal.ray.origin, traversal.ray.direction, triangle, u, v);
-}
-
 // Takes the hit if it is one, does not let the ray through, and beats the best.
 void offer(inout Traversal traversal, uint kind, bool isHit, float t, float u, float v, uint primitive,
            uint id) {
     bool counts = isHit;
-    if (looksAtOnce(isShadowRay(traversal)) && kind == kKindTriangle && isHit)
-        counts = !isBehindAtOnce(traversal, loadTriangle(primitive & kPrimitiveIndexMask), u, v);
     if (kMayGoThrough && mayBeOpen(kind) && counts) {
         Hit hit = Hit(t, u, v, primitive, FEATURE_INSTANCES ? traversal.instance : kNone, id);
         counts = !goesThrough(traversal, kind, metAt(traversal.ray, kind, hit), t);
@@ -133,8 +114,7 @@ bool hitTriangleAt(inout Traversal traversal, Ray ray, uint index, uint primitiv
     bool isHit = crossTriangle(ray, traversal.frame, triangle, traversal.trips, t, u, v, doubtful);
     traversal.doubtful |= doubtful ? 1u : 0u;
 #else
-    bool isHit = meetTriangle(ray, traversal.frame, triangle, t, u, v) &&
-                 !isOwnTriangle(traversal, primitive, triangle.id);
+    bool isHit = meetTriangle(ray, traversal.frame, triangle, loadTriangleSurface(index).normal, t, u, v);
 #endif
 #ifdef GLINT_SHADOW_RAYS
     if (FEATURE_COLORED_SHADOWS && isShadowRay(traversal))
@@ -225,7 +205,7 @@ GLINT_PRIMITIVES(GLINT_TEST_OF_KIND, 0)
 bool hitPlaneAt(Traversal traversal, Ray ray, uint index, uint primitive, out Hit hit) {
     Plane plane = loadPlane(index);
     float t;
-    bool isHit = meetPlane(ray, plane, t) && primitive != traversal.ray.source;
+    bool isHit = intersectPlane(ray, traversal.frame, plane, t);
     hit = Hit(t, 0.0, 0.0, primitive, kNone, plane.id);
     return isHit;
 }
@@ -245,15 +225,14 @@ bool hitPlaneAt(Traversal traversal, Ray ray, uint index, uint primitive, out Hi
             met.leaving = leavesThrough(kKind##Kind, hit, met.surface, rest.direction); \
         }                                                                               \
     }
-#define GLINT_MEET_TRIANGLES(Kind, FEATURE)                                                 \
-    if (FEATURE_##FEATURE && kind == kKind##Kind) {                                         \
-        isHit = hitTriangleAt(traversal, rest, index, primitive, hit);                      \
-        if (kLooksWhileMeeting) {                                                           \
-            isHit = isHit && !isBehindAtOnce(traversal, loadTriangle(index), hit.u, hit.v); \
-            Instance none;                                                                  \
-            surfaceOfTriangle(hit, none, met.surface);                                      \
-            met.leaving = leavesThrough(kKind##Kind, hit, met.surface, rest.direction);     \
-        }                                                                                   \
+#define GLINT_MEET_TRIANGLES(Kind, FEATURE)                                             \
+    if (FEATURE_##FEATURE && kind == kKind##Kind) {                                     \
+        isHit = hitTriangleAt(traversal, rest, index, primitive, hit);                  \
+        if (kLooksWhileMeeting) {                                                       \
+            Instance none;                                                              \
+            surfaceOfTriangle(hit, none, met.surface);                                  \
+            met.leaving = leavesThrough(kKind##Kind, hit, met.surface, rest.direction); \
+        }                                                                               \
     }
 #define GLINT_MEET_PACKETS(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
 #define GLINT_MEET_LEAVES(Kind, FEATURE) GLINT_MEET_ALONE(Kind, FEATURE)
@@ -443,7 +422,7 @@ void testPlanes(inout Traversal traversal, uint planeCount) {
             Plane plane = loadPlane(index);
             uint primitive = (kKindPlane << kPrimitiveKindShift) | index;
             float t;
-            bool isHit = meetPlane(traversal.ray, plane, t) && primitive != traversal.ray.source;
+            bool isHit = intersectPlane(traversal.ray, traversal.frame, plane, t);
             offer(traversal, kKindPlane, isHit, t, 0.0, 0.0, primitive, plane.id);
             ++index;
             if (MODE_COST) ++traversal.cost;

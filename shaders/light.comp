@@ -58,7 +58,6 @@ void onePacket(uint turn) {
         uint path = packetPath(turn, r, present);
         lit[r] = loadLit(path, present, loadWalkRow(path));
         packet[r].cost = 0u;
-        packet[r].after = -1.0;
     }
     Environment environment = loadEnvironment(0u);
     packetTrips = 0u;
@@ -70,10 +69,6 @@ void onePacket(uint turn) {
         if (index < end) {
             GLINT_EACH_RAY sights[r] = aim(lit[r], index, true, packet[r]);
             complete = tracePacket(environment);
-            // Not within: the driver leaves no loop out for what it starts with.
-            if (looksLast(true)) {
-                if (dropHitsBehind()) complete = false;
-            }
             GLINT_EACH_RAY take(lit[r], index, sights[r], packet[r], complete);
             ++index;
         }
@@ -108,7 +103,6 @@ void main() {
     Traversal traversal;
     traversal.trips = 0u;
     traversal.cost = 0u;
-    traversal.after = -1.0;
     bool going = lit.live && rest.light < end;
     do {
         if (kConvergent || going) {
@@ -117,12 +111,11 @@ void main() {
             if (kConvergent && !going) removeRay(traversal);
             uint left = trace(traversal, environment, rest.slot, place);
             if (going) {
-                bool again = passesBy(traversal);
-                bool finished = (left == kNone || settled(traversal) || !sight.facing) && !again;
+                bool finished = left == kNone || settled(traversal) || !sight.facing;
                 take(lit, rest.light, sight, traversal, finished);
-                rest.slot = finished || again ? kSlotFresh : left;
+                rest.slot = finished ? kSlotFresh : left;
                 rest.light += finished ? 1u : 0u;
-                going = (finished || again) && rest.light < end && traversal.trips < budget;
+                going = finished && rest.light < end && traversal.trips < budget;
             }
         }
     } while (anyGoesOn(going));

@@ -107,7 +107,6 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
                    dot(lit.at.surface.shadingNormal, light.direction) > 0.0;
     traversal.ray = Ray(lit.origin, light.toLight, 0.0, sight.facing && !MODE_SHADOWLESS ? light.tMax : -1.0,
                         lit.at.hit.primitive, lit.at.hit.instance);
-    traversal.ray.tMin = larger(traversal.after, 0.0);
     traversal.hit = Hit(kInfinity, 0.0, 0.0, kNone, kNone, kNone);
     if (kFiltered) {
         bool near = light.tMax < kInfinity;
@@ -115,19 +114,8 @@ Sight aim(Lit lit, uint index, bool begins, inout Traversal traversal) {
         if (MODE_RESUME && !begins)
             traversal.passage.depth = uintBitsToFloat(loadRow(treeRow(kTreeRowShadow), lit.path).xyz);
     }
-    if (MODE_TALLY && !MODE_SHADOWLESS && sight.facing && begins && traversal.after < 0.0)
-        atomicAdd(counters[kCounterShadow], 1u);
+    if (MODE_TALLY && !MODE_SHADOWLESS && sight.facing && begins) atomicAdd(counters[kCounterShadow], 1u);
     return sight;
-}
-
-// Whether the shadow ray is to be traced again, as what it was found to meet lies behind it (liesBehind): for
-// its nearest hit, and then from that on, as something may lie before it.
-bool passesBy(inout Traversal traversal) {
-    bool behind = looksLast(true) && meetsBehind(worldRay(traversal), traversal.hit);
-    float after = traversal.after < 0.0 ? 0.0 : traversal.hit.t;
-    traversal.after = behind ? after : -1.0;
-    if (behind) traversal.hit.primitive = kNone;
-    return behind;
 }
 
 // Takes what the light adds, once its shadow ray is finished.

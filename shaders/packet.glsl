@@ -214,8 +214,9 @@ void pushOne(inout PacketStack stack, uint key, uint child, bool pushed, uint la
 void takeHit(inout Traversal one, float t, float u, float v, uint primitive, uint id);
 
 // corners: of triangle `index`, turned, in the lanes from `lane` on.
-void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, uint lane, uint index,
-                     bool present) {
+// normals: of the triangles of the pair, turned, in lanes 0 and 1.
+void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, vec3 normals, uint ids, uint lane,
+                     uint index, bool present) {
     vec3 v0 = fromLane(corners, lane);
     vec3 v1 = fromLane(corners, lane + 1u);
     vec3 v2 = fromLane(corners, lane + 2u);
@@ -225,8 +226,8 @@ void testRowTriangle(inout Traversal one, vec3 turned, vec3 corners, uint ids, u
     precise vec3 b = v1 - turned;
     precise vec3 c = v2 - turned;
     float t, u, v;
-    if (intersectTurned(one.ray, one.frame, a, b, c, t, u, v) && present &&
-        !isOwnTriangle(one, primitive, id))
+    vec3 normal = fromLane(normals, lane / 3u);
+    if (intersectTurned(one.ray, one.frame, a, b, c, v0, normal, t, u, v) && present)
         takeHit(one, t, u, v, primitive, id);
     if (MODE_COST && present) ++one.cost;
 }
@@ -358,44 +359,6 @@ bool tracePacket(Environment environment) {
     }
     return traversePacket(environment.root);
 }
-
-#ifdef GLINT_SHADOW_RAYS
-// Takes away hits of rays that are found to meet a triangle behind them (liesBehind); true if there is one:
-// its ray is to be started again by itself. Row by row, of those rows where a ray has hit.
-bool dropHitsBehind() {
-    uint hits = 0u;
-    GLINT_EACH_RAY hits |= packet[r].hit.primitive != kNone ? 1u << r : 0u;
-    uint left = anyOfLanes(hits);
-    uint dropped = 0u;
-    do {
-        if (left != 0u) {
-            uint row = left & (~left + 1u);
-            Ray ray = packet[0].ray;
-            RayFrame frame = packet[0].frame;
-            uint primitive = packet[0].hit.primitive;
-            for (uint r = 1u; r < GLINT_PACKET_RAYS; ++r) {
-                bool mine = row == 1u << r;
-                ray.origin = mine ? packet[r].ray.origin : ray.origin;
-                ray.direction = mine ? packet[r].ray.direction : ray.direction;
-                frame.axis = mine ? packet[r].frame.axis : frame.axis;
-                frame.shear = mine ? packet[r].frame.shear : frame.shear;
-                primitive = mine ? packet[r].hit.primitive : primitive;
-            }
-            bool isTriangle = primitive >> kPrimitiveKindShift == kKindTriangle && primitive != kNone;
-            Triangle triangle = loadTriangle(isTriangle ? primitive & kPrimitiveIndexMask : 0u);
-            float t, u, v;
-            intersectTriangle(ray, frame, triangle, t, u, v);
-            bool behind = isTriangle && liesBehind(ray.origin, ray.direction, triangle, u, v);
-            GLINT_EACH_RAY packet[r].hit.primitive =
-                behind && row == 1u << r ? kNone : packet[r].hit.primitive;
-            dropped |= behind ? 1u : 0u;
-            left ^= row;
-            ++packetTrips;
-        }
-    } while (left != 0u);
-    return anyOfLanes(dropped) != 0u;
-}
-#endif
 
 // Any-hit packets that a subgroup takes one after the other. Of a picture's shadow rays whole packets are
 // none, as nothing was hit there; but on lavapipe, where nothing but a loop's end skips anything, one without

@@ -36,8 +36,6 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
                 one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
                 one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
                 one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-                if (FEATURE_SPLIT_TRIANGLES)
-                    one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
                 one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
                 one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
                 if (MODE_COST) one.cost = mine ? packet[r].cost : one.cost;
@@ -48,8 +46,9 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
                 if (index < end) {
                     uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
                     vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-                    testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
-                    testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
+                    vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 3u, index + 1u, index + 1u < end);
                     index += 2u;
                     ++trips;
                 }

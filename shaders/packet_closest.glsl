@@ -47,7 +47,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
                 one.ray.tMin = mine ? packet[r].ray.tMin : one.ray.tMin;
                 one.ray.tMax = mine ? packet[r].ray.tMax : one.ray.tMax;
                 one.ray.source = mine ? packet[r].ray.source : one.ray.source;
-                one.sourceTriangle = mine ? packet[r].sourceTriangle : one.sourceTriangle;
+                one.nearest = mine ? packet[r].nearest : one.nearest;
                 one.frame.shear = mine ? packet[r].frame.shear : one.frame.shear;
                 one.hit.primitive = mine ? packet[r].hit.primitive : one.hit.primitive;
                 one.hit.t = mine ? packet[r].hit.t : one.hit.t;
@@ -62,8 +62,9 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
                 if (index < end) {
                     uvec4 texel = LOAD4(trianglesArray, 3u * index + lane);
                     vec3 corners = turnToZ(uintBitsToFloat(texel.xyz), axis);
-                    testRowTriangle(one, turned, corners, texel.w, 0u, index, true);
-                    testRowTriangle(one, turned, corners, texel.w, 3u, index + 1u, index + 1u < end);
+                    vec3 normals = turnToZ(loadTriangleSurface(index + (lane & 1u)).normal, axis);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 0u, index, true);
+                    testRowTriangle(one, turned, corners, normals, texel.w, 3u, index + 1u, index + 1u < end);
                     index += 2u;
                     ++trips;
                 }
@@ -72,6 +73,7 @@ void testPacketTriangles(uint axis, uint first, uint end, uint lane, uint rows, 
                 bool mine = row == 1u << r;
                 packet[r].hit.primitive = mine ? one.hit.primitive : packet[r].hit.primitive;
                 packet[r].ray.tMax = mine ? one.ray.tMax : packet[r].ray.tMax;
+                packet[r].nearest = mine ? one.nearest : packet[r].nearest;
                 packet[r].hit.t = mine ? one.hit.t : packet[r].hit.t;
                 packet[r].hit.u = mine ? one.hit.u : packet[r].hit.u;
                 packet[r].hit.v = mine ? one.hit.v : packet[r].hit.v;

@@ -20,9 +20,12 @@ struct Ray {
     vec3 direction;
     float tMin;
     float tMax;
-    uint source;          // primitive that the ray starts on, or kNone
+    uint source;          // primitive that the ray starts on, kElsewhere, or kNone if it leaves no surface
     uint sourceInstance;  // and the instance it is one of, or kNone
 };
+
+// Ray::source in the coordinates of an instance that does not contain the primitive which the ray leaves.
+const uint kElsewhere = 0xfffffffeu;
 
 struct Hit {
     float t;
@@ -44,6 +47,7 @@ struct RayFrame {
     uint axis;        // of the largest component of d: 0, 1, 2
     vec3 shear;       // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: dx/dz,
                       // dy/dz, 1/dz
+    float slip;       // how far the origin may be off along any unit normal: the way into an instance
 };
 
 // (x, y, z) turned so that `axis` comes last; a rotation, so handedness is kept.
@@ -84,6 +88,7 @@ RayFrame makeFrame(vec3 o, vec3 d, float pad) {
     precise float sx = turned.x * sz;
     precise float sy = turned.y * sz;
     frame.shear = vec3(sx, sy, sz);
+    frame.slip = 0.0;
     return frame;
 }
 
@@ -93,6 +98,55 @@ float nextTowards(float x, float sense) {
     if (x == 0.0) return sense > 0.0 ? 1e-37 : -1e-37;
     int step = (x > 0.0) == (sense > 0.0) ? 1 : -1;
     return intBitsToFloat(floatBitsToInt(x) + step);
+}
+
+// ---- The rule for rays that meet and leave surfaces (docs/design/numerics.md) ----
+//
+// The computed t of a surface stands for the interval t +- slip, which holds the t of every surface that lies
+// in the same place but for the rounding of coordinates. Each intersection test sets tSlip with its t.
+//
+// 1. A ray that leaves a surface starts outside the error box of its point (offsetOrigin), and counts a hit
+//    if the interval lies in front of its origin: t - slip > 0.
+// 2. Surfaces whose intervals overlap that of the closest hit are at one place. The lowest id is hit; ids of
+//    opaque surfaces are lower than those of dielectrics (kDielectricRank).
+
+float tSlip;
+
+// Rays of callers, and those that count crossings, take each t as it is.
+#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY)
+const bool kSlips = false;
+#else
+const bool kSlips = !MODE_GIVEN;
+#endif
+
+// True if a surface at t +- tSlip is within the ray's interval.
+bool countsAt(Ray ray, float t) {
+    precise float near = t - tSlip;
+    bool ahead = ray.source == kNone || near > 0.0;
+    return ahead && t > ray.tMin && near <= ray.tMax;
+}
+
+// How far the height of the origin above a flat surface may be off, with what surfaces in the same place may
+// differ by. n.w, w = anchor - o, errs by gamma_4 of the magnitudes that it sums and n by a unit; n.d, and
+// with it the way t d, by as much; the corners of another surface in this place are rounded, each by half a
+// unit of its coordinates.
+float slipOfHeight(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 way) {
+    precise vec3 terms = 4.0 * abs(anchor) + 6.0 * (abs(w) + abs(way));
+    precise float height = kUnit * dot(abs(n), terms) + frame.slip;
+    return kSlips ? height : 0.0;
+}
+
+// tSlip of a flat surface through `anchor` with the unit normal n; speed = n.d.
+float slipOfFlat(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 d, float t, float speed) {
+    precise float slip = abs(quotient(slipOfHeight(frame, n, anchor, w, t * d), speed));
+    return kSlips ? slip : 0.0;
+}
+
+// tSlip of a round surface: the last roundings of t. Two of them coincide if they are stored with the same
+// numbers, and then have the same t.
+float slipOfRound(float t) {
+    precise float slip = 8.0 * kUnit * abs(t);
+    return kSlips ? slip : 0.0;
 }
 
 // How far a point moves along the unit normal of its surface to come out of the box of its error.

@@ -50,24 +50,11 @@ bool asking;
 Hit asked;
 uint planesInLeaf;
 
-// Whether rays that start on a surface look again at triangles that they are found to meet (liesBehind): at
-// the end of the walk, since on lavapipe what stands in it is paid for with each triangle; at once where a
-// hit does not end it, or the code's length does not matter (looksAtOnce).
-#if defined(GLINT_CROSSINGS) || defined(GLINT_CERTIFY)
-const bool kLooksAgain = false;
-#else
-const bool kLooksAgain = FEATURE_SLIVERS && INTERSECTOR == kTriangleWatertight;
-#endif
-#if defined(GLINT_ANY_HIT) || defined(GLINT_BOTH_HITS)
-#define GLINT_SETTLES
-#endif
-
 struct Traversal {
     Ray ray;  // in the coordinates of `instance`
     RayFrame frame;
-    uint sourceTriangle;  // with split triangles: the id of the one that the ray starts on, in any of its
-                          // places
     Hit hit;
+    float nearest;  // t of the hit less its tSlip
     // With instances: where the ray is, kNone for the world; what primitives' ids count from there and
     // whether corners are exchanged; the ray as it is in the world; how much wider the world's boxes are;
     // and, of an unfinished walk within an instance, the slot where it goes on in the world.
@@ -81,9 +68,6 @@ struct Traversal {
     uint cost;
 #ifdef GLINT_BOTH_HITS
     bool any;  // the same wherever a walk is written, so that each has the code of its kind alone
-#endif
-#ifdef GLINT_SETTLES
-    float after;  // -1, or from which t on the nearest hit is looked for, though any would do
 #endif
 #ifdef GLINT_SHADOW_RAYS
     Passage passage;
@@ -119,36 +103,31 @@ bool isNode(uint child) { return (child & kLeafFlag) == 0u; }
 // A hit settles an any-hit ray.
 bool settled(Traversal traversal) {
 #if defined(GLINT_BOTH_HITS)
-    return traversal.any && traversal.after < 0.0 && traversal.hit.primitive != kNone;
+    return traversal.any && traversal.hit.primitive != kNone;
 #elif defined(GLINT_ANY_HIT)
-    return traversal.after < 0.0 && traversal.hit.primitive != kNone;
+    return traversal.hit.primitive != kNone;
 #else
     return false;
 #endif
 }
 
-// Takes the hit if it is closer, or as close with a lower id.
+// Takes the hit if it is closer, or in the same place with a lower id. t - tSlip is at most ray.tMax, the
+// least t + tSlip so far.
 void accept(inout Traversal traversal, float t, float u, float v, uint primitive, uint ownId) {
-    uint id = FEATURE_INSTANCES ? traversal.idBase + ownId : ownId;
-    Hit hit = traversal.hit;
-    bool better = hit.primitive == kNone || t < hit.t || id < hit.id;
+    uint id = ownId;
+    if (FEATURE_INSTANCES) id = (traversal.idBase | (ownId & kDielectricRank)) + (ownId & ~kDielectricRank);
+    precise float near = t - tSlip;
+    precise float far = t + tSlip;
+    bool isCloser = far < traversal.nearest;
+    bool better = traversal.hit.primitive == kNone || isCloser || id < traversal.hit.id;
     if (better) {
         bool exchanged =
             FEATURE_INSTANCES && traversal.mirrored && primitive >> kPrimitiveKindShift == kKindTriangle;
         traversal.hit = Hit(t, exchanged ? v : u, exchanged ? u : v, primitive,
                             FEATURE_INSTANCES ? traversal.instance : kNone, id);
-        traversal.ray.tMax = t;
+        traversal.nearest = near;
     }
-}
-
-// The id of a source that is a triangle.
-uint triangleOf(uint source) {
-    bool isTriangle = FEATURE_SPLIT_TRIANGLES && source >> kPrimitiveKindShift == kKindTriangle;
-    return isTriangle ? loadTriangle(source & kPrimitiveIndexMask).id : kNone;
-}
-
-bool isOwnTriangle(Traversal traversal, uint primitive, uint id) {
-    return FEATURE_SPLIT_TRIANGLES ? id == traversal.sourceTriangle : primitive == traversal.ray.source;
+    traversal.ray.tMax = far < traversal.ray.tMax ? far : traversal.ray.tMax;
 }
 
 bool isInstance(uint child) {
@@ -167,13 +146,14 @@ uint enterSpace(inout Traversal traversal, uint target, bool enters) {
         if (!toWorld) enterInstance(instance, origin, direction);
         traversal.ray.origin = origin;
         traversal.ray.direction = direction;
-        traversal.ray.source = target == traversal.world.sourceInstance ? traversal.world.source : kNone;
-        traversal.sourceTriangle = triangleOf(traversal.ray.source);
+        bool isHome = target == traversal.world.sourceInstance || traversal.world.source == kNone;
+        traversal.ray.source = isHome ? traversal.world.source : kElsewhere;
         float pad = toWorld ? traversal.pad : 0.0;
 #ifdef GLINT_CERTIFY
         pad = enterWithErrors(traversal.certainty, traversal.world, traversal.ray, instance, toWorld, pad);
 #endif
         traversal.frame = makeFrame(origin, direction, pad);
+        if (!toWorld) traversal.frame.slip = slipOfWayIn(instance, traversal.world.origin);
         traversal.instance = target;
         traversal.idBase = toWorld ? 0u : instance.idBase;
         traversal.mirrored = !toWorld && instance.mirrored != 0u;
@@ -343,12 +323,12 @@ bool prepare(inout Traversal traversal, Environment environment) {
         traversal.pad = environment.instancePad * greatestComponent(traversal.ray.origin) +
                         environment.instancePadAtOrigin;
         traversal.world = traversal.ray;
-        if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kNone;
+        if (traversal.ray.sourceInstance != kNone) traversal.ray.source = kElsewhere;
     }
 #ifdef GLINT_CERTIFY
     traversal.pad += boxPad(traversal.certainty);
 #endif
-    traversal.sourceTriangle = triangleOf(traversal.ray.source);
+    traversal.nearest = traversal.hit.t;
     traversal.frame = makeFrame(traversal.ray.origin, traversal.ray.direction, traversal.pad);
     return traversal.ray.tMax > traversal.ray.tMin;
 }
@@ -419,7 +399,5 @@ uint trace(inout Traversal traversal, Environment environment, uint slot, uvec2 
 #endif
     return left;
 }
-
-#include "behind.glsl"
 
 #endif

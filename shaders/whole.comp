@@ -23,7 +23,6 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
     bool finished = true;
     bool going = lit.live && index < end;
     traversal.any = true;
-    traversal.after = -1.0;
     do {
         if (kConvergent || going) {
             Sight sight = kNoSight;
@@ -31,11 +30,9 @@ bool castShadows(inout Lit lit, inout Traversal traversal, Environment environme
             if (kConvergent && !going) removeRay(traversal);
             uint left = trace(traversal, environment, kSlotFresh, uvec2(kNone));
             if (going) {
-                bool again = passesBy(traversal);
-                traversal.trips += again ? tripsOfAnotherWalk(environment) : 0u;
                 finished = left == kNone || settled(traversal) || !sight.facing;
-                take(lit, index, sight, traversal, finished && !again);
-                index += again ? 0u : 1u;
+                take(lit, index, sight, traversal, finished);
+                ++index;
                 going = finished && index < end && traversal.trips < budget;
             }
         }
@@ -91,7 +88,7 @@ void main() {
             traversal.hit = Hit(ray.tMax, 0.0, 0.0, kNone, kNone, 0u);
             traversal.any = false;
             if (kConvergent && !alive) removeRay(traversal);
-            bool finished = traceNearest(traversal, environment, kNone, uvec2(kNone)) == kNone;
+            bool finished = trace(traversal, environment, kNone, uvec2(kNone)) == kNone;
             if (alive) complete = finished;
             Interaction at = interactionAt(ray, traversal.hit, media);
             vec3 transmittance = vec3(1.0);

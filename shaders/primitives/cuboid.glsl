@@ -10,6 +10,14 @@ vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
     return local;
 }
 
+// tSlip of a face. reach: what the origin's coordinates here are off by, in units.
+float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, float t) {
+    float plane = larger(abs(cuboid.lo[axis]), abs(cuboid.hi[axis]));
+    precise float height = kUnit * (6.0 * plane + reach[axis]) + frame.slip;
+    precise float slip = height * abs(inverse[axis]) + 8.0 * kUnit * abs(t);
+    return kSlips ? slip : 0.0;
+}
+
 // Slabs (Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986): a stretch between the last plane through
 // which the line comes in and the first through which it goes out. Both ends are numbers that a face's
 // neighbour computes too, with the same roundings, so no ray slips through an edge, nor between axis-aligned
@@ -43,12 +51,22 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     bool meets = enter <= leave;
     // What a line touches in one point it enters and leaves: the media count surfaces.
     if (enter > 0.0 && leave == enter) leave = uintBitsToFloat(floatBitsToUint(enter) + 1u);
-    bool first = enter > 0.0 && enter > ray.tMin;
+    // As slipOfFlat; the faces' normals are the rows.
+    precise vec3 terms = 4.0 * abs(cuboid.point) + 6.0 * abs(offset);
+    vec3 reach = vec3(dot(abs(cuboid.toLocal0), terms), dot(abs(cuboid.toLocal1), terms),
+                      dot(abs(cuboid.toLocal2), terms));
+    float enterSlip = slipOfFace(cuboid, frame, reach, inverse, nearAxis, enter);
+    float leaveSlip = slipOfFace(cuboid, frame, reach, inverse, farAxis, leave);
+    bool fromElsewhere = ray.source != kNone && !own;
+    bool first = enter > (fromElsewhere ? enterSlip : 0.0) && enter > ray.tMin;
     float t = first ? enter : leave;
+    tSlip = first ? enterSlip : leaveSlip;
     uint leaveFace = farFaces[farAxis];
     uint part = first ? 2u * nearAxis + (backwards[nearAxis] ? 1u : 0u) : leaveFace;
     hit = Hit(t, 0.0, 0.0, primitive | (part << kPartShift), kNone, cuboid.id);
-    return meets && t > 0.0 && t > ray.tMin && t <= ray.tMax;
+    precise float lower = t - tSlip;
+    bool ahead = t > (fromElsewhere ? tSlip : 0.0) && t > ray.tMin;
+    return meets && ahead && lower <= ray.tMax;
 }
 
 // o + t d, moved back onto the face as a disc's point is onto its plane. u and v go from 0 to 1 over a face,

@@ -6,16 +6,14 @@
 #include "textbook.glsl"
 
 // t from an anchor point, not from a stored plane constant: a distant constant would cancel.
-bool intersectPlane(Ray ray, Plane plane, out float t) {
+bool intersectPlane(Ray ray, RayFrame frame, Plane plane, out float t) {
+    precise vec3 toPoint = plane.point - ray.origin;
     precise float speed = dot(plane.normal, ray.direction);
-    precise float height = dot(plane.normal, plane.point - ray.origin);
+    precise float height = dot(plane.normal, toPoint);
     precise float tHit = quotient(height, speed);
     t = tHit;
-    return speed != 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
-}
-
-bool meetPlane(Ray ray, Plane plane, out float t) {
-    return intersectPlane(ray, plane, t);
+    tSlip = slipOfFlat(frame, plane.normal, plane.point, toPoint, ray.direction, tHit, speed);
+    return speed != 0.0 && countsAt(ray, tHit);
 }
 
 void surfaceOfPlane(Ray ray, Hit hit, Plane plane, inout Surface surface) {

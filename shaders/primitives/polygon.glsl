@@ -28,7 +28,8 @@ bool crosses(vec3 a, vec3 b) {
 // among those of the vertices, which it leaves by rounding only.
 bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
     precise float speed = dot(polygon.normal, ray.direction);
-    precise float height = dot(polygon.normal, polygon.point - ray.origin);
+    precise vec3 toPoint = polygon.point - ray.origin;
+    precise float height = dot(polygon.normal, toPoint);
     precise float tPlane = quotient(height, speed);
     bool inside = false;
     uint vertex = polygon.firstVertex;
@@ -51,12 +52,13 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
         }
     } while (vertex < end);
     t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
-    return inside && speed != 0.0 && t > ray.tMin && t <= ray.tMax;
+    tSlip = slipOfFlat(frame, polygon.normal, polygon.point, toPoint, ray.direction, t, speed);
+    return inside && speed != 0.0 && countsAt(ray, t);
 }
 
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {
     float t;
-    bool isHit = intersectPolygon(ray, frame, polygon, t) && primitive != ray.source;
+    bool isHit = intersectPolygon(ray, frame, polygon, t);
     trips += polygon.trips;
     hit = Hit(t, 0.0, 0.0, primitive, kNone, polygon.id);
     return isHit;

@@ -119,22 +119,27 @@ struct Candidate {
     uint part;
     bool found;
     float side;
-    float before;  // t of the surface before, found or not
+    float before;   // t of the surface before, found or not
+    float slip;     // tSlip
+    float capSlip;  // of the caps, before that of t itself
 };
 
 void offer(inout Candidate best, Ray ray, float unit, float t, bool valid, uint part, float side) {
     precise float scaled = t * unit;
     float counted = afterT(best.before, scaled);
-    if (valid && !best.found && counted > 0.0 && counted > ray.tMin && counted <= ray.tMax)
-        best = Candidate(counted, part, true, side, counted);
+    precise float slip = slipOfRound(counted) + (part == kPartSide ? 0.0 : best.capSlip);
+    precise float near = counted - slip;
+    bool ahead = counted > 0.0 && (ray.source == kNone || near > 0.0);
+    if (valid && !best.found && ahead && counted > ray.tMin && near <= ray.tMax)
+        best = Candidate(counted, part, true, side, counted, slip, best.capSlip);
     if (kCountsSurfaces && valid) best.before = counted;
 }
 
 // The solid is cut out of the line by four numbers, the two roots and the two ends of the box, and every
 // surface is one end of what remains: so at a rim, where side and cap meet, the one begins where the other
 // ends, whatever rounding does.
-Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
-    Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0);
+Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float capSlip) {
+    Candidate best = Candidate(0.0, kPartSide, false, 0.0, 0.0, 0.0, capSlip);
     // Of the first stretch inside, and of the second.
     float a = c.between ? larger(c.lower, p.enter) : p.enter;
     float end = c.between ? c.upper : c.lower;
@@ -152,12 +157,23 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c) {
     return best;
 }
 
+// tSlip of the caps, as slipOfFlat; their normal is the third row. offset: of the origin from the quadric's
+// point; along: the direction in local coordinates.
+float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
+    if (!kSlips) return 0.0;
+    vec3 terms = 4.0 * abs(q.point) + 6.0 * abs(offset);
+    float stretch = squareRoot(dot(q.toLocal2, q.toLocal2));
+    precise float height = kUnit * (dot(abs(q.toLocal2), terms) + 6.0 * larger(abs(q.lo.z), abs(q.hi.z)));
+    precise float slip = abs(quotient(height + stretch * frame.slip, along.z == 0.0 ? 1.0 : along.z));
+    return slip;
+}
+
 // t is the same in local coordinates, as they are linear in the world's. The equation is set up where the ray
 // comes into the box. If A C takes more than half of B^2 there, it is set up again half way between the roots
 // (-B / A): B^2 - A C then loses no digits to the ray's way there, as Hearn and Baker's discriminant does not
 // for spheres (Haines, Gunther, Akenine-Moller, Ray Tracing Gems, 2019, ch. 7). If not, it has them all, and
 // the middle, which may be a million times farther than the nearer root, would only cost that root's.
-bool intersectQuadric(Ray ray, Quadric q, uint primitive, out Candidate best) {
+bool intersectQuadric(Ray ray, RayFrame frame, Quadric q, uint primitive, out Candidate best) {
     precise vec3 offset = ray.origin - q.point;
     vec3 o = toLocal(q, offset);
     vec3 along = toLocal(q, ray.direction);
@@ -212,7 +228,8 @@ bool intersectQuadric(Ray ray, Quadric q, uint primitive, out Candidate best) {
         if (abs(B) <= errorSide) B = 0.0;
     }
     Crossings c = crossingsOf(A, B, C, slack, start);
-    best = firstSurface(ray, unit, p, c);
+    best = firstSurface(ray, unit, p, c, slipOfCaps(frame, q, offset, along));
+    tSlip = best.slip;
     return best.found && p.enter <= p.leave;
 }
 
@@ -306,7 +323,7 @@ QuadricPoint quadricPoint(Ray ray, Hit hit, Quadric q) {
 
 bool hitQuadric(Ray ray, RayFrame frame, Quadric quadric, uint primitive, inout uint trips, out Hit hit) {
     Candidate best;
-    bool isHit = intersectQuadric(ray, quadric, primitive, best);
+    bool isHit = intersectQuadric(ray, frame, quadric, primitive, best);
     hit = Hit(best.t, kTellsSides ? best.side : 0.0, 0.0, primitive | (best.part << kPartShift), kNone,
               quadric.id);
     return isHit;

@@ -17,6 +17,7 @@ bool nearestRoot(Ray ray, float a, float b, float c, float disc, out float t, ou
     bool lowerIn = lower > ray.tMin && lower <= ray.tMax;
     bool upperIn = upper > ray.tMin && upper <= ray.tMax;
     t = lowerIn ? lower : upper;
+    tSlip = slipOfRound(t);
     side = lowerIn ? kComesIn : kLeaves;
     return disc >= 0.0 && q != 0.0 && (lowerIn || upperIn);
 }
@@ -57,8 +58,12 @@ bool intersectSphere(Ray ray, Sphere sphere, uint primitive, out float t, out fl
 bool meetSphere(Ray ray, Sphere sphere, uint primitive, out float t, out float side) {
     bool own = primitive == ray.source;
     side = 0.0;
-    if (SPHERE_FORM == kSphereAlgebraic) return sphereByEquation(ray, sphere, own, t);
-    if (SPHERE_FORM == kSphereGeometric) return sphereByDistance(ray, sphere, own, t);
+    if (SPHERE_FORM != kSphereRobust) {
+        bool isHit = SPHERE_FORM == kSphereAlgebraic ? sphereByEquation(ray, sphere, own, t)
+                                                     : sphereByDistance(ray, sphere, own, t);
+        tSlip = slipOfRound(t);
+        return isHit;
+    }
     return intersectSphere(ray, sphere, primitive, t, side);
 }
 

@@ -7,11 +7,10 @@
 #include "textbook.glsl"
 
 // Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Edges shared by two triangles
-// get the same products with the same roundings, so no ray slips between them. The weights are formed before
-// t: the paper's sum of products of three lengths overflows at 1e15. PBRT's bound on t's error (4th ed.,
-// sec. 6.8.7) is left out: it cost 12 to 15 % of the time, refused true grazing hits, and spared no self-hit
-// that the moved origin and the source primitive do not (docs/lab/building.md). The corners across the
-// ray, and of each edge on which side of it the ray passes.
+// get the same products with the same roundings, so no ray slips between them. t is that of the triangle's
+// plane, as of every flat surface: the paper's weighted sum errs by the ratio of a sliver's sides.
+
+// The corners across the ray, and of each edge on which side of it the ray passes.
 struct SeenTriangle {
     vec2 a, b, c;
     float ea, eb, ec;
@@ -35,34 +34,47 @@ bool isAround(SeenTriangle seen) {
     return lo.x <= 0.0 && lo.y <= 0.0 && hi.x >= 0.0 && hi.y >= 0.0;
 }
 
-bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, out float t, out float u, out float v) {
+// anchor, normal: v0 and the unit normal, turned.
+bool intersectTurned(Ray ray, RayFrame frame, vec3 a, vec3 b, vec3 c, vec3 anchor, vec3 normal, out float t,
+                     out float u, out float v) {
     SeenTriangle seen = seenAlong(frame, a, b, c);
     float ea = seen.ea;
     float eb = seen.eb;
     float ec = seen.ec;
     precise float det = ea + eb + ec;
-    precise float az = frame.shear.z * a.z;
-    precise float bz = frame.shear.z * b.z;
-    precise float cz = frame.shear.z * c.z;
     precise float inverse = quotient(1.0, det);
-    precise float wHit = ea * inverse;
     precise float uHit = eb * inverse;
     precise float vHit = ec * inverse;
-    precise float tHit = wHit * az + uHit * bz + vHit * cz;
-    t = tHit;
     u = uHit;
     v = vHit;
 
+    // Where the ray runs nearly in the plane, t stays between those of the corners.
+    precise vec3 ts = frame.shear.z * vec3(a.z, b.z, c.z);
+    vec3 along = vec3(frame.shear.xy, 1.0);
+    precise float speed = dot(normal, along);
+    precise float inverseSpeed = quotient(1.0, speed);
+    precise float depth = dot(normal, a) * inverseSpeed;
+    precise float tPlane = frame.shear.z * depth;
+    float least = ts.x < ts.y ? ts.x : ts.y;
+    least = ts.z < least ? ts.z : least;
+    float greatest = larger(larger(ts.x, ts.y), ts.z);
+    t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
+    precise float slip =
+        slipOfHeight(frame, normal, anchor, a, depth * along) * abs(frame.shear.z * inverseSpeed);
+    tSlip = kSlips ? slip : 0.0;
+
     bool inside = (ea >= 0.0 && eb >= 0.0 && ec >= 0.0) || (ea <= 0.0 && eb <= 0.0 && ec <= 0.0);
     if (FEATURE_SLIVERS) inside = inside && isAround(seen);
-    return inside && det != 0.0 && tHit > 0.0 && tHit > ray.tMin && tHit <= ray.tMax;
+    return inside && det != 0.0 && speed != 0.0 && t > 0.0 && countsAt(ray, t);
 }
 
-bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                       out float v) {
+    vec3 anchor = turnToZ(triangle.v0, frame.axis);
     precise vec3 a = turnToZ(triangle.v0 - ray.origin, frame.axis);
     precise vec3 b = turnToZ(triangle.v1 - ray.origin, frame.axis);
     precise vec3 c = turnToZ(triangle.v2 - ray.origin, frame.axis);
-    return intersectTurned(ray, frame, a, b, c, t, u, v);
+    return intersectTurned(ray, frame, a, b, c, anchor, turnToZ(normal, frame.axis), t, u, v);
 }
 
 // Of an edge from p to q that the ray meets as exactly as rounding tells: the side on which a ray passes that
@@ -85,59 +97,6 @@ bool crossesTriangle(Ray ray, RayFrame frame, Triangle triangle) {
     bool left = sideOfEdge(seen.ea, seen.c, seen.b) > 0.0;
     return left == (sideOfEdge(seen.eb, seen.a, seen.c) > 0.0) &&
            left == (sideOfEdge(seen.ec, seen.b, seen.a) > 0.0);
-}
-
-vec3 longestOf(vec3 a, vec3 b, vec3 c) {
-    precise float a2 = dot(a, a);
-    precise float b2 = dot(b, b);
-    precise float c2 = dot(c, c);
-    vec3 longer = b2 > a2 ? b : a;
-    return c2 > larger(a2, b2) ? c : longer;
-}
-
-// Whether a triangle that intersectTriangle says is hit, with these weights, lies behind the origin for
-// certain: a ray that leaves a surface at a grazing angle. Of a sliver the products of the edge functions are
-// hundreds of times their sum, and t is off by as much. So its sign is found anew, as that of n.(x - o) by
-// n.d. With weights a, b and c of 11 digits x is near o, so that n's own rounding tells little; and a x0 + b
-// x1 + c x2 - o is exact for the upper 12 digits of all coordinates, multiples of one power of two, which
-// leaves 2^-31 of their size. Along the longest edge x is off by as much as 11 digits leave of it, so that
-// part of the way is taken off first: n.edge is 0, and what n's rounding would make of it is not. Each of n's
-// components errs by three units of either product and one of their difference, the dot products by three
-// units more: `doubt` holds for both, and what is taken off errs by three units of itself. A sign within all
-// that is not certain.
-bool liesBehind(vec3 origin, vec3 direction, Triangle triangle, float u, float v) {
-    vec3 v0 = triangle.v0, v1 = triangle.v1, v2 = triangle.v2;
-    precise vec3 e1 = v1 - v0;
-    precise vec3 e2 = v2 - v0;
-    precise vec3 p = e1.yzx * e2.zxy;
-    precise vec3 q = e1.zxy * e2.yzx;
-    precise vec3 n = p - q;
-    vec3 doubt = 8.0 * kUnit * (abs(p) + abs(q));
-    float size = larger(larger(greatestComponent(v0), greatestComponent(v1)),
-                        larger(greatestComponent(v2), greatestComponent(origin)));
-    precise float grid = uintBitsToFloat(floatBitsToUint(size) & 0x7f800000u) * 6144.0;
-    precise vec3 h0 = (v0 + grid) - grid;
-    precise vec3 h1 = (v1 + grid) - grid;
-    precise vec3 h2 = (v2 + grid) - grid;
-    precise vec3 ho = (origin + grid) - grid;
-    precise float b = (u + 6144.0) - 6144.0;
-    precise float c = (v + 6144.0) - 6144.0;
-    precise float a = 1.0 - b - c;
-    precise vec3 upper = a * h0 + b * h1 + c * h2 - ho;
-    precise vec3 lower = a * (v0 - h0) + b * (v1 - h1) + c * (v2 - h2) - (origin - ho);
-    precise vec3 way = upper + lower;
-    precise vec3 e3 = v2 - v1;
-    vec3 edge = longestOf(e1, e2, e3);
-    precise float share = quotient(dot(way, edge), dot(edge, edge));
-    precise vec3 along = share * edge;
-    precise vec3 beside = way - along;
-    precise float height = dot(n, beside);
-    precise float speed = dot(n, direction);
-    vec3 most = abs(n) + doubt;
-    precise float sure =
-        dot(doubt, abs(beside)) + dot(most, 4.0 * kUnit * abs(along) + 0.0078125 * kUnit * size);
-    bool behind = speed > 0.0 ? height < -sure : height > sure;
-    return behind && abs(speed) > dot(doubt, abs(direction));
 }
 
 // The hit of a sliver, moved along its longest edge to where the ray passes. Its weights are off by the
@@ -184,11 +143,17 @@ void settleSliver(Ray ray, bool exchanged, inout Hit hit) {
     }
 }
 
-bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
-    if (INTERSECTOR == kTriangleBarycentric) return triangleByCramer(ray, triangle, t, u, v);
-    if (INTERSECTOR == kTriangleProjection) return triangleByProjection(ray, triangle, t, u, v);
-    if (INTERSECTOR == kTrianglePlanar3d) return triangleInSpace(ray, triangle, t, u, v);
-    return intersectTriangle(ray, frame, triangle, t, u, v);
+bool meetTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                  out float v) {
+    if (INTERSECTOR == kTriangleWatertight)
+        return intersectTriangle(ray, frame, triangle, normal, t, u, v);
+    bool isHit = INTERSECTOR == kTriangleBarycentric  ? triangleByCramer(ray, triangle, t, u, v)
+                 : INTERSECTOR == kTriangleProjection ? triangleByProjection(ray, triangle, t, u, v)
+                                                      : triangleInSpace(ray, triangle, t, u, v);
+    precise vec3 toCorner = triangle.v0 - ray.origin;
+    precise float speed = dot(normal, ray.direction);
+    tSlip = slipOfFlat(frame, normal, triangle.v0, toCorner, ray.direction, t, speed);
+    return isHit && countsAt(ray, t);
 }
 
 // crossesTriangle; the textbooks' tests do not agree about their edges with each other, so there each
@@ -216,30 +181,6 @@ void triangleAttributes(uint attributes, vec3 weights, inout Surface surface) {
     }
 }
 
-// Weights of a point that lies so far inside that neither its rounding nor that of an edge's test takes it
-// into a neighbour. In a plane through the coordinates' origin the error of a point has no part along the
-// normal, so rays start in the plane itself, where a neighbour's test finds t = 0 but for its rounding. That
-// distance is `margin`, 8 units of the corners' coordinates, the longest edge and what an instance's place
-// adds; the least height is twice the area by the longest edge. Pulling towards the centroid by s adds s / 3
-// to each weight; slivers are pulled by no more than moves the point by a few margins.
-vec3 awayFromEdges(vec3 weights, Triangle triangle, float placed) {
-    precise vec3 e1 = triangle.v1 - triangle.v0;
-    precise vec3 e2 = triangle.v2 - triangle.v0;
-    precise vec3 e3 = e2 - e1;
-    precise vec3 n = vec3(e1.y * e2.z - e1.z * e2.y, e1.z * e2.x - e1.x * e2.z, e1.x * e2.y - e1.y * e2.x);
-    float edge = larger(greatestComponent(e1), larger(greatestComponent(e2), greatestComponent(e3)));
-    float size = larger(greatestComponent(triangle.v0),
-                        larger(greatestComponent(triangle.v1), greatestComponent(triangle.v2)));
-    precise float margin = 8.0 * kUnit * (size + edge + placed);
-    precise float least = quotient(margin * edge, larger(greatestComponent(n), 0.5 * (edge * edge)));
-    float smallest = weights.x < weights.y ? weights.x : weights.y;
-    smallest = weights.z < smallest ? weights.z : smallest;
-    precise float pull = 3.0 * least;
-    pull = pull < 1.0 ? pull : 1.0;
-    precise vec3 moved = weights + pull * (vec3(1.0 / 3.0) - weights);
-    return smallest < least ? moved : weights;
-}
-
 // Barycentric interpolation: off by gamma_7 of the sum of magnitudes (Pharr et al., PBRT 4th ed.,
 // sec. 6.8.5), far below the error of o + t d. `instance`: of the hit, if it has one.
 void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
@@ -252,18 +193,9 @@ void surfaceOfTriangle(Hit hit, Instance instance, inout Surface surface) {
         hit.v = u;
     }
     precise float w = 1.0 - hit.u - hit.v;
-    float placed = 0.0;
-    if (FEATURE_INSTANCES && hit.instance != kNone) {
-        float row =
-            larger(greatestComponent(instance.toObjectX),
-                   larger(greatestComponent(instance.toObjectY), greatestComponent(instance.toObjectZ)));
-        precise float inObject = 3.0 * row * greatestComponent(instance.place);
-        placed = inObject;
-    }
-    vec3 inside = awayFromEdges(vec3(w, hit.u, hit.v), triangle, placed);
-    precise vec3 p0 = inside.x * triangle.v0;
-    precise vec3 p1 = inside.y * triangle.v1;
-    precise vec3 p2 = inside.z * triangle.v2;
+    precise vec3 p0 = w * triangle.v0;
+    precise vec3 p1 = hit.u * triangle.v1;
+    precise vec3 p2 = hit.v * triangle.v2;
     precise vec3 position = p0 + p1 + p2;
     surface.position = position;
     surface.error = gammaBound(7.0) * (abs(p0) + abs(p1) + abs(p2));

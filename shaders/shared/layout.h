@@ -206,6 +206,10 @@ GLINT_CONST_FLOAT(kInfinity, 3.402823466e38f);
 // - 1) << kLeafCountShift | first, where `first` indexes the kind's array in leaf order. A leaf holds one
 // kind.
 GLINT_CONST_UINT(kLeafFlag, 0x80000000u);
+
+// In the id of a primitive: it is a dielectric. Of surfaces in one place the lowest id is hit, so an opaque
+// one before any dielectric.
+GLINT_CONST_UINT(kDielectricRank, 0x80000000u);
 GLINT_CONST_UINT(kLeafKindShift, 28u);
 GLINT_CONST_UINT(kLeafKindMask, 7u);
 GLINT_CONST_UINT(kLeafCountShift, 25u);

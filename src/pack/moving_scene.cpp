@@ -177,7 +177,7 @@ bool MovingScene::moveTriangle(const Scene& scene, const PrimitiveNumbers& numbe
     shared::Triangle& triangle = packed_.triangles[index];
     shared::TriangleSurface& surface = packed_.triangleSurfaces[index];
     const Object& object = scene.objects[surface.object];
-    const uint32_t face = triangle.id - numbers.firstId(surface.object);
+    const uint32_t face = (triangle.id & ~shared::kDielectricRank) - numbers.firstId(surface.object);
     const auto* mesh = std::get_if<MeshShape>(&object.shape);
     const glm::uvec3 corners = mesh != nullptr ? mesh->mesh->corners[face] : glm::uvec3(0, 1, 2);
     const glm::vec3* const rounded = vertices_[surface.object].rounded.data();

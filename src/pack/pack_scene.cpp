@@ -5,6 +5,7 @@
 #include "core/stopwatch.h"
 #include "pack/build_tree.h"
 #include "pack/camera_change.h"
+#include "pack/dielectric_rank.h"
 #include "pack/extent.h"
 #include "pack/features.h"
 #include "pack/instances.h"
@@ -138,6 +139,7 @@ PackedScene packPlaced(const Scene& scene, const PrimitiveNumbers& numbers, Inst
         for (shared::Material& material : packed.materials) material.medium = 0;
         packed.optics.clear();
     }
+    if (packed.features.transmission) rankDielectrics(packed, packed.nodes);
     if (packed.features.transmission || packed.features.mirrors)
         packed.environment.radianceBound = radianceBound(packed, packed.environment, packed.lights);
     packed.features.parallelCamera = scene.camera.projection == Projection::Orthographic;

@@ -25,6 +25,19 @@ Ray InstanceFrame::enterInstance(const Ray& ray) const {
     return inside;
 }
 
+// The difference, the products and their sums round: gamma_5 of the magnitudes for each coordinate, of which
+// there are three.
+double InstanceFrame::slipOfWayIn(const dvec3& origin) const {
+    const dvec3 away = glm::abs(origin - place_);
+    double greatest = 0;
+    for (int row = 0; row < 3; ++row) {
+        double sum = 0;
+        for (int column = 0; column < 3; ++column) sum += std::abs(toObject_[column][row]) * away[column];
+        greatest = std::max(greatest, sum);
+    }
+    return 9 * 0x1p-24 * greatest;
+}
+
 dvec3 InstanceFrame::pointInWorld(const dvec3& point) const {
     return toWorld_ * point + place_;
 }

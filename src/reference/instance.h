@@ -13,6 +13,8 @@ class InstanceFrame {
 
     // The same points at the same t, in the instance's coordinates.
     Ray enterInstance(const Ray& ray) const;
+    // PreparedRay::slip: how far fp32 may take an origin off on its way in, along any unit normal.
+    double slipOfWayIn(const glm::dvec3& origin) const;
     glm::dvec3 pointInWorld(const glm::dvec3& point) const;
     // Unit; by the inverse transpose.
     glm::dvec3 normalInWorld(const glm::dvec3& normal) const;

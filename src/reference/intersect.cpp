@@ -57,10 +57,15 @@ Vec<T> magnitudes(const Vec<T>& a) {
     return {magnitude(a.x), magnitude(a.y), magnitude(a.z)};
 }
 
-// Accepts t if it lies in the ray's interval.
-bool accept(Extended t, const PreparedRay& ray, double tMax, Root& root) {
+bool accept(Extended t, double slip, const PreparedRay& ray, double tMax, Root& root) {
     root.t = static_cast<double>(t);
-    return root.t > ray.tMin && root.t <= tMax && root.t <= std::numeric_limits<double>::max();
+    root.slip = slip;
+    return countsAt(ray, root.t, slip, tMax);
+}
+
+glm::dvec3 unitOf(const Vec<Extended>& n) {
+    return glm::normalize(
+        glm::dvec3(static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)));
 }
 
 // The sign of d.(b x c): on which side of the edge the line passes (Pluecker). Six terms of three factors,
@@ -136,7 +141,7 @@ struct SphereEquation {
 // Squares of coordinates stay finite. Of a scene in the range of fp32 a ray from so far tells nothing apart.
 constexpr double kFarthestOrigin = 1e150;
 
-PreparedRay::PreparedRay(const Ray& ray) : noise(ray.noise) {
+PreparedRay::PreparedRay(const Ray& ray) : ties(ray.ties), noise(ray.noise) {
     double greatest = 0;
     bool finite = true;
     kz = 0;
@@ -161,6 +166,17 @@ PreparedRay::PreparedRay(const Ray& ray) : noise(ray.noise) {
     ky = (kx + 1) % 3;
     shearX = direction[kx] / direction[kz];
     shearY = direction[ky] / direction[kz];
+}
+
+double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t) {
+    if (!ray.leaves && !ray.ties) return 0;
+    double height = ray.slip, speed = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
+        height += 0x1p-24 * std::abs(n[i]) * (4 * std::abs(anchor[i]) + 6 * reach);
+        speed += n[i] * ray.direction[i];
+    }
+    return height / std::abs(speed);
 }
 
 bool crossesTriangle(const rows::Triangle& triangle, const PreparedRay& ray) {
@@ -191,7 +207,9 @@ bool solveTriangle(const rows::Triangle& triangle, const PreparedRay& ray, bool 
     // From the plane, not from the edge functions, whose relative error grows without bound as the triangle
     // thins.
     const Vec<Extended> s = v0 - toVec<Extended>(ray.origin);
-    if (!accept(dot(n, s) / nd, ray, tMax, root)) return false;
+    const Extended t = dot(n, s) / nd;
+    const double slip = slipOfFlat(ray, unitOf(n), glm::dvec3(triangle.v0), static_cast<double>(t));
+    if (!accept(t, slip, ray, tMax, root)) return false;
     // Moeller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, eq. 6, written with n.d
     // for the determinant.
     const Vec<Extended> q = cross(d, s);
@@ -211,7 +229,8 @@ bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fr
     const Vec<Extended> w = toVec<Extended>(sphere.point) - toVec<Extended>(ray.origin);
     if (fromSurface) {
         const SphereEquation<Extended> onSurface(sphere, w, d, kExtendedRoundoff);
-        return accept(2 * onSurface.b / onSurface.a, ray, tMax, root);
+        const Extended t = 2 * onSurface.b / onSurface.a;
+        return accept(t, slipOfRound(static_cast<double>(t)), ray, tMax, root);
     }
     const SphereEquation<double> rough(sphere, toVec<double>(sphere.point) - toVec<double>(ray.origin),
                                        toVec<double>(ray.direction), kUnitRoundoff);
@@ -240,7 +259,8 @@ bool intersectSphere(const rows::Sphere& sphere, const PreparedRay& ray, bool fr
     Extended t0 = shift + (q == 0 ? 0 : e.c / q), t1 = shift + q / e.a;
     if (t0 > t1) std::swap(t0, t1);
     root.twice = static_cast<double>(t0) == static_cast<double>(t1);
-    return accept(t0, ray, tMax, root) || accept(t1, ray, tMax, root);
+    return accept(t0, slipOfRound(static_cast<double>(t0)), ray, tMax, root) ||
+           accept(t1, slipOfRound(static_cast<double>(t1)), ray, tMax, root);
 }
 
 // With w = centre - o, the point of the line in the plane is (n.w / n.d) d - w away from the centre. Squared
@@ -319,7 +339,9 @@ bool intersectPolygon(const rows::Polygon& polygon, std::span<const rows::Polygo
     }
     if (!odd) return false;
     const Vec<Extended> w = toVec<Extended>(polygon.point) - toVec<Extended>(ray.origin);
-    return accept(std::clamp(dot(n, w) / nd, least, greatest), ray, tMax, root);
+    const Extended t = std::clamp(dot(n, w) / nd, least, greatest);
+    const double slip = slipOfFlat(ray, polygon.normal, polygon.point, static_cast<double>(t));
+    return accept(t, slip, ray, tMax, root);
 }
 
 bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, Root& root) {
@@ -331,7 +353,8 @@ bool intersectDisc(const rows::Disc& disc, const PreparedRay& ray, double tMax, 
     // What quadruple precision cannot tell from the rim is on it.
     if (side < 0 || (side == 0 && discSide<Quad>(disc, ray, kQuadRoundoff) < 0)) return false;
     const Vec<Extended> w = toVec<Extended>(disc.center) - toVec<Extended>(ray.origin);
-    return accept(dot(n, w) / nd, ray, tMax, root);
+    const Extended t = dot(n, w) / nd;
+    return accept(t, slipOfFlat(ray, disc.normal, disc.center, static_cast<double>(t)), ray, tMax, root);
 }
 
 bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMax, Root& root) {
@@ -340,7 +363,8 @@ bool intersectPlane(const rows::Plane& plane, const PreparedRay& ray, double tMa
     const Extended nd = dot(n, toVec<Extended>(ray.direction));
     if (nd == 0) return false;
     const Vec<Extended> w = toVec<Extended>(plane.point) - toVec<Extended>(ray.origin);
-    return accept(dot(n, w) / nd, ray, tMax, root);
+    const Extended t = dot(n, w) / nd;
+    return accept(t, slipOfFlat(ray, plane.normal, plane.point, static_cast<double>(t)), ray, tMax, root);
 }
 
 }  // namespace glint::reference

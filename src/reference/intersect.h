@@ -28,7 +28,10 @@ struct PreparedRay {
     // Where, in floats from the start of a node, the nearer and the farther plane of each axis of its first
     // box lie.
     int nearPlane[3], farPlane[3];
-    bool valid;  // false: the ray misses everything
+    bool valid;           // false: the ray misses everything
+    bool leaves = false;  // it starts on a surface
+    bool ties;            // Ray::ties
+    double slip = 0;      // how far the origin is off along any unit normal, as the rule counts it
     FormulaNoise noise;
 
     explicit PreparedRay(const Ray& ray);
@@ -36,8 +39,23 @@ struct PreparedRay {
 
 struct Root {
     double t, u, v;
+    double slip = 0;     // see slipOfFlat
     bool twice = false;  // what is round is touched there: the line comes in and leaves at one t
 };
+
+// The rule for rays that meet and leave surfaces (docs/design/numerics.md): t stands for t +- slip, and slip
+// is how far the heights of surfaces in one place may differ in fp32, over the speed n.d at which the ray
+// changes its height. anchor: the point of the plane that heights are measured from; w = anchor - o; n: unit.
+double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3& anchor, double t);
+// The slip of a round surface.
+inline double slipOfRound(double t) {
+    return 8 * 0x1p-24 * std::abs(t);
+}
+// True if a surface at t +- slip counts for the ray, whose interval ends at tMax.
+inline bool countsAt(const PreparedRay& ray, double t, double slip, double tMax) {
+    return t > ray.tMin && (!ray.leaves || t > slip) && t - (ray.ties ? slip : 0) <= tMax &&
+           t <= std::numeric_limits<double>::max();
+}
 
 // The rest of intersectTriangle, for the few triangles that the filter does not reject. lineHits: the filter
 // has proved that the line through the ray crosses the inside.

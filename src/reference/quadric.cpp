@@ -170,6 +170,7 @@ class Search {
         }
         root.u = root.v = 0;
         root.t = best_;
+        root.slip = slip_;
         root.twice = twice_;
         part = part_;
         return found_;
@@ -206,7 +207,7 @@ class Search {
     }
 
     void side(Extended t, bool twice = false) {
-        if (!counts(static_cast<double>(t))) return;
+        if (!counts(static_cast<double>(t), slipOfRound(static_cast<double>(t)))) return;
         const Vec4<Extended> y = local_.at(t);
         for (int i = 0; i < 3; ++i) {
             const Extended slack = slackAt(y, i);
@@ -220,7 +221,7 @@ class Search {
         const Extended plane = upper ? quadric_.hi.z : quadric_.lo.z;
         if (local_.d[2] == 0) return;
         const Extended t = (plane - local_.o[2]) / local_.d[2];
-        if (!counts(static_cast<double>(t))) return;
+        if (!counts(static_cast<double>(t), slipOfCap(t))) return;
         Vec4<Extended> y = local_.at(t);
         y[2] = plane;
         Vec4<Extended> terms;
@@ -233,13 +234,24 @@ class Search {
     }
 
     // Within the ray's interval, and before what was found.
-    bool counts(double t) const {
-        if (!(t > ray_.tMin && t <= tMax_ && t <= std::numeric_limits<double>::max())) return false;
-        return !(found_ && best_ <= t);
+    bool counts(double t, double slip) const {
+        return countsAt(ray_, t, slip, tMax_) && !(found_ && best_ <= t);
+    }
+
+    // As slipOfFlat: the third axis, which is no unit vector, is the caps' normal.
+    double slipOfCap(Extended t) const {
+        if (!ray_.leaves && !ray_.ties) return 0;
+        const dvec3 axis(quadric_.toLocal2), point(quadric_.point);
+        double height = 6 * std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
+        for (int i = 0; i < 3; ++i)
+            height += std::abs(axis[i]) * (4 * std::abs(point[i]) + 6 * std::abs(ray_.origin[i] - point[i]));
+        height = 0x1p-24 * height + glm::length(axis) * ray_.slip;
+        return height / std::abs(static_cast<double>(local_.d[2])) + slipOfRound(static_cast<double>(t));
     }
 
     void take(Extended t, uint32_t part) {
         best_ = static_cast<double>(t);
+        slip_ = part == shared::kPartSide ? slipOfRound(best_) : slipOfCap(t);
         part_ = part;
         found_ = true;
         twice_ = false;
@@ -251,7 +263,7 @@ class Search {
     HomogeneousForm<Extended> form_;
     LocalRay<Extended> local_;
     double tMax_;
-    double best_ = 0;
+    double best_ = 0, slip_ = 0;
     uint32_t part_ = 0;
     bool found_ = false, twice_ = false;
 };

@@ -109,7 +109,9 @@ void PathTracer::decideCells(const Surface& textured) {
 // then gives the same t as well, and the rule for equal t says which is first.
 std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, RayClass kind) {
     const uint64_t before = record_.cost;
-    const std::optional<Hit> hit = tracer_.closest(ray, source, &record_.cost);
+    Ray seen = ray;
+    seen.ties = true;
+    const std::optional<Hit> hit = tracer_.closest(seen, source, &record_.cost);
     count(kind, before);
     if (!hit || mover_.tieWidth() == 0 || !mover_.coin()) return hit;
     Ray narrow = ray;

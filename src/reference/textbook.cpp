@@ -84,7 +84,9 @@ bool textbookTriangle(TriangleMethod method, const rows::Triangle& triangle, con
     const bool inside = method == TriangleMethod::Barycentric  ? triangleByCramer(v, ray, root)
                         : method == TriangleMethod::Projection ? triangleByProjection(v, ray, root)
                                                                : triangleInSpace(v, ray, root);
-    return inside && inInterval(ray, root.t, tMax);
+    if (!inside) return false;
+    root.slip = slipOfFlat(ray, glm::normalize(glm::cross(v[1] - v[0], v[2] - v[0])), v[0], root.t);
+    return countsAt(ray, root.t, root.slip, tMax);
 }
 
 namespace {

@@ -38,6 +38,8 @@ struct Ray {
     double originScale = 0;
     double directionScale = 1;
     FormulaNoise noise = {};
+    // Of the rays of a picture: of surfaces in one place, as far as fp32 tells, the lowest id is hit.
+    bool ties = false;
 };
 
 struct Hit {

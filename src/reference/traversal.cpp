@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pack/dielectric_rank.h"
 #include "reference/instance.h"
 #include "reference/material.h"
 #include "reference/primitives.h"
@@ -31,6 +32,8 @@ constexpr double kCullPad = 1 + 0x1p-30;
 // instance and what its ids count from, kNone and 0 in the world.
 struct Search {
     Hit best;
+    double end = 0;      // of the ray's interval: at most the least t + slip so far
+    double nearest = 0;  // t of the best hit less its slip
     uint64_t cost = 0;
     bool found = false;
     uint32_t instance = kNone;
@@ -75,23 +78,24 @@ bool isHole(const Model& scene, const Search& search, const Hit& hit) {
 // them. True if there is one.
 template <class Primitive>
 bool testPrimitive(const Model& scene, const PreparedRay& ray, const Primitive& one, uint32_t primitive,
-                   uint32_t source, Search& search, Hit& hit) {
+                   uint32_t source, Search& search, Hit& hit, double& slip) {
     Root root;
     uint32_t part = 0;
     const Methods& methods = search.tracer->methods();
-    if (!meets(one, {scene, methods, ray, primitive, source, search.best.t}, root, part)) return false;
+    if (!meets(one, {scene, methods, ray, primitive, source, search.end}, root, part)) return false;
     PreparedRay further = ray;
     do {
         if (std::is_same_v<Primitive, rows::Triangle> && isMirrored(scene, search.instance))
             std::swap(root.u, root.v);
-        hit = {root.t,         root.u, root.v, primitive | part << shared::kPartShift, one.id + search.idBase,
-               search.instance};
+        const uint32_t id = idInInstance(search.idBase, one.id);
+        hit = {root.t, root.u, root.v, primitive | part << shared::kPartShift, id, search.instance};
+        slip = ray.ties ? root.slip : 0;
         const bool hole = isHole(scene, search, hit);
         if (!hole && !search.all) return true;
         if (!hole) search.all->insert(search.all->end(), root.twice ? 2 : 1, hit);
         // What is hit more than once: again from there on.
         further.tMin = root.t;
-    } while (meets(one, {scene, methods, further, primitive, source, search.best.t}, root, part));
+    } while (meets(one, {scene, methods, further, primitive, source, search.end}, root, part));
     return false;
 }
 
@@ -103,10 +107,14 @@ bool testArray(const Model& scene, const PreparedRay& ray, const std::vector<Pri
         Hit hit;
         ++search.cost;
         const uint32_t primitive = kind << shared::kPrimitiveKindShift | i;
-        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit)) continue;
+        double slip = 0;
+        if (!testPrimitive(scene, ray, array[i], primitive, source, search, hit, slip)) continue;
         if constexpr (!kAny) {
-            if (search.found && hit.t == search.best.t && hit.id > search.best.id) continue;
+            const bool closer = !search.found || hit.t + slip < search.nearest;
+            search.end = std::min(search.end, hit.t + slip);
+            if (!closer && hit.id > search.best.id) continue;
             search.best = hit;
+            search.nearest = hit.t - slip;
         }
         search.found = true;
         if constexpr (kAny) return true;
@@ -143,8 +151,10 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
 template <bool kAny>
 bool searchInstance(const World& world, uint32_t index, Search& search) {
     const rows::Instance& instance = world.scene.instances[index];
-    const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
+    PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
     if (!inside.valid) return false;
+    inside.leaves = world.source.primitive != kNone;
+    inside.slip = InstanceFrame(instance).slipOfWayIn(world.ray.origin);
     search.instance = index;
     search.idBase = instance.idBase;
     const uint32_t source = world.source.instance == index ? world.source.primitive : kNone;
@@ -166,7 +176,7 @@ bool testLeaf(const World& world, const PreparedRay& ray, uint32_t leaf, uint32_
     return false;
 }
 
-// search.best.t holds the end of the ray's interval on entry.
+// search.end holds the end of the ray's interval on entry.
 template <bool kAny>
 void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uint32_t root, Search& search) {
     const Model& scene = world.scene;
@@ -184,7 +194,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
         } else {
             const rows::Node& node = nodes[child];
             const auto* planes = reinterpret_cast<const double*>(&node);
-            const double limit = cullLimit(search.best.t);
+            const double limit = cullLimit(search.end);
             const bool has0 = node.child0 != kNone, has1 = node.child1 != kNone;
             const double t0 =
                 has0 ? enterBox(planes, 0, ray, limit) : std::numeric_limits<double>::infinity();
@@ -203,7 +213,7 @@ void searchTree(const World& world, const PreparedRay& ray, uint32_t source, uin
                 continue;
             }
         }
-        const double limit = cullLimit(search.best.t);
+        const double limit = cullLimit(search.end);
         do {
             if (size == 0) return;
             --size;
@@ -243,7 +253,9 @@ void testLeaves(const World& world, const PreparedRay& ray, uint32_t root, Searc
             const rows::Instance& instance = world.scene.instances[i];
             search.instance = i;
             search.idBase = instance.idBase;
-            const PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
+            PreparedRay inside(InstanceFrame(instance).enterInstance(world.ray));
+            inside.leaves = world.source.primitive != kNone;
+            inside.slip = InstanceFrame(instance).slipOfWayIn(world.ray.origin);
             if (inside.valid) testLeaves(world, inside, instance.root, search);
             search.instance = kNone;
             search.idBase = 0;
@@ -260,9 +272,10 @@ Search searchScene(const Tracer& tracer, const Model& scene, const Ray& ray, con
     search.world = &ray;
     const World world{scene, ray, from};
     const uint32_t source = from.instance == kNone ? from.primitive : kNone;
-    const PreparedRay prepared(ray);
+    PreparedRay prepared(ray);
     if (!prepared.valid) return search;
-    search.best.t = ray.tMax;
+    prepared.leaves = from.primitive != kNone;
+    search.end = ray.tMax;
     const auto planes = static_cast<uint32_t>(scene.planes.size());
     if (!testPrimitives<kAny>(scene, prepared, shared::PrimitiveKind::Plane, 0, planes, source, search) &&
         scene.environment.root != kNone) {
@@ -315,8 +328,10 @@ bool Tracer::occluded(const Ray& ray, const Source& source, uint64_t* cost) cons
 std::vector<Hit> Tracer::allHits(const Ray& ray, const Source& source, uint64_t* cost) const {
     std::vector<Hit> hits;
     searchScene<false>(*this, scene_, ray, source, cost, &hits);
-    std::sort(hits.begin(), hits.end(),
-              [](const Hit& a, const Hit& b) { return std::pair(a.t, a.id) < std::pair(b.t, b.id); });
+    std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+        const uint32_t ofFile = ~shared::kDielectricRank;
+        return std::pair(a.t, a.id & ofFile) < std::pair(b.t, b.id & ofFile);
+    });
     return hits;
 }
 
@@ -331,11 +346,12 @@ bool Tracer::crosses(const Ray& ray, const Hit& hit) const {
 
 std::optional<Hit> Tracer::closestBruteForce(const Ray& ray, const Source& source) const {
     Search search;
-    const PreparedRay prepared(ray);
+    PreparedRay prepared(ray);
     if (!prepared.valid) return std::nullopt;
+    prepared.leaves = source.primitive != kNone;
     search.tracer = this;
     search.world = &ray;
-    search.best.t = ray.tMax;
+    search.end = ray.tMax;
     if (scene_.instances.empty()) {
         testAll(scene_, prepared, source.primitive, search);
     } else {

@@ -31,7 +31,7 @@ PROBES = {
 }
 # Files about how rays walk, and what every walk does in its own way. The others' functions are the same for all of them: rays that walk by
 # themselves, with a stack, judge those.
-WALKS = ("traversal.glsl", "behind.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
+WALKS = ("traversal.glsl", "leaf.glsl", "intersect.glsl", "instance.glsl", "ray.glsl", "wide_nodes.glsl", "compressed.glsl", "light.comp",
          "lighting.glsl", "intersect.comp", "path.glsl", "passage.glsl", "packet.glsl", "packet_any.glsl", "packet_closest.glsl", "packet_intersect.comp", "whole.comp")
 # Cases that are drawn with glint's own quotients and roots judge this file alone.
 ARITHMETIC = "arithmetic.glsl"

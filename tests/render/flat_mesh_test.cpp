@@ -126,7 +126,7 @@ TEST_F(FlatMeshTest, NeighboursThatAreMetAreUnexplained) {
     const Case c = floorCase(Made::OneMesh, 0);
     const verify::Report sound = verified(c, nullptr);
     EXPECT_TRUE(sound.passed()) << sound.unexplained << " unexplained";
-    const KernelCode code = mutantKernels("over_the_edge");
+    const KernelCode code = mutantKernels("near_faces");
     const verify::Report broken = verified(c, &code);
     EXPECT_GT(broken.unexplained, 5u);
     EXPECT_FALSE(broken.passed());

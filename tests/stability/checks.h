@@ -59,14 +59,6 @@ SettledCount judgeSettled(const Subject& subject, const SliverFamily& family, bo
 // Of rays that aim at the line of a sliver's longest side, a twentieth to two of its lengths beyond its ends,
 // how many are found to meet it.
 size_t countMetBeyondEnds(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed);
-// Points on the edges and at the corners of a family as rays start from them: their least weight, by the one
-// that a margin off the edge has, the units of 2^-24 that their weights' sum is off by, and how many margins
-// they have moved.
-struct AwayCount {
-    double least = 1e30, sum = 0, farthest = 0;
-};
-AwayCount judgeAway(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed);
-
 // Spheres of this radius seen from `distance` radii off, by rays across 1.2 times the disc that they appear
 // as, or within a thousandth of its rim.
 struct SphereFamily {

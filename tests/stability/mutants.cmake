@@ -14,8 +14,10 @@ endmacro()
 
 # Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, every operation precise.
 mutant(moller_trumbore primitives/triangle.glsl
-       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {"
-       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {
+       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                       out float v) {"
+       "bool intersectTriangle(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u,
+                       out float v) {
     precise vec3 e1 = triangle.v1 - triangle.v0;
     precise vec3 e2 = triangle.v2 - triangle.v0;
     precise vec3 p = cross(ray.direction, e2);
@@ -31,7 +33,7 @@ mutant(moller_trumbore primitives/triangle.glsl
     v = vHit;
     return det != 0.0 && uHit >= 0.0 && vHit >= 0.0 && sum <= 1.0 && tHit > ray.tMin && tHit <= ray.tMax;
 }
-bool woop(Ray ray, RayFrame frame, Triangle triangle, out float t, out float u, out float v) {"
+bool woop(Ray ray, RayFrame frame, Triangle triangle, vec3 normal, out float t, out float u, out float v) {"
        intersect primitive_probe)
 # One product of each edge function contracted into a fused multiply-add, as a driver may do without NoContraction. lavapipe never does, so
 # the fused result is put together from the product's own rounding error (Veltkamp 1968, Dekker 1971). Contracting a single one of the three

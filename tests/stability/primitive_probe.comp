@@ -2,11 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 // Path i against primitive i of one kind, without a tree: intersectX of primitives/ alone, and
 // intersectBox. The kind comes as dispatch.lightIndex: kKind..., kProbeBox, for the first boxes of the
-// nodes, or of triangles kProbeAhead, for those that do not lie behind the origin, kProbeSettled, for hits as
-// settleSliver leaves them, with kProbeExchanged as of a mirrored instance, or kProbeAway, for awayFromEdges,
-// or of quadrics kProbeNormal, for the normal where one is met. In: the path's rows kRowOrigin (and source),
-// kRowDirection (and tMin), kRowHit (tMax); kProbeAway has weights and `placed` there. Out: kRowHit = t, u,
-// v, 1 for a hit; or weights, or the normal.
+// nodes, or of triangles kProbeAhead, for rays that leave a surface, kProbeSettled, for hits as settleSliver
+// leaves them, with kProbeExchanged as of a mirrored instance, or of quadrics kProbeNormal, for the normal of
+// a hit. In: the path's rows kRowOrigin (and source), kRowDirection (and tMin), kRowHit (tMax). Out: kRowHit
+// = t, u, v, 1 for a hit; or the normal.
 #include "intersect.glsl"
 #include "primitives/all.glsl"
 
@@ -16,7 +15,6 @@ const uint kProbeBox = 100u;
 const uint kProbeAhead = 101u;
 const uint kProbeSettled = 102u;
 const uint kProbeExchanged = 103u;
-const uint kProbeAway = 104u;
 const uint kProbeNormal = 105u;
 
 void main() {
@@ -28,14 +26,14 @@ void main() {
                   uintBitsToFloat(loadRow(kRowHit, path).x), origin.w, kNone);
     RayFrame frame = makeFrame(ray.origin, ray.direction, 0.0);
     uint kind = dispatch.lightIndex;
+    if (kind == kProbeAhead) ray.source = kElsewhere;
     float t = 0.0;
     float u = 0.0;
     float v = 0.0;
     bool hit = false;
     bool settles = kind == kProbeSettled || kind == kProbeExchanged;
     if (kind == kKindTriangle || kind == kProbeAhead || settles)
-        hit = intersectTriangle(ray, frame, loadTriangle(path), t, u, v);
-    if (kind == kProbeAhead) hit = hit && !liesBehind(ray.origin, ray.direction, loadTriangle(path), u, v);
+        hit = intersectTriangle(ray, frame, loadTriangle(path), loadTriangleSurface(path).normal, t, u, v);
     if (settles && hit) {
         bool exchanged = kind == kProbeExchanged;
         Hit settled = Hit(t, exchanged ? v : u, exchanged ? u : v, path, kNone, 0u);
@@ -44,22 +42,16 @@ void main() {
         u = exchanged ? settled.v : settled.u;
         v = exchanged ? settled.u : settled.v;
     }
-    if (kind == kProbeAway) {
-        vec3 weights = awayFromEdges(ray.origin, loadTriangle(path), ray.direction.x);
-        t = weights.x;
-        u = weights.y;
-        v = weights.z;
-    }
     float side = 0.0;
     if (kind == kKindSphere) hit = intersectSphere(ray, loadSphere(path), path, t, side);
-    if (kind == kKindPlane) hit = intersectPlane(ray, loadPlane(path), t);
-    if (kind == kKindDisc) hit = intersectDisc(ray, loadDisc(path), t);
+    if (kind == kKindPlane) hit = intersectPlane(ray, frame, loadPlane(path), t);
+    if (kind == kKindDisc) hit = intersectDisc(ray, frame, loadDisc(path), t);
     if (kind == kKindPolygon) hit = intersectPolygon(ray, frame, loadPolygon(path), t);
     if (kind == kKindQuadric || kind == kProbeNormal) {
         Candidate best;
         Quadric quadric = loadQuadric(path);
         uint primitive = (kKindQuadric << kPrimitiveKindShift) | path;
-        hit = intersectQuadric(ray, quadric, primitive, best);
+        hit = intersectQuadric(ray, frame, quadric, primitive, best);
         t = best.t;
         if (kind == kProbeNormal) {
             Hit at = Hit(t, 0.0, 0.0, primitive | (best.part << kPartShift), kNone, 0u);

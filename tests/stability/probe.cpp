@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mutant_probes.h"
+#include "pack/area_vector.h"
 #include "render/renderer.h"
 #include "shared/dispatch.h"
 #include "support/packed_scene_maker.h"
@@ -19,7 +20,6 @@ constexpr uint32_t kProbeBox = 100;
 constexpr uint32_t kProbeAhead = 101;
 constexpr uint32_t kProbeSettled = 102;
 constexpr uint32_t kProbeExchanged = 103;
-constexpr uint32_t kProbeAway = 104;
 constexpr uint32_t kProbeNormal = 105;
 
 struct Row {
@@ -130,6 +130,16 @@ struct Bindings {
 #undef GLINT_NAME_BINDING
 };
 
+// With the normals that the host gives the triangles; without area they have none.
+std::vector<Answer> runTriangles(const Subject& subject, const std::vector<FloatRay>& rays, uint32_t kind,
+                                 const std::vector<shared::Triangle>& triangles) {
+    std::vector<shared::TriangleSurface> surfaces(triangles.size());
+    for (size_t i = 0; i < triangles.size(); ++i)
+        triangleNormal(triangles[i].v0, triangles[i].v1, triangles[i].v2, surfaces[i].normal);
+    return run(subject, rays, kind,
+               {array(Bindings::triangles, triangles), array(Bindings::triangleSurfaces, surfaces)});
+}
+
 // `add` puts primitive i into an empty scene.
 template <typename Add>
 std::vector<Answer> runReference(const std::vector<FloatRay>& rays, const Add& add) {
@@ -159,27 +169,15 @@ std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& r
             maker.triangle(triangles[i].v0, triangles[i].v1, triangles[i].v2);
         });
     }
-    return run(subject, rays, shared::kKindTriangle, {array(Bindings::triangles, triangles)});
+    return runTriangles(subject, rays, shared::kKindTriangle, triangles);
 }
 std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRay>& rays,
                                const std::vector<shared::Triangle>& triangles) {
-    return run(subject, rays, kProbeAhead, {array(Bindings::triangles, triangles)});
+    return runTriangles(subject, rays, kProbeAhead, triangles);
 }
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged) {
-    return run(subject, rays, exchanged ? kProbeExchanged : kProbeSettled,
-               {array(Bindings::triangles, triangles)});
-}
-std::vector<glm::vec3> probeAway(const Subject& subject, const std::vector<glm::vec3>& weights,
-                                 const std::vector<shared::Triangle>& triangles) {
-    std::vector<FloatRay> rays;
-    rays.reserve(weights.size());
-    for (const glm::vec3& w : weights) rays.push_back({w, glm::vec3(0)});
-    std::vector<glm::vec3> moved;
-    moved.reserve(weights.size());
-    for (const Answer& a : run(subject, rays, kProbeAway, {array(Bindings::triangles, triangles)}))
-        moved.emplace_back(a.t, a.u, a.v);
-    return moved;
+    return runTriangles(subject, rays, exchanged ? kProbeExchanged : kProbeSettled, triangles);
 }
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres) {

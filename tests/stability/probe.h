@@ -51,9 +51,6 @@ std::vector<Answer> probeAhead(const Subject& subject, const std::vector<FloatRa
 // corners are.
 std::vector<Answer> probeSettled(const Subject& subject, const std::vector<FloatRay>& rays,
                                  const std::vector<shared::Triangle>& triangles, bool exchanged);
-// Device only: weights of a point of each triangle, as they are once it is away from the edges.
-std::vector<glm::vec3> probeAway(const Subject& subject, const std::vector<glm::vec3>& weights,
-                                 const std::vector<shared::Triangle>& triangles);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,
                           const std::vector<shared::Sphere>& spheres);
 std::vector<Answer> probe(const Subject& subject, const std::vector<FloatRay>& rays,

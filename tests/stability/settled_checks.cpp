@@ -122,40 +122,4 @@ size_t countMetBeyondEnds(const Subject& subject, const SliverFamily& family, si
     return met;
 }
 
-AwayCount judgeAway(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed) {
-    Random random(seed);
-    std::vector<shared::Triangle> triangles(count);
-    std::vector<vec3> weights(count);
-    for (size_t i = 0; i < count; ++i) {
-        triangles[i] = sliverOf(random, family.size, family.width, family.offset, i);
-        const auto u = static_cast<float>(random.uniform(0, 1));
-        const vec3 onEdge[3] = {{1 - u, u, 0}, {0, 1 - u, u}, {u, 0, 1 - u}};
-        weights[i] = i % 7 == 6 ? vec3(1, 0, 0) : onEdge[i / 3 % 3];
-    }
-    const std::vector<vec3> moved = probeAway(subject, weights, triangles);
-    const auto greatest = [](const Vector& v) {
-        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    };
-    AwayCount sum;
-    for (size_t i = 0; i < count; ++i) {
-        const Planar plane(triangles[i]);
-        const Vector from(weights[i]), to(moved[i]);
-        const long double edge =
-            std::max({greatest(plane.e1), greatest(plane.e2), greatest(plane.e2 - plane.e1)});
-        const long double size = std::max(
-            {greatest(plane.a), greatest(Vector(triangles[i].v1)), greatest(Vector(triangles[i].v2))});
-        const long double margin = 8 * kUnit * (size + edge);
-        // The height over the longest edge; a sliver is taken for one that is half an edge high, and the
-        // centroid is as far from all edges as a point can be.
-        const long double height = std::max(greatest(plane.normal), 0.5L * edge * edge) / edge;
-        const long double wanted = std::min(margin / height, 1 / 3.0L);
-        const long double least = std::min({to.x, to.y, to.z});
-        sum.least = std::min(sum.least, static_cast<double>(least / wanted));
-        sum.sum = std::max(sum.sum, static_cast<double>(std::abs(to.x + to.y + to.z - 1) / kUnit));
-        const Vector way = (to.y - from.y) * plane.e1 + (to.z - from.z) * plane.e2;
-        sum.farthest = std::max(sum.farthest, static_cast<double>(greatest(way) / margin));
-    }
-    return sum;
-}
-
 }  // namespace glint::stability

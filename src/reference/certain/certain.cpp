@@ -345,7 +345,8 @@ ExactSurface Tracer::triangle(uint32_t index, uint32_t instance) const {
     const uint32_t object =
         placed ? packed_.instances[instance].object : packed_.triangleSurfaces[index].object;
     ExactSurface surface;
-    surface.id = t.id + (placed ? packed_.instances[instance].idBase : 0);
+    surface.id = (t.id & ~shared::kDielectricRank) +
+                 (placed ? packed_.instances[instance].idBase & ~shared::kDielectricRank : 0);
     const Object& source = scene_.objects[object];
     surface.corners = TriangleSource(source).vertices(surface.id - firstIds_[object]);
     if (placed && source.transform) surface.place = &*source.transform;

@@ -54,9 +54,15 @@ struct Seen {
     }
 };
 
-bool accept(Extended t, const PreparedRay& ray, double tMax) {
-    const auto rounded = static_cast<double>(t);
-    return rounded > ray.tMin && rounded <= tMax && rounded <= std::numeric_limits<double>::max();
+// As slipOfFlat, of the face across an axis.
+double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t, const PreparedRay& ray) {
+    if (!ray.leaves && !ray.ties) return 0;
+    const glm::dvec3 normals[3] = {c.toLocal0, c.toLocal1, c.toLocal2};
+    const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
+    const double place = glm::dot(glm::abs(normals[axis]), glm::abs(c.point));
+    const double height =
+        0x1p-24 * (6 * plane + 4 * place + 6 * static_cast<double>(seen.o[axis].terms)) + ray.slip;
+    return height / std::abs(static_cast<double>(seen.d[axis].value)) + slipOfRound(static_cast<double>(t));
 }
 
 bool meetsFromItself(const rows::Cuboid& c, const Seen& seen, uint32_t own, const Meeting& m, Root& root,
@@ -73,7 +79,10 @@ bool meetsFromItself(const rows::Cuboid& c, const Seen& seen, uint32_t own, cons
         part = static_cast<uint32_t>(2 * axis + upper);
     }
     root.t = static_cast<double>(first);
-    return accept(first, m.ray, m.tMax);
+    const double slip = slipOfFace(c, seen, static_cast<int>(part / 2), first, m.ray);
+    root.slip = slip;
+    return root.t > m.ray.tMin && root.t - (m.ray.ties ? slip : 0) <= m.tMax &&
+           root.t <= std::numeric_limits<double>::max();
 }
 
 }  // namespace
@@ -89,7 +98,9 @@ bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) 
         const int axis = face / 2;
         if (seen.d[axis].value == 0) continue;
         const Extended t = seen.reach(axis, face & 1 ? c.hi[axis] : c.lo[axis]);
-        if (!accept(t, m.ray, m.tMax) || (found && static_cast<double>(t) > root.t)) continue;
+        const double slip = slipOfFace(c, seen, axis, t, m.ray);
+        if (!countsAt(m.ray, static_cast<double>(t), slip, m.tMax)) continue;
+        if (found && static_cast<double>(t) > root.t) continue;
         if (!seen.isBetween(c, (axis + 1) % 3, t) || !seen.isBetween(c, (axis + 2) % 3, t)) continue;
         const bool leavesHere = (face & 1) == (seen.d[axis].value > 0 ? 1 : 0);
         if (found && static_cast<double>(t) == root.t) {
@@ -97,6 +108,7 @@ bool meets(const rows::Cuboid& c, const Meeting& m, Root& root, uint32_t& part) 
             continue;
         }
         root.t = static_cast<double>(t);
+        root.slip = slip;
         root.twice = false;
         part = static_cast<uint32_t>(face);
         leaves = leavesHere;

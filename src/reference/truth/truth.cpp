@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 
+#include "pack/dielectric_rank.h"
 #include "reference/truth/part.h"
 #include "reference/truth/shading.h"
 #include "scene/placement.h"
@@ -48,6 +49,7 @@ class Maker {
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
+        rankDielectrics(model_, *model_.nodes);
         addMediaAtEye(scene_.camera.eye - model_.origin, model_);
         return std::move(model_);
     }
