@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
-#include "pack/dielectric_rank.h"
 #include "reference/truth/part.h"
 #include "reference/truth/shading.h"
 #include "scene/placement.h"
@@ -41,6 +41,7 @@ class Maker {
             model_.boundsHi =
                 i == 0 ? world_.items[i].box.hi : glm::max(model_.boundsHi, world_.items[i].box.hi);
         }
+        rankAll();
         std::vector<rows::Node> nodes;
         model_.environment.root = append(std::move(world_), threads_, nodes, model_);
         std::vector<uint32_t> roots;
@@ -49,7 +50,6 @@ class Maker {
         for (rows::Instance& instance : model_.instances) instance.root = roots[instance.root];
         model_.nodes = std::make_shared<const std::vector<rows::Node>>(std::move(nodes));
         addShading(scene_, used_, model_);
-        rankDielectrics(model_, *model_.nodes);
         addMediaAtEye(scene_.camera.eye - model_.origin, model_);
         return std::move(model_);
     }
@@ -83,6 +83,36 @@ class Maker {
         const dvec3 area = glm::cross(v[1] - v[0], v[2] - v[0]);
         if (area == dvec3(0) || !std::isfinite(area.x + area.y + area.z)) return;
         world_.addTriangle(v, model_.origin, who);
+    }
+
+    // kDielectricRank for the ids of dielectrics.
+    uint32_t rankOf(uint32_t material) const {
+        return scene_.materials[material].transmission != Color(0) ? shared::kDielectricRank : 0;
+    }
+
+    void rankAll() {
+        const auto rank = [this](auto& rows) {
+            for (auto& row : rows) row.id |= rankOf(row.material);
+        };
+        rank(world_.model.spheres);
+        rank(world_.model.planes);
+        rank(world_.model.discs);
+        rank(world_.model.polygons);
+        rank(world_.model.quadrics);
+        rank(world_.model.cuboids);
+        rankTriangles(world_);
+        for (rows::Instance& instance : world_.model.instances) {
+            if (instance.material == shared::kNone)
+                ranked_.insert(instance.root);
+            else
+                instance.idBase |= rankOf(instance.material);
+        }
+        for (const uint32_t prototype : ranked_) rankTriangles(prototypes_[prototype]);
+    }
+
+    void rankTriangles(Part& part) {
+        for (size_t i = 0; i < part.model.triangles.size(); ++i)
+            part.model.triangles[i].id |= rankOf(part.model.triangleSurfaces[i].material);
     }
 
     void use(const Object& object) {
@@ -146,6 +176,7 @@ class Maker {
     std::vector<Part> prototypes_;
     std::map<const Mesh*, uint32_t> meshes_;
     std::map<uint32_t, Bounds> boxes_;  // of prototypes
+    std::set<uint32_t> ranked_;         // prototypes whose materials count
     std::vector<bool> used_;
 };
 
