@@ -43,7 +43,7 @@ function(glint_test_options name)
   target_compile_options(${name} PRIVATE "$<IF:$<BOOL:${GLINT_SANITIZE}>,-O0;-fno-sanitize=undefined,-O1>")
 endfunction()
 
-# A gtest program. LABEL says what its tests need, and where tools/test runs them:
+# A gtest program. LABEL names what its tests need:
 #   unit       no device; in tools/test-more with sanitizers
 #   optimized  no device, but the optimized build: what it looks for is not in another
 #   gpu        a device: lavapipe, GlintLavapipe.cmake
@@ -52,12 +52,14 @@ endfunction()
 #   slow       minutes on a device; tools/test-more
 # CTest knows each test by its name, `ctest -R Suite.Name`, and runs it in a process of its own. With `-C Programs` it knows the programs
 # besides (label "program"), each in SHARDS processes that divide its tests among them: 40 processes instead of 2,900.
+# tools/test runs the programs by these labels, .ci/run those with the label "ci" too:
+#   QUICK      gtest's patterns of the tests that tools/test runs; the others have the label "ci"
+#   SLOWER     gtest's patterns of the tests that have the label "ci"
+#   CI         all tests have the label "ci"
 # ENVIRONMENT takes NAME=value pairs that its tests see besides.
-# SWEEPS: tests that do the same for every scene, or for long, as gtest's patterns; tools/test leaves them out but for those that SAMPLE
-# names, and tools/test-more runs them all (label "sweep").
 include(GlintLavapipe)
 function(glint_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT;SWEEPS;SAMPLE" ${ARGN})
+  cmake_parse_arguments(ARG "CI" "LABEL;TIMEOUT;SHARDS" "SOURCES;MODULES;LIBRARIES;ENVIRONMENT;QUICK;SLOWER" ${ARGN})
   add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:glint_test_times>)
   list(TRANSFORM ARG_MODULES PREPEND glint_)
   target_link_libraries(${name} PRIVATE ${ARG_MODULES} glint_test_support ${ARG_LIBRARIES} GTest::gtest_main Threads::Threads)
@@ -127,19 +129,21 @@ macro(glint_test_programs)
   elseif(ARG_SHARDS GREATER 1)
     set(cost 10)
   endif()
-  if(ARG_SWEEPS)
-    list(JOIN ARG_SWEEPS ":" sweeps)
-    set(sample "*")
-    glint_test_shards("" "${ARG_LABEL}" "-${sweeps}")
-    glint_test_shards(".sweeps" sweep "${sweeps}")
-    if(ARG_SAMPLE)
-      list(JOIN ARG_SAMPLE ":" sample)
-      set(ARG_SHARDS 1)
-      glint_test_shards(".sample" "${ARG_LABEL}" "${sample}")
+  if(ARG_QUICK OR ARG_SLOWER)
+    list(JOIN ARG_QUICK ":" quick)
+    list(JOIN ARG_SLOWER ":" slower)
+    if(ARG_QUICK)
+      glint_test_shards("" "${ARG_LABEL}" "${quick}")
+      glint_test_shards(".ci" ci "-${quick}")
+    else()
+      glint_test_shards("" "${ARG_LABEL}" "-${slower}")
+      glint_test_shards(".ci" ci "${slower}")
     endif()
-    add_test(NAME ${name}.patterns COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> "-DPATTERNS=${sweeps}:${sample}"
+    add_test(NAME ${name}.patterns COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> "-DPATTERNS=${quick}${slower}"
                                            -P ${CMAKE_SOURCE_DIR}/cmake/check_patterns.cmake)
     set_tests_properties(${name}.patterns PROPERTIES LABELS "program;${ARG_LABEL}")
+  elseif(ARG_CI)
+    glint_test_shards("" ci "*")
   else()
     glint_test_shards("" "${ARG_LABEL}" "*")
   endif()
