@@ -61,7 +61,6 @@ install_missing() {
     # shellcheck disable=SC2086
     if ! $get install -y --no-install-recommends $missing >"$log" 2>&1 &&
         ! { $get update && $get install -y --no-install-recommends $missing; } >"$log" 2>&1; then
-        grep -E '^(E:|Err:|sudo:)' "$log" | tail -n 2 | sed 's/^/    /' >&2
         fail "packages could not be installed (log: $log): check the network, or install them yourself: apt-get install$missing"
     fi
     rm -f "$log"

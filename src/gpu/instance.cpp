@@ -72,8 +72,10 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT /*
                                        VkDebugUtilsMessageTypeFlagsEXT /*type*/,
                                        const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
     std::string message = data->pMessage;
-    // Layers since 1.4 leave the name out of the text.
     const std::string name = data->pMessageIdName ? data->pMessageIdName : "";
+    // Remarks of layers since 1.4 on their own settings.
+    if (name == "VALIDATION-SETTINGS" || name == "WARNING-GPU-Assisted-Validation") return VK_FALSE;
+    // These layers also leave the name out of the text.
     if (message.find(name) == std::string::npos) message = name + ": " + message;
     static_cast<ValidationLog*>(log)->add(std::move(message));
     return VK_FALSE;
