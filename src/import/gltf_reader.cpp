@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/call_terms.h"
 #include "core/error.h"
 #include "import/gltf_accessor.h"
 #include "import/gltf_animation.h"
