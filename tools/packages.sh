@@ -6,7 +6,7 @@ glint_build_packages="g++ cmake ninja-build pkg-config libglm-dev libvulkan-dev 
 glint_window_packages="libglfw3-dev libimgui-dev"
 glint_mpi_packages="libopenmpi-dev"
 glint_test_packages="python3 python3-numpy python3-pytest libgtest-dev vulkan-validationlayers xvfb xauth xdotool parallel
-  $glint_mpi_packages openmpi-bin fonts-dejavu-core"
+  $glint_mpi_packages openmpi-bin make fonts-dejavu-core"
 glint_package_packages="dpkg-dev debhelper dh-python fakeroot lintian xz-utils python3"
 
 step() { echo "== $*"; }

@@ -24,6 +24,12 @@ def mpirun(*arguments, ranks=2, more=()):
     return [MPIRUN, "--oversubscribe", "--bind-to", "none", *more, "-n", str(ranks), GLINT, *map(str, arguments)]
 
 
+def by_rank(ranks, first, others, command):
+    """Rank 0 runs the shell command `first` before `command`, the others `others`. (Open MPI 5.0.7 crashes at "mpirun A : B".)"""
+    script = f'if [ "$OMPI_COMM_WORLD_RANK" = 0 ]; then {first}; else {others}; fi && exec "$@"'
+    return [MPIRUN, "--oversubscribe", "-n", str(ranks), "sh", "-c", script, "sh", *command]
+
+
 def run(command, code=0, **options):
     ran = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, timeout=300, **options)
     if ran.returncode != code:
@@ -54,7 +60,7 @@ def has_the_bits_of_one_process(folder):
         stats = json.loads(ran.stdout)  # one rank speaks
         check(stats["ranks"] == ranks, stats)
         check((folder / "all.pfm").read_bytes() == expected, f"{ranks} ranks have the bits of one process")
-        check(ran.stderr == "", ran.stderr)
+        check(said(ran) == [], ran.stderr)
 
 
 def one_machine_looks_for_no_networks(folder):
@@ -80,7 +86,7 @@ def the_scene_is_read_by_rank_0_alone(folder):
     (here / "scene.obj").write_text("mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
     (here / "scene.mtl").write_text("newmtl red\nKd 1 0 0\n")
     ask = [GLINT, "render", "scene.obj", *OPTIONS, "-q", "-o", "all.pfm"]
-    run([MPIRUN, "--oversubscribe", "-n", "1", "-wdir", str(here), *ask, ":", "-n", "2", "-wdir", str(there), *ask])
+    run(by_rank(3, f"cd {here}", f"cd {there}", ask))
     check(list(there.iterdir()) == [], "the others write nothing")
     together = (here / "all.pfm").read_bytes()
     run([GLINT, "render", str(here / "scene.obj"), *OPTIONS, "-q", "-o", str(folder / "whole.pfm")])
@@ -102,7 +108,7 @@ def mistakes_are_said_once(folder):
 def one_rank_may_fail(folder):
     """Rank 1 alone has no device."""
     ask = [GLINT, "render", SCENE, "-q", "-o", str(folder / "a.pfm")]
-    ran = run([MPIRUN, "--oversubscribe", "-n", "1", *ask, ":", "-n", "1", "-x", "VK_ICD_FILENAMES=/none", "-x", "VK_DRIVER_FILES=/none", *ask], 4)
+    ran = run(by_rank(2, "true", "export VK_ICD_FILENAMES=/none VK_DRIVER_FILES=/none", ask), 4)
     check(len(said(ran)) == 1 and said(ran)[0].startswith("glint: rank 1 ("), ran.stderr)
     check(not (folder / "a.pfm").exists(), "nothing is written")
 
