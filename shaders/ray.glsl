@@ -131,7 +131,7 @@ bool countsAt(Ray ray, float t) {
 // with it the way t d, by as much; the corners of another surface in this place are rounded, each by half a
 // unit of its coordinates.
 float slipOfHeight(RayFrame frame, vec3 n, vec3 anchor, vec3 w, vec3 way) {
-    precise vec3 terms = 4.0 * abs(anchor) + 6.0 * (abs(w) + abs(way));
+    precise vec3 terms = 2.0 * abs(anchor) + 6.0 * (abs(w) + abs(way));
     precise float height = kUnit * dot(abs(n), terms) + frame.slip;
     return kSlips ? height : 0.0;
 }

@@ -13,7 +13,7 @@ vec3 cuboidLocal(Cuboid cuboid, vec3 v) {
 // tSlip of a face. reach: what the origin's coordinates here are off by, in units.
 float slipOfFace(Cuboid cuboid, RayFrame frame, vec3 reach, vec3 inverse, uint axis, float t) {
     float plane = larger(abs(cuboid.lo[axis]), abs(cuboid.hi[axis]));
-    precise float height = kUnit * (6.0 * plane + reach[axis]) + frame.slip;
+    precise float height = kUnit * (2.0 * plane + reach[axis]) + frame.slip;
     precise float slip = height * abs(inverse[axis]) + 8.0 * kUnit * abs(t);
     return kSlips ? slip : 0.0;
 }
@@ -52,7 +52,7 @@ bool hitCuboid(Ray ray, RayFrame frame, Cuboid cuboid, uint primitive, inout uin
     // What a line touches in one point it enters and leaves: the media count surfaces.
     if (enter > 0.0 && leave == enter) leave = uintBitsToFloat(floatBitsToUint(enter) + 1u);
     // As slipOfFlat; the faces' normals are the rows.
-    precise vec3 terms = 4.0 * abs(cuboid.point) + 6.0 * abs(offset);
+    precise vec3 terms = 2.0 * abs(cuboid.point) + 6.0 * abs(offset);
     vec3 reach = vec3(dot(abs(cuboid.toLocal0), terms), dot(abs(cuboid.toLocal1), terms),
                       dot(abs(cuboid.toLocal2), terms));
     float enterSlip = slipOfFace(cuboid, frame, reach, inverse, nearAxis, enter);

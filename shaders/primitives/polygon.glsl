@@ -53,7 +53,8 @@ bool intersectPolygon(Ray ray, RayFrame frame, Polygon polygon, out float t) {
     } while (vertex < end);
     t = tPlane < least ? least : (tPlane > greatest ? greatest : tPlane);
     tSlip = slipOfFlat(frame, polygon.normal, polygon.point, toPoint, ray.direction, t, speed);
-    return inside && speed != 0.0 && countsAt(ray, t);
+    bool startsHere = ray.source != kNone && tPlane <= tSlip;
+    return inside && speed != 0.0 && !startsHere && countsAt(ray, t);
 }
 
 bool hitPolygon(Ray ray, RayFrame frame, Polygon polygon, uint primitive, inout uint trips, out Hit hit) {

@@ -161,9 +161,9 @@ Candidate firstSurface(Ray ray, float unit, QuadricSpan p, Crossings c, float ca
 // point; along: the direction in local coordinates.
 float slipOfCaps(RayFrame frame, Quadric q, vec3 offset, vec3 along) {
     if (!kSlips) return 0.0;
-    vec3 terms = 4.0 * abs(q.point) + 6.0 * abs(offset);
+    vec3 terms = 2.0 * abs(q.point) + 6.0 * abs(offset);
     float stretch = squareRoot(dot(q.toLocal2, q.toLocal2));
-    precise float height = kUnit * (dot(abs(q.toLocal2), terms) + 6.0 * larger(abs(q.lo.z), abs(q.hi.z)));
+    precise float height = kUnit * (dot(abs(q.toLocal2), terms) + 2.0 * larger(abs(q.lo.z), abs(q.hi.z)));
     precise float slip = abs(quotient(height + stretch * frame.slip, along.z == 0.0 ? 1.0 : along.z));
     return slip;
 }

@@ -173,7 +173,7 @@ double slipOfFlat(const PreparedRay& ray, const glm::dvec3& n, const glm::dvec3&
     double height = ray.slip, speed = 0;
     for (int i = 0; i < 3; ++i) {
         const double reach = std::abs(anchor[i] - ray.origin[i]) + std::abs(t * ray.direction[i]);
-        height += 0x1p-24 * std::abs(n[i]) * (4 * std::abs(anchor[i]) + 6 * reach);
+        height += 0x1p-24 * std::abs(n[i]) * (2 * std::abs(anchor[i]) + 6 * reach);
         speed += n[i] * ray.direction[i];
     }
     return height / std::abs(speed);

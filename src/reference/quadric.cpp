@@ -242,9 +242,9 @@ class Search {
     double slipOfCap(Extended t) const {
         if (!ray_.leaves && !ray_.ties) return 0;
         const dvec3 axis(quadric_.toLocal2), point(quadric_.point);
-        double height = 6 * std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
+        double height = 2 * std::max(std::abs(quadric_.lo.z), std::abs(quadric_.hi.z));
         for (int i = 0; i < 3; ++i)
-            height += std::abs(axis[i]) * (4 * std::abs(point[i]) + 6 * std::abs(ray_.origin[i] - point[i]));
+            height += std::abs(axis[i]) * (2 * std::abs(point[i]) + 6 * std::abs(ray_.origin[i] - point[i]));
         height = 0x1p-24 * height + glm::length(axis) * ray_.slip;
         return height / std::abs(static_cast<double>(local_.d[2])) + slipOfRound(static_cast<double>(t));
     }

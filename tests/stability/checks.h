@@ -36,13 +36,14 @@ Judged judgeTriangles(const Subject& subject, const TriangleFamily& family, size
 // origin of coordinates, at 0.5 to 3 degrees of its plane, or if `lengthwise` along its longest side, at 1e-5
 // to 1e-3 of a radian and by up to 1e-4 askew, from `lift` units of 2^-24 of the coordinates
 // above it, and from as much below. By exact signs: how many are met by the triangle's test though it lies
-// behind, how many of these are left, and how many that lie ahead are lost.
+// behind, how many of these a ray that leaves a surface counts too, how many lie ahead by more than twice the
+// bound of the rule for such rays, and how many of those it does not count.
 struct SliverFamily {
     double size = 1, width = 1, offset = 0, lift = 8;
     bool lengthwise = false;
 };
 struct SliverCount {
-    size_t rays = 0, ahead = 0, metBehind = 0, left = 0, lost = 0;
+    size_t rays = 0, ahead = 0, beyond = 0, metBehind = 0, left = 0, lost = 0;
 };
 SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed);
 

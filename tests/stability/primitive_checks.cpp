@@ -115,6 +115,16 @@ int sideAhead(const shared::Triangle& triangle, const FloatRay& ray) {
     return normal.dot(corner - Exact(ray.origin)).sign() * normal.dot(Exact(ray.direction)).sign();
 }
 
+// The height of the ray's origin over the triangle's plane, by the bound within which the rule for rays that
+// leave surfaces takes it for a point of the triangle (docs/design/numerics.md). t is found anew.
+double heightInBounds(const shared::Triangle& triangle, const FloatRay& ray) {
+    const dvec3 a(triangle.v0), o(ray.origin), d(ray.direction);
+    const dvec3 n = glm::normalize(glm::cross(dvec3(triangle.v1) - a, dvec3(triangle.v2) - a));
+    const double height = glm::dot(n, a - o), t = height / glm::dot(n, d);
+    const dvec3 terms = 2.0 * glm::abs(a) + 6.0 * (glm::abs(a - o) + glm::abs(t * d));
+    return std::abs(height) / (static_cast<double>(kUnit) * glm::dot(glm::abs(n), terms));
+}
+
 }  // namespace
 
 SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, size_t count, uint32_t seed) {
@@ -156,10 +166,12 @@ SliverCount judgeSlivers(const Subject& subject, const SliverFamily& family, siz
         ++sum.rays;
         if (!met[i].hit) continue;
         const bool isAhead = sideAhead(triangles[i], rays[i]) > 0;
+        const bool isBeyond = isAhead && heightInBounds(triangles[i], rays[i]) > 2;
         sum.ahead += isAhead;
         sum.metBehind += !isAhead;
         sum.left += !isAhead && ahead[i].hit;
-        sum.lost += isAhead && !ahead[i].hit;
+        sum.beyond += isBeyond;
+        sum.lost += isBeyond && !ahead[i].hit;
     }
     return sum;
 }

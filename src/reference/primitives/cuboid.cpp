@@ -61,7 +61,7 @@ double slipOfFace(const rows::Cuboid& c, const Seen& seen, int axis, Extended t,
     const double plane = std::max(std::abs(c.lo[axis]), std::abs(c.hi[axis]));
     const double place = glm::dot(glm::abs(normals[axis]), glm::abs(c.point));
     const double height =
-        0x1p-24 * (6 * plane + 4 * place + 6 * static_cast<double>(seen.o[axis].terms)) + ray.slip;
+        0x1p-24 * (2 * plane + 2 * place + 6 * static_cast<double>(seen.o[axis].terms)) + ray.slip;
     return height / std::abs(static_cast<double>(seen.d[axis].value)) + slipOfRound(static_cast<double>(t));
 }
 
