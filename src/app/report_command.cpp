@@ -26,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSecondsForScene = 60;
-constexpr double kMostByTime = 0.99;  // the last batch may take a little longer
 
 struct ReportCommand {
     std::vector<fs::path> scenes;
@@ -38,7 +37,7 @@ struct ReportCommand {
     int truthSamples = 0;  // as time allows
     Backend truth = Backend::Cpu;
     std::optional<int> budget;      // seconds
-    std::vector<std::string> only;  // how the names of families start; empty: all
+    std::vector<std::string> only;  // first words of families; empty: all
     DeviceChoice device;
     std::vector<std::string> devices;  // as --device names them, or "cpu"
     ProgressMode progress = ProgressMode::Auto;
@@ -63,20 +62,18 @@ void declare(OptionTable& table, ReportCommand& c) {
     addCamera(table, c.camera);
     table.path("-o,--output", "FOLDER", "for report.html, report.csv, report.json and the diagrams",
                "the folder's name", c.folder, OptionTable::Need::Required);
-    table.whole("--size", "WIDTH", "of the pictures in pixels (default 256); the height follows", 4, 4096,
+    table.whole("--size", "WIDTH", "width of the images in pixels (default 256); the height follows", 4, 4096,
                 c.width);
-    table.whole("--repeats", "N", "runs of each setting (default 10)", 1, 1000, c.repeats);
-    table.whole(
-        "--truth-spp", "N",
-        "samples for each pixel of the converged picture (default: as many as a third of the time allows)", 2,
-        kMaxSamplesPerPixel, c.truthSamples);
+    table.whole("--repeats", "N", "most runs of each setting (default 10)", 1, 1000, c.repeats);
+    table.whole("--truth-spp", "N",
+                "samples per pixel of the converged image (default: as many as a third of the time allows)",
+                2, kMaxSamplesPerPixel, c.truthSamples);
     table.choice<Backend>(
         "--truth",
-        "who draws the converged picture: the double-precision reference (cpu, default) or the device",
+        "render the converged image with the double-precision reference (cpu, default) or the device",
         c.truth);
-    table.whole("--budget", "SECONDS",
-                "settings that would take longer are left out (default: 60 for each scene)", 0, 10'000'000,
-                c.budget);
+    table.whole("--budget", "SECONDS", "time to use for the whole report (default: 60 for each scene)", 1,
+                10'000'000, c.budget);
     const auto& families = report::familyStarts();
     table.value("--only", "LIST",
                 "with commas, the settings to measure: " +
@@ -85,7 +82,7 @@ void declare(OptionTable& table, ReportCommand& c) {
     addDevice(table, c.device);
     table.value(
         "--devices", "LIST",
-        "with commas, devices to set beside that one, each as --device takes it; cpu is the reference",
+        "with commas, devices to compare with that one, each as --device takes it; cpu is the reference",
         [&](const std::string& t) { c.devices = parseDevices(t); });
     addProgress(table, c.progress);
 }
@@ -93,7 +90,7 @@ void declare(OptionTable& table, ReportCommand& c) {
 void checkDevicesAreNamed(const ReportCommand& command) {
     const bool asked = std::find(command.only.begin(), command.only.end(), "device") != command.only.end();
     if (asked && command.devices.empty())
-        throw Error(ErrorKind::Argument, "--only: device sets devices side by side; --devices names them");
+        throw Error(ErrorKind::Argument, "--only device requires --devices");
 }
 
 void makeFolder(const fs::path& folder) {
@@ -104,7 +101,7 @@ void makeFolder(const fs::path& folder) {
     checkOutputFolder(folder);
 }
 
-// The report's own device, and those that are set beside it.
+// The report's own device, and those that it is compared with.
 struct OpenDevices {
     std::deque<gpu::Device> open;              // the report's own first
     std::vector<report::DeviceBeside> beside;  // empty unless --devices asks
@@ -119,7 +116,7 @@ void addBeside(OpenDevices& devices, const gpu::Device& device) {
     devices.beside.push_back(beside);
 }
 
-// What compiling takes is told of each setting, so no program is kept.
+// Compile times are part of the results, so programs are not cached.
 OpenDevices openDevices(const ReportCommand& command) {
     OpenDevices devices;
     devices.open.push_back(openDevice(command.device, false, false));
@@ -162,7 +159,7 @@ report::Options optionsOf(const ReportCommand& command) {
 int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     const Stopwatch watch;
     checkDevicesAreNamed(command);
-    for (const fs::path& scene : command.scenes) checkFile(scene);  // the last one's name may be misspelt
+    for (const fs::path& scene : command.scenes) checkFile(scene);
     const OpenDevices devices = openDevices(command);
     const gpu::Device& device = devices.open.front();
     makeFolder(command.folder);
@@ -183,10 +180,8 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
         subjects.push_back({path, command.camera, loadAndPack(scene, err)});
     }
     Progress progress("report", command.progress, err, isTerminal(err));
-    // What the time will not allow is left out, so that it ends then, however much there was to do.
     options.progress = [&](double fraction) {
-        const double spent = budget > 0 ? std::min(watch.seconds() / budget, kMostByTime) : 0;
-        progress.update(std::max(fraction, spent));
+        progress.update(std::max(fraction, std::min(watch.seconds() / budget, 0.99)));
     };
     const report::Report report = report::run(device, std::move(subjects), earlier, options);
     progress.finish();
@@ -195,7 +190,7 @@ int run(const ReportCommand& command, std::ostream& out, std::ostream& err) {
     for (const gpu::Device& each : devices.open) reportValidation(each, command.device, err);
     if (!report.complete)
         throw Error(ErrorKind::Interrupted, "interrupted: " + (command.folder / "report.json").string() +
-                                                " holds what was finished; the same command goes on");
+                                                " holds the results so far; repeat the command to resume");
     return static_cast<int>(ExitCode::Done);
 }
 

@@ -6,12 +6,14 @@
 #include <memory>
 #include <mutex>
 
+#include "bench/timing.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "core/wording.h"
 #include "pack/pack_samples.h"
+#include "pack/request_environment.h"
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "reference/sampling.h"
@@ -42,16 +44,6 @@ std::vector<std::string> namesOf(const SceneFeatures& features) {
     return names;
 }
 
-// Seconds that all threads of the process have run so far.
-double processorSeconds() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 // Of linux/getrusage(2): kilobytes.
 uint64_t hostPeak() {
     rusage usage{};
@@ -65,12 +57,12 @@ std::string pictureHash(const Picture& picture) {
     return hash.text();
 }
 
-void describe(const LoadedScene& loaded, Result& result) {
+void describe(const LoadedScene& loaded, const Request& request, Result& result) {
     const PackedScene& packed = loaded.packed;
-    result.width = loaded.scene.image.width;
-    result.height = loaded.scene.image.height;
-    result.samples = loaded.scene.image.samplesPerPixel;
-    result.maxDepth = static_cast<int>(packed.environment.maxDepth);
+    result.width = request.width;
+    result.height = request.height;
+    result.samples = request.image.samplesPerPixel;
+    result.depth = static_cast<int>(environmentOf(packed, request).maxDepth);
     result.lights = packed.lights.size();
     result.triangles = packed.triangles.size() - packed.statistics.splitTriangles;
     visitKinds(packed, [&](const KindCount& kind) {
@@ -92,10 +84,11 @@ struct Task {
 };
 
 Task taskOf(const LoadedScene& loaded, const Options& options) {
-    ImageSettings image = loaded.scene.image;
+    ImageSettings image = options.request.image;
     image.adaptive.reset();
-    Task task = {loaded, options, cameraOf(loaded), requestOf(image, loaded.scene.camera.lensRadius > 0)};
-    static_cast<Tracing&>(task.request) = options.tracing;
+    Task task = {loaded, options, cameraOf(loaded, options.request),
+                 requestOf(image, loaded.scene.camera.lensRadius > 0)};
+    static_cast<Tracing&>(task.request) = options.request;
     // As `glint render` without --stats.
     task.request.ledger = loaded.packed.features.transmission;
     task.request.cancelled = options.cancelled;
@@ -133,31 +126,21 @@ void countRays(const Task& task, int stride, uint32_t samples, Result& result) {
     result.countedPixels = static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
 }
 
-// The seconds of some pictures, one list for each time.
-struct Series {
-    std::vector<double> generate, primary, shadow, secondary, shade, trace, readback, processors;
-
-    void add(const render::StageTimes& before, const render::StageTimes& after) {
-        const render::KernelTimes &a = before.kernels, &b = after.kernels;
-        generate.push_back(b.generate - a.generate);
-        primary.push_back(b.primary - a.primary);
-        shadow.push_back(b.shadow - a.shadow);
-        secondary.push_back(b.secondary - a.secondary);
-        shade.push_back(b.shade - a.shade);
-        trace.push_back(after.trace - before.trace);
-        readback.push_back(after.readback - before.readback);
-    }
-    void summarize(Result& result) const {
-        result.generate = quartilesOf(generate);
-        result.primary = quartilesOf(primary);
-        result.shadow = quartilesOf(shadow);
-        result.secondary = quartilesOf(secondary);
-        result.shade = quartilesOf(shade);
-        result.trace = quartilesOf(trace);
-        result.readback = quartilesOf(readback);
-        result.processors = quartilesOf(processors);
-    }
-};
+void summarize(const std::vector<Timing>& timings, Result& result) {
+    const auto quartiles = [&](const auto& secondsOf) {
+        std::vector<double> seconds;
+        for (const Timing& timing : timings) seconds.push_back(secondsOf(timing));
+        return quartilesOf(seconds);
+    };
+    result.generate = quartiles([](const Timing& t) { return t.stages.kernels.generate; });
+    result.primary = quartiles([](const Timing& t) { return t.stages.kernels.primary; });
+    result.shadow = quartiles([](const Timing& t) { return t.stages.kernels.shadow; });
+    result.secondary = quartiles([](const Timing& t) { return t.stages.kernels.secondary; });
+    result.shade = quartiles([](const Timing& t) { return t.stages.kernels.shade; });
+    result.trace = quartiles([](const Timing& t) { return t.stages.trace; });
+    result.readback = quartiles([](const Timing& t) { return t.stages.readback; });
+    result.processors = quartiles([](const Timing& t) { return t.processors; });
+}
 
 // The rays of a picture, and where they are of both kinds, what each takes for itself.
 void countOnDevice(render::Renderer& renderer, const shared::Camera& camera, Request request,
@@ -204,17 +187,14 @@ class Contestant {
         }
     }
     void timeOne() {
-        const render::StageTimes before = renderer_.times();
-        const double processors = processorSeconds();
-        draw();
-        const render::StageTimes& after = renderer_.times();
-        series_.add(before, after);
-        series_.processors.push_back(processorSeconds() - processors);
-        result_.livePaths = after.pathRays - before.pathRays;
-        result_.invocations = after.invocations - before.invocations;
+        Picture picture;
+        timings_.push_back(timeImage(
+            &renderer_, [&] { return draw(); }, picture));
+        result_.livePaths = timings_.back().stages.pathRays;
+        result_.invocations = timings_.back().stages.invocations;
     }
     Result finish() {
-        series_.summarize(result_);
+        summarize(timings_, result_);
         countOnDevice(renderer_, camera_, request_, result_);
         result_.upload = renderer_.times().upload;
         result_.deviceBytes = renderer_.deviceBytes();
@@ -232,7 +212,7 @@ class Contestant {
     shared::Camera camera_;
     Request request_;
     Result result_;
-    Series series_;
+    std::vector<Timing> timings_;
 };
 
 render::Options profiled(render::Options options) {
@@ -288,14 +268,14 @@ void measureOnHost(const Task& task, Result& result) {
     std::vector<double> seconds;
     for (int i = 0; i <= task.options.repeats; ++i) {
         task.options.progress(i / (task.options.repeats + 1.0));
-        const Stopwatch watch;
-        const Picture picture = reference::render(task.loaded.packed, task.camera, task.request);
+        Picture picture;
+        const auto draw = [&] { return reference::render(task.loaded.packed, task.camera, task.request); };
+        const Timing timing = timeImage(nullptr, draw, picture);
         if (!picture.complete) stop();
-        if (i == 0) {
+        if (i == 0)
             result.picture = pictureHash(picture);
-        } else {
-            seconds.push_back(watch.seconds());
-        }
+        else
+            seconds.push_back(timing.wall);
     }
     result.trace = quartilesOf(seconds);
     result.device = "CPU reference (double precision)";
@@ -312,7 +292,7 @@ Result measure(const std::string& scene, const LoadedScene& loaded, const gpu::D
     result.backend = device == nullptr ? Backend::Cpu : Backend::Gpu;
     result.repeats = options.repeats;
     result.also = namesOf(options.renderer.leaveOut ? options.renderer.also : allFeatures());
-    describe(loaded, result);
+    describe(loaded, task.request, result);
     if (device != nullptr) {
         const Result described = result;
         result = measureOnDevice(task, *device, described);

@@ -13,7 +13,7 @@
 namespace glint::bench {
 
 struct Options {
-    Tracing tracing;
+    Request request;           // without adaptivity, see measure()
     render::Options renderer;  // `profile` is on in any case but WholePaths::On
     int repeats = 7;           // pictures that are timed
     bool everyWalk = false;    // each way to find hits in turn besides: Result::walks

@@ -74,7 +74,7 @@ Json sceneJson(const Result& r) {
     json["width"] = r.width;
     json["height"] = r.height;
     json["samplesPerPixel"] = r.samples;
-    json["maxDepth"] = r.maxDepth;
+    json["maxDepth"] = r.depth;
     json["lights"] = r.lights;
     json["triangles"] = r.triangles;
     json["primitives"] = r.primitives;
@@ -183,7 +183,7 @@ std::vector<Rate> ratesOf(const Result& r) {
 std::string table(const Result& r, const Program& program) {
     std::string text = r.scene + "\n";
     text += line("  %d x %d, %s, maxDepth %d, ", r.width, r.height,
-                 counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.maxDepth);
+                 counted(static_cast<uint64_t>(r.samples), "sample").c_str(), r.depth);
     text += counted(r.lights, "light") + ", " + counted(r.primitives, "primitive") + "\n";
     text += "  " + r.device + ", " + r.driver;
     if (!r.traversal.empty()) text += ", " + traversalText(r) + ", " + r.access + " buffers";

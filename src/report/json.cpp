@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "report/front.h"
 #include "report/write.h"
 
 namespace glint::report {
@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every field is written and read through one list, so that neither forgets any.
+// JSON and CSV are written, and JSON is read, through one list of the fields.
 template <typename Visit, typename T>
 void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_t<T>, ErrorMeasures> {
     visit("pixels", m.pixels);
@@ -27,13 +27,6 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
 }
 
 template <typename Visit, typename T>
-void visitFields(Visit&& visit, T& q) requires std::is_same_v<std::remove_const_t<T>, Quartiles> {
-    visit("q1", q.low);
-    visit("median", q.median);
-    visit("q3", q.high);
-}
-
-template <typename Visit, typename T>
 void visitFields(Visit&& visit, T& a) requires std::is_same_v<std::remove_const_t<T>, ArithmeticError> {
     visit("all", a.all);
     visit("samePath", a.samePath);
@@ -43,7 +36,6 @@ void visitFields(Visit&& visit, T& a) requires std::is_same_v<std::remove_const_
 template <typename Visit, typename T>
 void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_t<T>, Measured> {
     visit("key", m.key);
-    visit("batch", m.batch);
     visit("family", m.family);
     visit("sampler", m.sampler);
     visit("spp", m.spp);
@@ -59,15 +51,11 @@ void visitFields(Visit&& visit, T& m) requires std::is_same_v<std::remove_const_
     visit("bound", m.bound);
     visit("runSeconds", m.seconds);
     visit("runRmse", m.rmse);
-    visit("wallSeconds", m.wall);
-    visit("deviceSeconds", m.device);
+    visit("runDeviceSeconds", m.deviceSeconds);
     visit("compileSeconds", m.compile);
     visit("uploadSeconds", m.upload);
     visit("readbackSeconds", m.readback);
     visit("rays", m.rays);
-    visit("repeats", m.repeats);
-    visit("default", m.isDefault);
-    visit("beatenBy", m.beatenBy);
 }
 
 template <typename Visit, typename T>
@@ -78,14 +66,14 @@ void visitFields(Visit&& visit, T& s) requires std::is_same_v<std::remove_const_
     visit("hash", s.hash);
     visit("width", s.width);
     visit("height", s.height);
-    visit("maxDepth", s.maxDepth);
+    visit("maxDepth", s.depth);
     visit("kappa", s.kappa);
     visit("stiffness", s.stiffness);
     visit("contents", s.contents);
-    visit("sampler", s.defaultSampler);
     visit("truthSamples", s.truthSamples);
     visit("truthError", s.truthError);
-    visit("configurations", s.measured);
+    visit("thumbnail", s.thumbnail);
+    visit("settings", s.measured);
     visit("leftOut", s.leftOut);
 }
 
@@ -135,7 +123,6 @@ struct Reader {
     const Json& json;
     template <typename T>
     void operator()(const char* name, T& value) {
-        if (std::string_view(name) == "camera" && !json.contains(name)) return;  // reports had none at first
         read(json.at(name), value);
     }
     template <typename T>
@@ -165,61 +152,42 @@ std::string csvText(const std::string& text) {
     return quoted + "\"";
 }
 
-std::string csvNumber(double value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), ",%.9g", value);
-    return text;
-}
+// Appends names and values of the fields; lists become their median.
+struct CsvLine {
+    std::string names, values, prefix;
 
-std::string csvErrors(const ErrorMeasures& m) {
-    std::string line;
-    for (const double value :
-         {m.rmse, m.relMse, m.max, m.p99, m.percentVisible, m.percentSmall, m.bias, m.rmseError})
-        line += csvNumber(value);
-    return line;
-}
-
-std::string csvHeader() {
-    std::string line =
-        "scene,key,batch,family,sampler,spp,depth,minContribution,samples,asked,error,ssim,hidden,bound";
-    for (const char* kind : {"total", "arithmetic", "samePath", "otherPath"}) {
-        for (const char* measure : {"Rmse", "RelMse", "Max", "P99", "PercentAbove255th", "PercentAbove1000th",
-                                    "Bias", "RmseStandardError"}) {
-            line += std::string(",") + kind + measure;
+    template <typename T>
+    void operator()(const char* name, const T& value) {
+        if constexpr (requires(CsvLine & line) { visitFields(line, value); }) {
+            const std::string before = prefix;
+            prefix += std::string(name) + ".";
+            visitFields(*this, value);
+            prefix = before;
+        } else if constexpr (std::is_same_v<T, std::optional<ArithmeticError>>) {
+            const CsvLine without = *this;
+            (*this)(name, value.value_or(ArithmeticError()));
+            if (!value)
+                values =
+                    without.values +
+                    std::string(std::count(names.begin() + static_cast<std::ptrdiff_t>(without.names.size()),
+                                           names.end(), ','),
+                                ',');
+        } else {
+            names += "," + prefix + name;
+            values += "," + text(value);
         }
     }
-    return line +
-           ",samePathPixels,otherPathPixels,wallQ1,wallMedian,wallQ3,deviceQ1,deviceMedian,deviceQ3,compile,"
-           "upload,readback,rays,repeats,default,onFront,beatenBy\r\n";
-}
-
-std::string csvLine(const SceneReport& scene, const Measured& m) {
-    std::string line;
-    for (const std::string& text : {scene.name, m.key, m.batch, m.family}) line += csvText(text) + ',';
-    line += m.sampler;
-    for (const double value : {static_cast<double>(m.spp), static_cast<double>(m.depth), m.minContribution,
-                               m.samples, m.asked, m.error})
-        line += csvNumber(value);
-    line += m.ssim ? csvNumber(*m.ssim) : ",";
-    line += (m.hidden ? ",yes" : ",no") + csvNumber(m.bound);
-    line += csvErrors(m.total);
-    if (m.arithmetic) {
-        const ArithmeticError& a = *m.arithmetic;
-        line += csvErrors(a.all) + csvErrors(a.samePath) + csvErrors(a.otherPath);
-        line += csvNumber(static_cast<double>(a.samePath.pixels));
-        line += csvNumber(static_cast<double>(a.otherPath.pixels));
-    } else {
-        line += std::string(3 * 8 + 2, ',');
+    static std::string text(const std::string& value) { return csvText(value); }
+    static std::string text(bool value) { return value ? "yes" : "no"; }
+    static std::string text(const std::vector<double>& list) { return text(quartilesOf(list).median); }
+    static std::string text(const std::optional<double>& value) { return value ? text(*value) : ""; }
+    template <typename T>
+    static std::string text(T value) requires std::is_arithmetic_v<T> {
+        char out[32];
+        std::snprintf(out, sizeof(out), "%.9g", static_cast<double>(value));
+        return out;
     }
-    for (const double value :
-         {m.wall.low, m.wall.median, m.wall.high, m.device.low, m.device.median, m.device.high, m.compile,
-          m.upload, m.readback, static_cast<double>(m.rays), static_cast<double>(m.repeats)}) {
-        line += csvNumber(value);
-    }
-    line += m.isDefault ? ",yes," : ",no,";
-    if (contestOf(m) != Contest::None) line += m.beatenBy.empty() ? "yes" : "no";
-    return line + "," + csvText(m.beatenBy) + "\r\n";
-}
+};
 
 }  // namespace
 
@@ -240,9 +208,16 @@ Report fromJson(const std::string& text, const std::string& name) {
 }
 
 std::string toCsv(const Report& data) {
-    std::string text = csvHeader();
+    CsvLine header;
+    const Measured blank;
+    visitFields(header, blank);
+    std::string text = "scene" + header.names + "\r\n";
     for (const SceneReport& scene : data.scenes)
-        for (const Measured& m : scene.measured) text += csvLine(scene, m);
+        for (const Measured& m : scene.measured) {
+            CsvLine line;
+            visitFields(line, m);
+            text += csvText(scene.name) + line.values + "\r\n";
+        }
     return text;
 }
 

@@ -1,4 +1,4 @@
-// What `glint report` measures: configurations in order of importance, and what is known of each.
+// The settings that `glint report` measures, and the results.
 #pragma once
 
 #include <array>
@@ -8,113 +8,85 @@
 #include <vector>
 
 #include "core/quartiles.h"
-#include "gpu/compute.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "report/measures.h"
-#include "report/statistics.h"
 #include "scene/scene.h"
 #include "trace/methods.h"
 
 namespace glint::report {
 
-// Those that are compared: Auto is one of them.
 inline constexpr std::array kSamplers = {Sampler::Grid, Sampler::Jittered, Sampler::LowDiscrepancy};
 
-struct Configuration {
-    std::string family;  // the curve it belongs to: the sampler's name of the default, else what differs
+struct Setting {
+    std::string family;  // its curve or group: the sampler's name, "triangles: projection", "depth" ...
     Sampler sampler = Sampler::LowDiscrepancy;
     int spp = 4;
     Methods methods;
-    std::optional<int> maxDepth;  // empty: the scene's
+    std::optional<int> depth;  // empty: the scene's
     double minContribution = 0;
-    bool leaveOut = true;
-    bool rayByRay = false;  // in the binary tree, where the device and the scene would take another way
-    std::optional<gpu::Access> access;  // empty: by the device
-    // In place of `spp` samples: until the error is at most this (converge/converge.h); by contrast, at least
-    // `spp` and at most the image's own most.
-    std::optional<double> error, contrast;
-    // In place of the box: another picture, so it is judged by the differences of its own runs.
-    std::optional<Filter> filter;
-    bool onReference = false;  // drawn by the reference, in double
-    std::string on;            // DeviceBeside::label of who draws; empty: the report's own device
-    int twin = 0;              // the default once more, under another name
+    bool leaveOut = true;            // render::Options::leaveOut
+    std::optional<double> error;     // instead of `spp` samples: --error
+    std::optional<double> contrast;  // adaptive sampling from `spp` samples
+    bool onReference = false;        // rendered by the reference, in double precision
+    std::string on;                  // DeviceBeside::label(); empty: the report's own device
 };
 
-// A device that is set beside the report's own.
+// A device that the report compares with its own.
 struct DeviceBeside {
     std::string name, driver;
     const gpu::Device* device = nullptr;  // null: the reference
     std::string label() const { return driver.empty() ? name : name + ", " + driver; }
 };
-inline constexpr const char* kOnDevice = "device: ";  // its settings' family is this and its name
+inline constexpr const char* kOnDevice = "device: ";  // the family of its settings is this and its name
+inline constexpr const char* kDefaultMethods = "default methods";
 
-// The default, measured once more in turns with the methods that it is compared with.
-inline constexpr const char* kDefaultAmongMethods = "default methods";
+// Everything that decides image and time, as text.
+std::string keyOf(const Setting& setting);
 
-// All that decides picture and time, as text, e.g. "grid 4 watertight robust gamma7 errorBox depth=scene
-// cut=0 pruned auto".
-std::string keyOf(const Configuration& configuration);
+// True if its rounding error is measured, against the reference's image of the same samples. The rounding
+// error does not depend on the number of samples, so at most 4 are judged.
+bool hasArithmetic(const Setting& setting);
 
-// Without what a renderer is told anew for each picture.
-Configuration machineKind(Configuration configuration);
+// In order of importance. `devices`: to be compared; may be empty.
+std::vector<Setting> planScene(const SceneFeatures& features, bool hasTree, int sceneDepth,
+                               const std::vector<DeviceBeside>& devices = {});
 
-// Whether its rounding is measured, against a picture in double precision of the very same samples. Rounding
-// does not grow with their number, so few are enough; and other kinds of picture say nothing about it.
-bool isJudgedAlone(const Configuration& configuration);
-
-// Configurations that are measured in turns, one run each at a time, so that a busy minute hits all alike. A
-// batch is measured as a whole or not at all.
-struct Batch {
-    std::string name;
-    std::vector<Configuration> configurations;
-};
-
-// Batches, most important first. `otherAccess`: the way of loading that the device would not choose, if it
-// has it; `packets`: true if the default methods use packets of rays or wide nodes, which lack some of the
-// other methods; `devices`: devices to compare, possibly empty.
-std::vector<Batch> planScene(const SceneFeatures& features, bool hasTree, int maxDepth,
-                             std::optional<gpu::Access> otherAccess, bool packets,
-                             const std::vector<DeviceBeside>& devices = {});
-
-// What the names of all families that there are start with, in order of measurement: "grid", ..., "default",
-// "triangles" ...
+// The first words of all families, for --only: "grid", ..., "default", "triangles" ...
 const std::vector<std::string>& familyStarts();
 
 struct Measured {
-    std::string key, batch, family, sampler;
+    std::string key, family, sampler;
     int spp = 0, depth = 0;
     double minContribution = 0;
-    std::optional<ArithmeticError> arithmetic;  // not of many samples
-    ErrorMeasures total;                        // of the first run, against the converged picture
-    double error = 0;  // root mean square of all runs' RMSE, without what the converged picture errs itself
-    // Of the first run beside the converged picture (core/similarity.h); empty of pictures too small for it.
-    std::optional<double> ssim;
-    bool hidden = false;  // that error is below what the converged picture can tell
-    double samples = 0;   // of a pixel, in the mean
-    double asked = 0;     // the error that was asked for; 0: none was
-    double bound = 0;     // on the RMSE of what a depth or cut leaves out, by the picture's own account
-    std::vector<double> seconds, rmse;  // of each run; runs of one number in a batch took turns
-    Quartiles wall, device;             // seconds; device: 0 without timestamps
+    std::optional<ArithmeticError> arithmetic;
+    ErrorMeasures total;         // of the first run, against the converged image
+    double error = 0;            // root mean square of all runs' RMSE, less the converged image's own error
+    std::optional<double> ssim;  // of the first run (core/similarity.h); empty for images too small for it
+    bool hidden = false;         // `error` is below the converged image's own error
+    double samples = 0;          // per pixel, mean
+    double asked = 0;            // --error; 0: none
+    double bound = 0;            // on the RMSE of the branches that a depth or cut leaves out
+    std::vector<double> seconds, rmse, deviceSeconds;  // of each run; device: 0 without timestamps
     double compile = 0, upload = 0, readback = 0;
-    uint64_t rays = 0;  // camera and later rays of the paths; not shadow rays
-    int repeats = 0;
-    bool isDefault = false;  // see markFront (report/front.h)
-    std::string beatenBy;    // key
+    uint64_t rays = 0;  // camera and later rays; no shadow rays
+
+    Quartiles wall() const { return quartilesOf(seconds); }
+    double median() const { return wall().median; }
 };
 
 struct SceneReport {
-    std::string path, name, hash;  // hash: of the scene file and the packed scene
-    std::string camera;            // that was chosen by its name; empty: the scene's own
-    int width = 0, height = 0, maxDepth = 0;
+    std::string path, name, hash;          // hash: of the scene file and the packed scene
+    std::string camera;                    // chosen by its name; empty: the scene's own
+    int width = 0, height = 0, depth = 0;  // depth: the scene's
     double kappa = 0;
     std::string stiffness;
-    std::string contents;        // "mirrors, glass, lens", what makes it dear
-    std::string defaultSampler;  // the scene's; "auto" if it names none
-    int truthSamples = 0;        // of each pixel of the converged picture
-    double truthError = 0;       // its own RMSE, by its two halves of different seeds
+    std::string contents;   // "mirrors, glass, lens": what makes it expensive
+    int truthSamples = 0;   // per pixel of the converged image
+    double truthError = 0;  // its own RMSE, from its two halves of different seeds
+    std::string thumbnail;  // of the converged image: a PNG in base64
     std::vector<Measured> measured;
-    std::vector<std::string> leftOut;  // batches
+    std::vector<std::string> leftOut;  // keys
 
     const Measured* find(const std::string& key) const;
 };

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/parallel.h"
-#include "report/front.h"
+#include "core/stopwatch.h"
 #include "report/sweep.h"
 #include "report/write.h"
 
@@ -18,6 +18,7 @@ namespace glint::report {
 namespace {
 
 namespace fs = std::filesystem;
+using Sweeps = std::vector<std::unique_ptr<SceneSweep>>;
 
 Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
     Report report;
@@ -32,7 +33,7 @@ Report freshReport(const Options& options, const gpu::DeviceInfo& device) {
     return report;
 }
 
-// What is there of this scene, of the same bytes and size.
+// The earlier report of a scene of the same bytes and size.
 SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earlier) {
     if (!earlier) return empty;
     for (const SceneReport& scene : earlier->scenes) {
@@ -41,25 +42,24 @@ SceneReport resumed(const SceneReport& empty, const std::optional<Report>& earli
             continue;
         SceneReport report = scene;
         report.name = empty.name;
-        report.leftOut.clear();
         return report;
     }
     return empty;
 }
 
-// Scenes of the folder's report that this command does not name stay in it, behind those that it does.
-void keepOtherScenes(const Report& earlier, Report& data) {
+// Scenes that this command does not name stay in the report, behind those that it does.
+void keepOtherScenes(const Report& earlier, Report& report) {
     for (const SceneReport& scene : earlier.scenes) {
-        const bool named = std::any_of(data.scenes.begin(), data.scenes.end(), [&](const SceneReport& s) {
+        const bool named = std::any_of(report.scenes.begin(), report.scenes.end(), [&](const SceneReport& s) {
             return s.path == scene.path && s.camera == scene.camera;
         });
         if (named) continue;
-        data.scenes.push_back(scene);
-        data.scenes.back().name = fs::path(scene.path).stem().string();
+        report.scenes.push_back(scene);
+        report.scenes.back().name = fs::path(scene.path).stem().string();
     }
 }
 
-// knot, knot-2: the diagrams' names.
+// knot, knot-2: the names of the diagrams.
 void makeNamesUnique(std::vector<SceneReport>& scenes) {
     std::map<std::string, int> uses;
     for (SceneReport& scene : scenes) {
@@ -68,8 +68,7 @@ void makeNamesUnique(std::vector<SceneReport>& scenes) {
     }
 }
 
-void writeReport(const fs::path& folder, Report& report) {
-    for (SceneReport& scene : report.scenes) markFront(scene);
+void writeReport(const fs::path& folder, const Report& report) {
     std::vector<OutputFile> files;
     const auto add = [&](const std::string& name, const std::string& text) {
         if (!text.empty()) files.push_back({folder / name, {text.begin(), text.end()}});
@@ -85,78 +84,82 @@ void writeReport(const fs::path& folder, Report& report) {
     writeFiles(files);
 }
 
-// True if all scenes are through.
-bool measureAll(const fs::path& folder, std::vector<std::unique_ptr<SceneSweep>>& sweeps, Report& report) {
-    size_t most = 0;
-    for (const auto& sweep : sweeps) most = std::max(most, sweep->batches().size());
-    for (size_t batch = 0; batch < most; ++batch) {
-        for (size_t i = 0; i < sweeps.size(); ++i) {
-            if (batch >= sweeps[i]->batches().size()) continue;
-            if (!sweeps[i]->measure(sweeps[i]->batches()[batch], report.scenes[i])) return false;
-            writeReport(folder, report);
-        }
+bool isDone(const SceneReport& report, const Setting& setting, int runs) {
+    const Measured* known = report.find(keyOf(setting));
+    return known && static_cast<int>(known->seconds.size()) >= runs;
+}
+
+std::string labelOf(const Setting& s) {
+    std::string name = s.family;
+    if (s.depth) name += " " + std::to_string(*s.depth);
+    if (s.minContribution > 0) name += " " + shortNumber(s.minContribution);
+    return name + ", " + std::to_string(s.spp) + " spp";
+}
+
+void listLeftOut(const Sweeps& sweeps, Report& report) {
+    for (size_t i = 0; i < sweeps.size(); ++i) {
+        report.scenes[i].leftOut.clear();
+        for (const Setting& setting : sweeps[i]->settings())
+            if (!isDone(report.scenes[i], setting, 1)) report.scenes[i].leftOut.push_back(labelOf(setting));
     }
+}
+
+// False if cancelled.
+bool measureAll(const Sweeps& sweeps, Report& report, const Options& options) {
+    size_t most = 0;
+    double all = 0, done = 0;
+    for (const auto& sweep : sweeps) {
+        most = std::max(most, sweep->settings().size());
+        all += static_cast<double>(sweep->settings().size()) * options.repeats;
+    }
+    Stopwatch sinceWritten;
+    for (int turn = 1; turn <= options.repeats; ++turn)
+        for (size_t i = 0; i < most; ++i)
+            for (size_t k = 0; k < sweeps.size(); ++k) {
+                options.progress(done++ / std::max(all, 1.0));
+                if (i >= sweeps[k]->settings().size()) continue;
+                const Setting& setting = sweeps[k]->settings()[i];
+                if (isDone(report.scenes[k], setting, turn)) continue;
+                if (sweeps[k]->run(setting, report.scenes[k]) == SceneSweep::Outcome::Cancelled) return false;
+                if (sinceWritten.seconds() < 5) continue;
+                listLeftOut(sweeps, report);
+                writeReport(options.folder, report);
+                sinceWritten.restart();
+            }
     return true;
 }
 
-// Of the processor, and of the device where that has its own.
-struct Bytes {
-    uint64_t host = 0, device = 0;
-};
-
-Bytes neededFor(const std::vector<std::unique_ptr<SceneSweep>>& sweeps, int width) {
-    Bytes bytes;
-    uint64_t passing = 0;
-    for (const auto& sweep : sweeps) {
-        const MemoryNeed need = sweep->memory(width);
-        bytes.host += need.kept;
-        passing = std::max(passing, need.passing);
-        bytes.device += need.device;
-    }
-    bytes.host += passing;
-    return bytes;
-}
-
-void checkMemory(const std::vector<std::unique_ptr<SceneSweep>>& sweeps, const Options& options,
-                 const gpu::DeviceInfo& device) {
-    const Bytes there{options.memory(), device.limits.memory};
-    const auto fits = [&](int width) {
-        const Bytes needed = neededFor(sweeps, width);
-        return needed.host <= there.host && needed.device <= there.device;
+void checkMemory(const Sweeps& sweeps, const Options& options) {
+    const uint64_t available = options.memory();
+    const auto needed = [&](int width) {
+        uint64_t bytes = 0;
+        for (const auto& sweep : sweeps) bytes += sweep->memory(width);
+        return bytes;
     };
-    if (fits(options.width)) return;
-    const Bytes needed = neededFor(sweeps, options.width);
-    const bool onDevice = needed.host <= there.host;
-    int width = 0;  // the greatest that fits
-    for (int above = options.width; above - width > 1;) {
-        const int middle = (width + above) / 2;
-        (fits(middle) ? width : above) = middle;
-    }
-    throw Error(
-        ErrorKind::Failed,
-        "pictures " + std::to_string(options.width) +
-            " pixels wide, with all that they are compared with, take " +
-            gibibytes(onDevice ? needed.device : needed.host) + " of " + (onDevice ? "the device's " : "") +
-            "memory, " + gibibytes(onDevice ? there.device : there.host) + " are free; ask for " +
-            (width > 0 ? "a smaller --size (" + std::to_string(width) + " fits), or for fewer" : "fewer") +
-            " settings (--only) or scenes");
+    if (needed(options.width) <= available) return;
+    int width = options.width;
+    while (width > 1 && needed(width) > available) width /= 2;
+    throw Error(ErrorKind::Failed,
+                "images " + std::to_string(options.width) + " pixels wide may need " +
+                    gibibytes(needed(options.width)) + " of memory, " + gibibytes(available) +
+                    " are free: use " +
+                    (width > 1 ? "a smaller --size (" + std::to_string(width) + " fits) or fewer scenes"
+                               : std::string("fewer scenes")));
 }
 
-SweepLimits limitsOf(const Options& options) {
+SweepLimits limitsOf(const Options& options, size_t scenes) {
     SweepLimits limits;
     limits.repeats = options.repeats;
     limits.truthSamples = options.truthSamples;
+    limits.truthSeconds = options.secondsLeft() / 3 / static_cast<double>(scenes);
     limits.truth = options.truth;
     limits.devices = options.devices;
     limits.secondsLeft = options.secondsLeft;
     limits.cancelled = options.cancelled;
-    limits.wanted = [&options](const Configuration& c) {
-        const auto named = [&](const std::string& family) {
-            return std::any_of(options.only.begin(), options.only.end(),
-                               [&](const std::string& start) { return family.starts_with(start); });
-        };
-        if (c.twin > 0) return named("again");
-        return options.only.empty() || named(c.family);
+    limits.wanted = [&options](const Setting& s) {
+        return options.only.empty() ||
+               std::any_of(options.only.begin(), options.only.end(),
+                           [&](const std::string& start) { return s.family.starts_with(start); });
     };
     return limits;
 }
@@ -170,36 +173,38 @@ std::optional<Report> earlierReport(const Options& options, const gpu::DeviceInf
     const std::vector<uint8_t> bytes = readFile(path);
     Report report = fromJson(std::string(bytes.begin(), bytes.end()), path.string());
     const auto made = [](const Report& r) {
-        return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.repeats, r.truthSamples,
-                        r.truthBackend);
+        return std::tie(r.version, r.device, r.driver, r.api, r.cores, r.truthSamples, r.truthBackend);
     };
     if (made(report) == made(freshReport(options, device))) return report;
     warning = path.string() +
-              ": made by another version, device, driver, number of cores, number of runs or kind of "
-              "converged picture: all of it is measured anew, scenes that are not named are dropped";
+              ": made by another version, device, driver, number of cores or kind of converged image: "
+              "everything is measured again, scenes that are not named are dropped";
     return std::nullopt;
 }
 
 Report run(const gpu::Device& device, std::vector<Subject> subjects, const std::optional<Report>& earlier,
            const Options& options) {
     Report report = freshReport(options, device.info());
-    double work = 0, worked = 0;
-    SweepLimits limits = limitsOf(options);
-    limits.truthSeconds = options.secondsLeft() / 3 / static_cast<double>(subjects.size());
-    limits.worked = [&](double amount) { options.progress(std::min(1.0, (worked += amount) / work)); };
-    std::vector<std::unique_ptr<SceneSweep>> sweeps;
+    const SweepLimits limits = limitsOf(options, subjects.size());
+    Sweeps sweeps;
     for (Subject& subject : subjects) {
         sweeps.push_back(std::make_unique<SceneSweep>(device, subject.path, std::move(subject.loaded),
                                                       options.width, limits));
         SceneReport empty = sweeps.back()->emptyReport();
         empty.camera = subject.camera;
         report.scenes.push_back(resumed(empty, earlier));
-        work += sweeps.back()->work(report.scenes.back());
     }
-    checkMemory(sweeps, options, device.info());
+    checkMemory(sweeps, options);
     if (earlier) keepOtherScenes(*earlier, report);
     makeNamesUnique(report.scenes);
-    report.complete = measureAll(options.folder, sweeps, report);
+    report.complete = measureAll(sweeps, report, options);
+    listLeftOut(sweeps, report);
+    for (size_t i = 0; i < sweeps.size() && report.complete; ++i)
+        if (report.scenes[i].measured.empty())
+            throw Error(ErrorKind::Failed,
+                        report.scenes[i].path + ": nothing was measured: " +
+                            (sweeps[i]->settings().empty() ? "no setting of --only applies to this scene"
+                                                           : "use a larger --budget or a smaller --size"));
     writeReport(options.folder, report);
     return report;
 }

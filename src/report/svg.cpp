@@ -1,9 +1,10 @@
-// The diagrams: logarithmic axes, drawn by hand so that they need nothing but an SVG reader.
+// The diagrams, with logarithmic axes.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <utility>
 
 #include "report/write.h"
 
@@ -123,7 +124,7 @@ class Drawing {
         if (front_.size() > 1) {
             out += line(kLegendLeft, legend - 4, kLegendLeft + 18, legend - 4,
                         "stroke=\"#bbbbbb\" stroke-width=\"7\"");
-            out += text(kLegendLeft + 26, legend, "start", "front: nothing is better");
+            out += text(kLegendLeft + 26, legend, "start", "nothing is faster and more exact");
             legend += kLegendStep;
         }
         for (size_t i = 0; i < series_.size(); ++i, legend += kLegendStep) out += drawSeries(i, legend);
@@ -157,17 +158,32 @@ class Drawing {
         return "<path d=\"" + d + "\" fill=\"none\" stroke-linejoin=\"round\" " + style + "/>\n";
     }
 
-    std::string mark(double x, double y, const std::string& letter, const char* color) const {
+    // Letters keep clear of the marks before them: the nearest free place on a spiral, within the axes.
+    std::string mark(double x, double y, const std::string& letter, const char* color) {
         char out[160];
-        if (!letter.empty())
+        if (!letter.empty()) {
+            const double x0 = x, y0 = y;
+            const auto taken = [&] {
+                return std::any_of(marks_.begin(), marks_.end(), [&](const auto& m) {
+                    return std::abs(m.first - x) < 11 && std::abs(m.second - y) < 12;
+                });
+            };
+            for (int step = 1; step < 400 && taken(); ++step) {
+                const double angle = 0.7 * step, radius = 3 * std::sqrt(step) + 6;
+                x = std::clamp(x0 + radius * std::cos(angle), kLeft + 6, kRight - 6);
+                y = std::clamp(y0 + radius * std::sin(angle), kTop + 8, kBottom - 8);
+            }
+            marks_.emplace_back(x, y);
             return text(x, y + 4, "middle", letter,
                         std::string("font-weight=\"bold\" fill=\"") + color + "\"");
+        }
+        marks_.emplace_back(x, y);
         std::snprintf(out, sizeof(out), "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x, y,
                       color);
         return out;
     }
 
-    std::string drawSeries(size_t index, double legend) const {
+    std::string drawSeries(size_t index, double legend) {
         const Series& series = series_[index];
         const char* color = kColors[index % kColors.size()];
         std::string out;
@@ -178,7 +194,9 @@ class Drawing {
                    mark(x_.at(p.x), y_.at(p.y), p.mark, color) + "</g>\n";
         }
         const std::string& letter = series.line ? std::string() : series.points.front().mark;
-        out += mark(kLegendLeft + 9, legend - 4, letter, color);
+        out += letter.empty() ? mark(kLegendLeft + 9, legend - 4, "", color)
+                              : text(kLegendLeft + 9, legend, "middle", letter,
+                                     std::string("font-weight=\"bold\" fill=\"") + color + "\"");
         return out + text(kLegendLeft + 26, legend, "start", series.label);
     }
 
@@ -186,32 +204,44 @@ class Drawing {
     LogAxis x_{kLeft, kRight}, y_{kBottom, kTop};
     std::vector<Series> series_;
     std::vector<Point> front_;
+    std::vector<std::pair<double, double>> marks_;  // that are drawn
 };
 
 Point totalPoint(const Measured& m, const std::string& mark) {
-    return {m.wall.median, m.hidden ? 0 : m.error, mark,
-            m.family + ", " + shortNumber(m.samples) + " spp: " + shortNumber(m.wall.median) + " s, error " +
+    return {m.median(), m.hidden ? 0 : m.error, mark,
+            m.family + ", " + shortNumber(m.samples) + " spp: " + shortNumber(m.median()) + " s, error " +
                 shortNumber(m.error)};
 }
 
 }  // namespace
 
+namespace {
+
+// The families of the first diagram and of the comparison of devices, in order of measurement.
+std::vector<std::string> familiesOf(const SceneReport& scene, bool devices) {
+    std::vector<std::string> families;
+    for (const Measured& m : scene.measured)
+        if (m.family != "depth" && m.family != "cut" && m.family.starts_with(kOnDevice) == devices &&
+            std::find(families.begin(), families.end(), m.family) == families.end())
+            families.push_back(m.family);
+    return families;
+}
+
+}  // namespace
+
 std::string precisionDiagram(const SceneReport& scene) {
-    Drawing drawing(scene.name + ": error against time", "seconds for the picture (median, wall clock)",
-                    "RMSE against the converged picture");
+    Drawing drawing(scene.name + ": error against time", "seconds for the image (median, wall clock)",
+                    "RMSE against the converged image");
     char letter = 'a';
-    for (const std::string& family : familiesOf(scene)) {
-        if (family.starts_with(kOnDevice)) continue;
+    for (const std::string& family : familiesOf(scene, false)) {
         Series series;
         const auto points = familyOf(scene, family);
-        const bool sampler = !points.empty() && family == points.front()->sampler;
         series.label = family;
-        if (sampler)
+        series.line = isSampler(family);
+        if (series.line)
             series.label += " (" + std::to_string(points.front()->spp) + " to " +
-                            std::to_string(points.back()->spp) + ")";
-        series.line = sampler;
-        const std::string mark = sampler ? "" : std::string(1, letter);
-        if (!sampler) ++letter;
+                            std::to_string(points.back()->spp) + " spp)";
+        const std::string mark = series.line ? "" : std::string(1, letter++);
         for (const Measured* m : points) series.points.push_back(totalPoint(*m, mark));
         drawing.add(std::move(series));
     }
@@ -223,8 +253,8 @@ std::string precisionDiagram(const SceneReport& scene) {
 }
 
 std::string truncationDiagram(const SceneReport& scene) {
-    Drawing drawing(scene.name + ": what is left out of the tree of rays, at 4 samples",
-                    "seconds for the picture (median, wall clock)",
+    Drawing drawing(scene.name + ": depth and least contribution, at 4 samples",
+                    "seconds for the image (median, wall clock)",
                     "RMSE against the whole tree, same samples");
     const auto add = [&](const std::string& family, const std::string& label,
                          const std::function<std::string(const Measured&)>& mark) {
@@ -232,9 +262,9 @@ std::string truncationDiagram(const SceneReport& scene) {
         series.label = label;
         for (const Measured* m : familyOf(scene, family)) {
             if (!m->arithmetic) continue;
-            series.points.push_back({m->wall.median, m->arithmetic->all.rmse, mark(*m),
-                                     label + " " + mark(*m) + ": " + shortNumber(m->wall.median) +
-                                         " s, error " + shortNumber(m->arithmetic->all.rmse)});
+            series.points.push_back({m->median(), m->arithmetic->all.rmse, mark(*m),
+                                     label + " " + mark(*m) + ": " + shortNumber(m->median()) + " s, error " +
+                                         shortNumber(m->arithmetic->all.rmse)});
         }
         drawing.add(std::move(series));
     };
@@ -246,9 +276,8 @@ std::string truncationDiagram(const SceneReport& scene) {
 
 std::string devicesDiagram(const SceneReport& scene) {
     Drawing drawing(scene.name + ": devices side by side, lowDiscrepancy",
-                    "seconds for the picture (median, wall clock)", "RMSE against the converged picture");
-    for (const std::string& family : familiesOf(scene)) {
-        if (!family.starts_with(kOnDevice)) continue;
+                    "seconds for the image (median, wall clock)", "RMSE against the converged image");
+    for (const std::string& family : familiesOf(scene, true)) {
         Series series;
         series.label = family.substr(std::string_view(kOnDevice).size());
         for (const Measured* m : familyOf(scene, family)) series.points.push_back(totalPoint(*m, ""));

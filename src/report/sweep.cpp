@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "bench/timing.h"
 #include "converge/bounds.h"
 #include "converge/converge.h"
+#include "core/codecs.h"
 #include "core/file_io.h"
 #include "core/hash.h"
+#include "core/quantize.h"
 #include "core/similarity.h"
 #include "core/stopwatch.h"
 #include "pack/pack_samples.h"
 #include "pack/scene_arrays.h"
-#include "render/scene_buffers.h"
+#include "reference/render.h"
+#include "report/write.h"
 #include "scene/sampling.h"
 #include "verify/stiffness.h"
 
@@ -20,13 +25,11 @@ namespace glint::report {
 
 namespace {
 
-// The way of loading that the renderer did not choose, if the device has it.
-std::optional<gpu::Access> otherAccess(const gpu::DeviceInfo& device, const render::Renderer& renderer,
-                                       const PackedScene& scene) {
-    const gpu::Access other = renderer.access() == gpu::Access::StorageBuffer ? gpu::Access::TexelBuffer
-                                                                              : gpu::Access::StorageBuffer;
-    return render::hasAccess(device, other, render::arraySizes(scene)) ? std::optional(other) : std::nullopt;
-}
+// Seeds that no run has: an image must not be close to the truth because it shares its samples.
+constexpr uint32_t kTruthSeed = 0x40000000;
+constexpr int kMostTruthSamples = 4096;
+constexpr double kMostErrorSamples = 1024;  // per pixel, for --error
+constexpr double kOverdue = 1;              // seconds past the budget after which an image is given up
 
 double boundOf(const LostBranches& lost, double pixels) {
     return std::sqrt(lost.greatest * lost.sum / pixels);  // see docs/design/error-targets.md
@@ -46,58 +49,61 @@ std::string contentsOf(const LoadedScene& loaded) {
     return words.empty() ? "diffuse and shadows" : words;
 }
 
-}  // namespace
-
-struct SceneSweep::Run {
-    Configuration configuration;
-    render::Renderer* renderer = nullptr;  // null: the reference
-    Measured measured;
-    std::vector<double> device;
-    std::vector<glm::dvec3> before;  // the last picture of a filter
-};
-
-namespace {
-
-// The file, for camera and image, and what both tracers see of the meshes and pictures that it names.
+// The file, for camera and image, and the packed arrays, for the meshes and images that it names. The BVH
+// changes no image.
 std::string hashOf(const std::vector<uint8_t>& file, const PackedScene& scene) {
     Hash hash;
     hash.add(file);
-    // The tree of boxes changes no picture.
     visitArrays(scene, [&](std::string_view name, const auto& array) {
         if (name != "nodes") hash.add(array);
     });
     return hash.text();
 }
 
+// At most 320 pixels wide, by the means of square blocks.
+std::string thumbnailOf(const Image& image) {
+    const int block = (image.width + 319) / 320;
+    Image small(std::max(1, image.width / block), std::max(1, image.height / block), 3);
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x)
+            for (int c = 0; c < 3; ++c) {
+                float sum = 0;
+                for (int i = 0; i < block * block; ++i)
+                    sum += image.at(std::min(x * block + i % block, image.width - 1),
+                                    std::min(y * block + i / block, image.height - 1), c);
+                small.at(x, y, c) = sum / static_cast<float>(block * block);
+            }
+    return base64(encodePng(small.width, small.height, 3, quantizeColor(small)));
+}
+
+// Rounding alone must not exceed the --error.
+bool isPossible(const Setting& s, const SceneReport& report) {
+    return !s.error || 2 * (report.kappa + 1) * verify::kFloatUnit < *s.error;
+}
+
 }  // namespace
 
-SceneSweep::SceneSweep(const gpu::Device& device, const std::filesystem::path& path, LoadedScene loaded,
-                       int width, SweepLimits limits)
-    : device_(device), path_(path), limits_(std::move(limits)), loaded_(std::move(loaded)) {
-    ImageSettings& image = loaded_.scene.image;
-    ownWidth_ = image.width;
-    ownHeight_ = image.height;
-    image.height = heightOf(width);
-    image.width = width;
-    image.filter = Filter::Box;  // the same for all, and its samples all count alike
-    image.filterRadius = defaultRadius(Filter::Box);
-    image.adaptive.reset();
-    camera_ = cameraOf(loaded_);
-    const render::Renderer probe(device_, loaded_.packed);
-    arrayBytes_ = probe.deviceBytes();
-    access_ = probe.access();
-    batches_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
-                         loaded_.scene.maxDepth, otherAccess(device_.info(), probe, loaded_.packed),
-                         nameOf(probe.traversal()) != nameOf(render::Traversal::Lane), limits_.devices);
-    for (Batch& batch : batches_)
-        std::erase_if(batch.configurations, [&](const Configuration& c) { return !limits_.wanted(c); });
-    std::erase_if(batches_, [](const Batch& batch) { return batch.configurations.empty(); });
+SceneSweep::SceneSweep(const gpu::Device& device, std::filesystem::path path, LoadedScene loaded, int width,
+                       SweepLimits limits)
+    : device_(device), path_(std::move(path)), limits_(std::move(limits)), loaded_(std::move(loaded)) {
+    image_ = loaded_.scene.image;
+    image_.height = heightOf(width);
+    image_.width = width;
+    image_.filter = Filter::Box;  // the same for all settings, and its samples all have the same weight
+    image_.filterRadius = defaultRadius(Filter::Box);
+    image_.adaptive.reset();
+    camera_ = cameraOf(loaded_, requestFor({}, 0));
+    arrayBytes_ = rendererOf({})->deviceBytes();
+    settings_ = planScene(loaded_.packed.features, loaded_.packed.environment.root != shared::kNone,
+                          loaded_.scene.maxDepth, limits_.devices);
+    std::erase_if(settings_, [&](const Setting& s) { return !limits_.wanted(s); });
 }
 
 SceneSweep::~SceneSweep() = default;
 
 int SceneSweep::heightOf(int width) const {
-    return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * ownHeight_ / ownWidth_)));
+    const ImageSettings& own = loaded_.scene.image;
+    return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) * own.height / own.width)));
 }
 
 SceneReport SceneSweep::emptyReport() const {
@@ -105,146 +111,191 @@ SceneReport SceneSweep::emptyReport() const {
     report.path = path_.generic_string();
     report.name = path_.stem().string();
     report.hash = hashOf(readFile(path_), loaded_.packed);
-    report.width = loaded_.scene.image.width;
-    report.height = loaded_.scene.image.height;
-    report.maxDepth = loaded_.scene.maxDepth;
+    report.width = image_.width;
+    report.height = image_.height;
+    report.depth = loaded_.scene.maxDepth;
     report.contents = contentsOf(loaded_);
-    report.defaultSampler = nameOf(loaded_.scene.image.sampler);
     return report;
 }
 
-namespace {
-
-// An error that rounding alone takes up is not asked for.
-bool isPossible(const Configuration& c, const SceneReport& report) {
-    return !c.error || 2 * (report.kappa + 1) * verify::kFloatUnit < *c.error;
+// Colors in double precision: the converged image with its halves, at most five images of the same samples
+// for each sampler, and those of --error; AOVs of the image that is judged. A driver on the processor adds
+// paths of at most 1 GiB, the arrays, and 48 MiB for the code of each renderer.
+uint64_t SceneSweep::memory(int width) const {
+    const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(heightOf(width));
+    const uint64_t renderers = 2 + limits_.devices.size();
+    const uint64_t images = (4 + 6 + 4) * sizeof(glm::dvec4) + 2 * sizeof(PixelData) + 8 * sizeof(float) * 4;
+    return pixels * images + renderers * (arrayBytes_ + (uint64_t{48} << 20));
 }
 
-bool hasAll(const SceneReport& report, const Batch& batch) {
-    return std::all_of(batch.configurations.begin(), batch.configurations.end(), [&](const Configuration& c) {
-        return !isPossible(c, report) || report.find(keyOf(c)) != nullptr;
-    });
-}
-
-double workOf(const Batch& batch, int repeats) {
-    double sum = 0;
-    for (const Configuration& c : batch.configurations) sum += c.spp * (repeats + 1.0);
-    return sum;
-}
-
-}  // namespace
-
-double SceneSweep::work(const SceneReport& report) const {
-    double sum = 0;
-    for (const Batch& batch : batches_)
-        if (!hasAll(report, batch)) sum += workOf(batch, limits_.repeats);
-    return sum + (sum > 0 ? kTruthWork : 0);
-}
-
-Request SceneSweep::requestFor(const Configuration& c, uint32_t seed) const {
-    ImageSettings image = loaded_.scene.image;
-    image.sampler = c.sampler;
-    image.samplesPerPixel = c.spp;
+Request SceneSweep::requestFor(const Setting& s, uint32_t seed) const {
+    ImageSettings image = image_;
+    image.sampler = s.sampler;
+    image.samplesPerPixel = s.spp;
     image.seed = seed;
-    if (c.filter) {
-        image.filter = *c.filter;
-        image.filterRadius = defaultRadius(*c.filter);
-    }
-    if (c.contrast) image.adaptive = AdaptiveSampling{64, *c.contrast};
+    if (s.contrast) image.adaptive = AdaptiveSampling{64, *s.contrast};
     Request request = requestOf(image, loaded_.scene.camera.lensRadius > 0);
-    request.methods = c.methods;
-    request.minContribution = c.minContribution;
-    request.maxDepth = c.maxDepth;
-    request.cancelled = limits_.cancelled;
+    request.methods = s.methods;
+    request.minContribution = s.minContribution;
+    if (s.depth) request.maxDepth = static_cast<uint32_t>(*s.depth);
+    request.cancelled = [this] { return limits_.cancelled() || limits_.secondsLeft() < -kOverdue; };
     return request;
 }
 
-const gpu::Device& SceneSweep::deviceOf(const Configuration& c) const {
+render::Renderer* SceneSweep::rendererOf(const Setting& s) {
+    if (s.onReference) return nullptr;
+    std::unique_ptr<render::Renderer>& renderer = renderers_[s.on + (s.leaveOut ? "" : " full")];
+    if (renderer) return renderer.get();
+    const gpu::Device* device = &device_;
     for (const DeviceBeside& beside : limits_.devices)
-        if (beside.device != nullptr && beside.label() == c.on) return *beside.device;
-    return device_;
-}
-
-render::Renderer& SceneSweep::rendererOf(const Configuration& c) {
-    std::unique_ptr<render::Renderer>& renderer = renderers_[keyOf(machineKind(c))];
-    if (renderer) return *renderer;
+        if (beside.device != nullptr && beside.label() == s.on) device = beside.device;
     render::Options options;
-    options.leaveOut = c.leaveOut;
-    if (c.rayByRay) options.traversal = render::Traversal::Lane;
-    options.access = c.access;
-    renderer = std::make_unique<render::Renderer>(deviceOf(c), loaded_.packed, options);
-    return *renderer;
+    options.leaveOut = s.leaveOut;
+    renderer = std::make_unique<render::Renderer>(*device, loaded_.packed, options);
+    return renderer.get();
 }
 
-SceneSweep::Run SceneSweep::begin(const Configuration& c, const SceneReport& report) {
-    Run run;
-    run.configuration = c;
-    if (!c.onReference) run.renderer = &rendererOf(c);
-    run.measured.key = keyOf(c);
-    run.measured.family = c.family;
-    run.measured.sampler = nameOf(c.sampler);
-    run.measured.spp = c.spp;
-    run.measured.depth = c.maxDepth.value_or(report.maxDepth);
-    run.measured.minContribution = c.minContribution;
-    run.measured.asked = c.error.value_or(0);
-    return run;
-}
-
-// As a user would have it drawn, without the data of any layer. The time of an --error is that of its rounds.
-Picture SceneSweep::draw(Run& run, uint32_t seed) {
-    const Configuration& c = run.configuration;
-    const Request request = requestFor(c, seed);
-    if (c.onReference) return reference::render(loaded_.packed, camera_, request);
-    if (!c.error) return run.renderer->render(camera_, request);
+// As `glint render` does without AOVs. An --error includes all its rounds.
+Picture SceneSweep::draw(const Setting& s, uint32_t seed) {
+    const Request request = requestFor(s, seed);
+    if (s.onReference) return reference::render(loaded_.packed, camera_, request);
+    render::Renderer& renderer = *rendererOf(s);
+    if (!s.error) return renderer.render(camera_, request);
     converge::Job job;
-    job.image = loaded_.scene.image;
-    job.image.sampler = c.sampler;
+    job.image = image_;
+    job.image.sampler = s.sampler;
     job.image.seed = seed;
     job.request = request;
-    job.request.ledger = true;
-    job.target.error = *c.error;
-    job.target.depthCounts = false;  // nor does the converged picture look beyond it
-    job.target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
+    job.request.maxDepth = static_cast<uint32_t>(loaded_.scene.maxDepth);
+    job.target.error = *s.error;
     job.rounding = (kappa_ + 1) * verify::kFloatUnit;
-    job.maxDepth = loaded_.packed.environment.maxDepth;
+    job.target.depthCounts = false;  // the converged image has the same depth
+    job.target.maxSamples = static_cast<uint32_t>(kMostErrorSamples);
     converge::Result result =
-        converge::converge([&](const Request& part) { return run.renderer->render(camera_, part); }, job);
+        converge::converge([&](const Request& part) { return renderer.render(camera_, part); }, job);
+    if (result.stop == converge::Stop::Interrupted) result.picture.complete = false;
     result.picture.samplesPerPixel = result.samplesPerPixel;
     return std::move(result.picture);
 }
 
-// By a picture of its own, with paths and the account of what it leaves out, that no user waits for.
-bool SceneSweep::judge(Run& run) {
-    const Configuration& c = run.configuration;
-    if (!isJudgedAlone(c)) return true;
-    const Truth* same = truthOf(c);
+// Of one sample per pixel, warm.
+double SceneSweep::secondsOf(const Setting& s) {
+    const std::string who = s.onReference ? "the reference" : s.on;
+    if (const auto known = seconds_.find(who); known != seconds_.end()) return known->second;
+    Setting one;
+    one.on = s.on;
+    one.onReference = s.onReference;
+    one.spp = 1;
+    Picture warm;
+    if (!s.onReference) {
+        const auto compiling = bench::timeImage(
+            rendererOf(one), [&] { return draw(one, image_.seed); }, warm);
+        compileSeconds_ = std::max(compileSeconds_, compiling.stages.compile);
+    }
+    const Stopwatch watch;
+    draw(one, image_.seed);
+    return seconds_[who] = watch.seconds();
+}
+
+double SceneSweep::predictedSeconds(const Setting& s, const Measured* known, const SceneReport& report) {
+    if (known) return *std::max_element(known->seconds.begin(), known->seconds.end());
+    double samples = s.contrast ? 32 : s.spp;
+    if (s.error) {
+        samples = 64;
+        // The error falls with about the power -0.6 of the samples.
+        for (const Measured& m : report.measured)
+            if (m.family == nameOf(Sampler::LowDiscrepancy) && m.error > 0)
+                samples =
+                    std::clamp(2 * m.spp * std::pow(m.error / *s.error, 1 / 0.6), 2.0, kMostErrorSamples);
+    }
+    const double judged = hasArithmetic(s) && !sameSamples_.contains({s.sampler, s.spp}) ? samples : 0;
+    Setting reference;
+    reference.onReference = true;
+    return 2 * samples * secondsOf(s) + compileSeconds_ + (judged > 0 ? judged * secondsOf(reference) : 0);
+}
+
+const SceneSweep::SameSamples* SceneSweep::sameSamples(const Setting& s) {
+    const auto key = std::make_tuple(s.sampler, s.spp);
+    if (const auto found = sameSamples_.find(key); found != sameSamples_.end()) return &found->second;
+    Setting plain;
+    plain.sampler = s.sampler;
+    plain.spp = s.spp;
+    Request request = requestFor(plain, image_.seed);
+    request.data = request.exact = true;
+    const Picture picture = reference::render(loaded_.packed, camera_, request);
+    if (!picture.complete) return nullptr;
+    SameSamples same;
+    for (size_t i = 0; i < picture.done.size(); ++i) {
+        same.colors.emplace_back(picture.exact[i]);
+        same.paths.push_back(picture.data[i].pathHash);
+    }
+    return &sameSamples_.emplace(key, std::move(same)).first->second;
+}
+
+// The mean of two halves of different seeds; their difference gives its error (converge/bounds.h).
+bool SceneSweep::drawTruth(SceneReport& report) {
+    if (!converged_.empty()) return true;
+    // Not before, so that nothing is drawn for a report that is complete.
+    if (report.stiffness.empty()) {
+        report.kappa =
+            verify::conditionNumber(reference::Tracer(loaded_.packed), camera_, image_.width, image_.height);
+        report.stiffness = nameOf(verify::classOf(report.kappa));
+    }
+    kappa_ = report.kappa;
+    const bool exact = limits_.truth == Backend::Cpu;
+    Setting half;
+    half.onReference = exact;
+    int samples = report.truthSamples > 0 ? report.truthSamples : limits_.truthSamples;
+    if (samples == 0) {
+        const double allowed = limits_.truthSeconds / secondsOf(half);
+        for (samples = 2; 2 * samples <= allowed && samples < kMostTruthSamples;) samples *= 2;
+        if (samples * secondsOf(half) > limits_.secondsLeft()) return false;
+    }
+    half.spp = std::max(1, samples / 2);
+    std::vector<glm::dvec3> halves[2];
+    for (uint32_t i = 0; i < 2; ++i) {
+        Request request = requestFor(half, image_.seed + kTruthSeed + i);
+        request.exact = exact;
+        const Picture picture = exact ? reference::render(loaded_.packed, camera_, request)
+                                      : rendererOf(half)->render(camera_, request);
+        if (!picture.complete) return false;
+        for (size_t k = 0; k < picture.done.size(); ++k) {
+            const float* p = &picture.color.pixels[k * 4];
+            halves[i].push_back(exact ? glm::dvec3(picture.exact[k]) : glm::dvec3(p[0], p[1], p[2]));
+        }
+    }
+    convergedImage_ = Image(image_.width, image_.height, 3);
+    for (size_t k = 0; k < halves[0].size(); ++k) {
+        converged_.push_back((halves[0][k] + halves[1][k]) / 2.0);
+        for (int c = 0; c < 3; ++c)
+            convergedImage_.pixels[3 * k + static_cast<size_t>(c)] = static_cast<float>(converged_[k][c]);
+    }
+    report.truthSamples = 2 * half.spp;
+    report.truthError = std::sqrt(converge::meanSquareOf(halves[0], halves[1]).value);
+    report.thumbnail = thumbnailOf(convergedImage_);
+    return true;
+}
+
+// By an image of its own, with paths and losses, which is not timed.
+bool SceneSweep::judgeArithmetic(const Setting& s, Measured& m) {
+    if (!hasArithmetic(s)) return true;
+    const SameSamples* same = sameSamples(s);
     if (same == nullptr) return false;
-    Request request = requestFor(c, loaded_.scene.image.seed);
+    Request request = requestFor(s, image_.seed);
     request.data = request.ledger = true;
-    const Picture picture = run.renderer->render(camera_, request);
+    const Picture picture = rendererOf(s)->render(camera_, request);
     if (!picture.complete) return false;
     std::vector<uint32_t> paths;
     for (const PixelData& data : picture.data) paths.push_back(data.pathHash);
-    run.measured.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
+    m.arithmetic = measureArithmetic(picture.color, paths, same->colors, same->paths);
     const double pixels = static_cast<double>(paths.size());
-    if (c.maxDepth || c.minContribution > 0) {
-        const TreeLosses& lost = picture.losses;
-        run.measured.bound =
-            boundOf(lost.depth, pixels) + boundOf(lost.cut, pixels) + boundOf(lost.room, pixels);
-    }
+    const TreeLosses& lost = picture.losses;
+    if (s.depth || s.minContribution > 0)
+        m.bound = boundOf(lost.depth, pixels) + boundOf(lost.cut, pixels) + boundOf(lost.room, pixels);
     return true;
 }
 
-// What is compiled on first use is timed apart, and the first picture finds nothing in the caches.
-bool SceneSweep::warmUp(Run& run) {
-    const double before = run.renderer ? run.renderer->times().compile : 0;
-    if (!draw(run, loaded_.scene.image.seed).complete) return false;
-    if (run.renderer) run.measured.compile = run.renderer->times().compile - before;
-    limits_.worked(run.configuration.spp);
-    return true;
-}
-
-void SceneSweep::judgeByTruth(Measured& m, const Picture& picture) const {
+void SceneSweep::judgeTotal(Measured& m, const Picture& picture) const {
     const ErrorMeasures error = measureError(picture.color, converged_);
     if (m.rmse.empty()) {
         m.total = error;
@@ -254,97 +305,70 @@ void SceneSweep::judgeByTruth(Measured& m, const Picture& picture) const {
     m.rmse.push_back(error.rmse);
 }
 
-// Of two pictures of different seeds each errs by half of the mean square of their difference
-// (converge/bounds.h).
-void SceneSweep::judgeByRuns(Run& run, const Picture& picture) const {
-    std::vector<glm::dvec3> now;
-    now.reserve(picture.done.size());
-    for (size_t i = 0; i < picture.done.size(); ++i) {
-        const float* p = &picture.color.pixels[4 * i];
-        now.emplace_back(p[0], p[1], p[2]);
-    }
-    if (!run.before.empty())
-        run.measured.rmse.push_back(std::sqrt(2 * converge::meanSquareOf(run.before, now).value));
-    run.before = std::move(now);
-}
-
-bool SceneSweep::drawTimed(Run& run, uint32_t seed) {
-    Measured& m = run.measured;
-    const render::StageTimes none;
-    const render::StageTimes before = run.renderer ? run.renderer->times() : none;
-    const Stopwatch watch;
-    const Picture picture = draw(run, seed);
-    const double wall = watch.seconds();
+// Each run of a setting has a seed of its own, the same for all settings.
+bool SceneSweep::drawTimed(const Setting& s, Measured& m, const SceneReport& report) {
+    const uint32_t seed = image_.seed + static_cast<uint32_t>(m.seconds.size());
+    Picture picture;
+    const bench::Timing timing = bench::timeImage(
+        rendererOf(s), [&] { return draw(s, seed); }, picture);
     if (!picture.complete) return false;
-    const render::StageTimes& after = run.renderer ? run.renderer->times() : none;
-    limits_.worked(run.configuration.spp);
-    m.compile += after.compile - before.compile;
-    run.configuration.filter ? judgeByRuns(run, picture) : judgeByTruth(m, picture);
-    m.seconds.push_back(wall - (after.compile - before.compile));
-    run.device.push_back(after.device - before.device);
-    m.upload = after.upload;
-    m.readback = after.readback - before.readback;
-    m.rays = after.pathRays - before.pathRays;
+    judgeTotal(m, picture);
+    m.seconds.push_back(timing.wall);
+    m.deviceSeconds.push_back(timing.stages.device);
+    m.compile += timing.stages.compile;
+    m.upload = timing.stages.upload;
+    m.readback = timing.stages.readback;
+    m.rays = timing.stages.pathRays;
     double samples = picture.samplesPerPixel;
     if (!picture.samples.empty())
         samples = std::accumulate(picture.samples.begin(), picture.samples.end(), 0.0) /
                   static_cast<double>(picture.samples.size());
-    m.samples += samples / limits_.repeats;
-    return true;
-}
-
-// Each turn has a seed of its own, the same for all, and begins with another one: whoever always comes first
-// finds the caches as the last one left them.
-bool SceneSweep::takeTurns(std::vector<Run>& runs) {
-    for (int turn = 0; turn < limits_.repeats; ++turn) {
-        for (size_t i = 0; i < runs.size(); ++i) {
-            Run& run = runs[(i + static_cast<size_t>(turn)) % runs.size()];
-            if (limits_.cancelled()) return false;
-            if (!drawTimed(run, loaded_.scene.image.seed + static_cast<uint32_t>(turn))) return false;
-        }
-    }
-    return true;
-}
-
-void SceneSweep::finish(Run& run, const SceneReport& report) const {
-    Measured& m = run.measured;
+    const auto runs = static_cast<double>(m.seconds.size());
+    m.samples += (samples - m.samples) / runs;
     double squares = 0;
-    for (const double rmse : m.rmse) squares += rmse * rmse / static_cast<double>(m.rmse.size());
-    // The converged picture's own error, of other seeds, adds its square to theirs.
-    const double own = run.configuration.filter ? 0 : report.truthError * report.truthError;
+    for (const double rmse : m.rmse) squares += rmse * rmse / runs;
+    // The converged image's own error, from other seeds, adds its square.
+    const double own = report.truthError * report.truthError;
     m.error = std::sqrt(std::max(squares - own, 0.0));
-    m.hidden = squares < 2 * own || m.rmse.empty();
-    m.wall = quartilesOf(m.seconds);
-    m.device = quartilesOf(run.device);
-    m.repeats = static_cast<int>(m.seconds.size());
+    m.hidden = squares < 2 * own;
+    return true;
 }
 
-bool SceneSweep::measure(const Batch& batch, SceneReport& report) {
-    if (hasAll(report, batch)) return true;
-    std::erase_if(report.measured, [&](const Measured& m) { return m.batch == batch.name; });
-    const bool fitting = fits(batch, report);
-    if (limits_.cancelled()) return false;
-    if (!fitting) {
-        report.leftOut.push_back(batch.name);
-        limits_.worked(workOf(batch, limits_.repeats));
-        return true;
+SceneSweep::Outcome SceneSweep::run(const Setting& s, SceneReport& report) {
+    const auto unfinished = [&] { return limits_.cancelled() ? Outcome::Cancelled : Outcome::Skipped; };
+    const double infinite = std::numeric_limits<double>::infinity();
+    if (limits_.cancelled()) return Outcome::Cancelled;
+    if (limits_.secondsLeft() <= 0 || !drawTruth(report)) return unfinished();
+    if (!isPossible(s, report)) return Outcome::Skipped;
+    const std::string key = keyOf(s);
+    const Measured* known = report.find(key);
+    if (limits_.secondsLeft() != infinite && predictedSeconds(s, known, report) > limits_.secondsLeft())
+        return unfinished();
+    Measured m = known ? *known : Measured();
+    if (!known) {
+        m.key = key;
+        m.family = s.family;
+        m.sampler = nameOf(s.sampler);
+        m.spp = s.spp;
+        m.depth = s.depth.value_or(report.depth);
+        m.minContribution = s.minContribution;
+        m.asked = s.error.value_or(0);
+        Picture warm;
+        if (!judgeArithmetic(s, m)) return unfinished();
+        const auto compiling = bench::timeImage(
+            rendererOf(s), [&] { return draw(s, image_.seed); }, warm);
+        if (!warm.complete) return unfinished();
+        m.compile = compiling.stages.compile;
+        compileSeconds_ = std::max(compileSeconds_, m.compile);
     }
-    if (!drawTruth(report)) return false;
-    std::vector<Run> runs;
-    for (const Configuration& c : batch.configurations) {
-        if (!isPossible(c, report)) continue;
-        runs.push_back(begin(c, report));
-        if (!judge(runs.back())) return false;
-        if (!warmUp(runs.back())) return false;
-    }
-    if (!takeTurns(runs)) return false;
-    for (Run& run : runs) {
-        finish(run, report);
-        run.measured.batch = batch.name;
-        report.measured.push_back(std::move(run.measured));
-    }
-    std::erase_if(renderers_, [](const auto& entry) { return entry.first != keyOf(machineKind({})); });
-    return true;
+    if (!drawTimed(s, m, report)) return unfinished();
+    const auto at = std::find_if(report.measured.begin(), report.measured.end(),
+                                 [&](const Measured& other) { return other.key == key; });
+    if (at == report.measured.end())
+        report.measured.push_back(std::move(m));
+    else
+        *at = std::move(m);
+    return Outcome::Done;
 }
 
 }  // namespace glint::report

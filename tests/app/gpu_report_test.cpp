@@ -1,15 +1,16 @@
 // `glint report` from end to end, on a scene of few pixels.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <set>
 
-#include "core/image_diff.h"
-#include "core/image_io.h"
-#include "core/interrupt.h"
+#include "app/common.h"
+#include "core/error.h"
+#include "report/run.h"
 #include "support.h"
-#include "support/environment.h"
 
 namespace glint::app::test::gpu_report_test {
 namespace {
@@ -24,9 +25,9 @@ class GpuReport : public FolderTest {
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},
   "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "red"}])"));
     }
-    // One kind of pipeline, as compiling takes most of the time.
+    // One kind of pipeline, as compiling takes most of the time; a budget that no machine exceeds.
     Ran report(std::vector<std::string> more = {}) {
-        more.insert(more.begin(), {"--size", "16", "--repeats", "2", "--truth-spp", "64"});
+        more.insert(more.begin(), {"--size", "16", "--repeats", "2", "--truth-spp", "64", "--budget", "600"});
         return reportOf(std::move(more));
     }
     static Ran reportOf(std::vector<std::string> more) {
@@ -47,10 +48,9 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
     const nlohmann::json& scene = first["scenes"][0];
     EXPECT_EQ(scene["width"], 16);
     EXPECT_EQ(scene["height"], 12);
-    EXPECT_EQ(scene["configurations"].size(), 6u) << "1, 4, 16, 64, 256 and 1024 samples";
-    for (const nlohmann::json& c : scene["configurations"]) {
-        EXPECT_EQ(c["repeats"], 2) << c["key"];
-        EXPECT_GT(c["wallSeconds"]["median"].get<double>(), 0) << c["key"];
+    EXPECT_EQ(scene["settings"].size(), 6u) << "1, 4, 16, 64, 256 and 1024 samples";
+    for (const nlohmann::json& c : scene["settings"]) {
+        EXPECT_GT(c["runSeconds"][0].get<double>(), 0) << c["key"];
         EXPECT_GE(c["rays"].get<uint64_t>(), 192u * c["spp"].get<uint64_t>()) << c["key"];
         EXPECT_EQ(c["total"]["pixels"], 192) << c["key"];
         EXPECT_EQ(c["arithmetic"].is_null(), c["spp"] > 4) << c["key"];
@@ -72,23 +72,22 @@ TEST_F(GpuReport, MeasuresOnceAndNeverAgain) {
     EXPECT_TRUE(std::filesystem::exists("out/a.precision.svg"));
 
     writeText("a.json", sceneText(16, 12, "\"background\": 0.25"));
-    EXPECT_EQ(report({"--budget", "0"}).code, 0);
-    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u) << "another scene under the same name";
+    EXPECT_EQ(report().code, 0);
+    EXPECT_NE(readJson()["scenes"][0], scene) << "another scene under the same name";
 }
 
-// A device that binds few texel buffers has one way of loading; the other is no setting of it.
-TEST_F(GpuReport, ADeviceOfTheLeastLimitsIsMeasured) {
-    const glint::test::ScopedEnvironment environment("GLINT_LIMITS", "minimum");
-    const Ran ran = runGlint({"report", "a.json", "-o", "out", "--only", "nothing,storage,texel", "--size",
-                              "16", "--repeats", "1", "--truth-spp", "2"});
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    std::set<std::string> families;
-    const nlohmann::json report = readJson();
-    for (const nlohmann::json& c : report["scenes"][0]["configurations"])
-        families.insert(c["family"].get<std::string>());
-    EXPECT_TRUE(families.contains("nothing left out"));
-    EXPECT_FALSE(families.contains("texel buffers"));
-    EXPECT_FALSE(families.contains("storage buffers"));
+// More runs are added to those of an earlier report.
+TEST_F(GpuReport, MoreRepeatsContinue) {
+    ASSERT_EQ(report().code, 0);
+    const nlohmann::json before = readJson();
+    ASSERT_EQ(reportOf({"--size", "16", "--repeats", "3", "--truth-spp", "64", "--budget", "600"}).code, 0);
+    const nlohmann::json after = readJson();
+    for (size_t i = 0; i < 6; ++i) {
+        const nlohmann::json &a = before["scenes"][0]["settings"][i], &b = after["scenes"][0]["settings"][i];
+        EXPECT_EQ(b["key"], a["key"]);
+        ASSERT_EQ(b["runSeconds"].size(), 3u);
+        EXPECT_EQ(b["runSeconds"][1], a["runSeconds"][1]);
+    }
 }
 
 // The converged picture is no better than the pictures judged by it, whose errors are right all the same: its
@@ -106,14 +105,14 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
                                   R"("background": 0.5, "ambient": 0.1,
   "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}}, "objects": [)" +
                                       spheres + "]"));
-    const Ran ran = reportOf({"--size", "96", "--repeats", "8", "--truth-spp", "2", "--budget", "8"});
+    const Ran ran = reportOf({"--size", "96", "--repeats", "8", "--truth-spp", "2", "--budget", "600"});
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json scene = readJson()["scenes"][0];
     const double own = scene["truthError"];
     EXPECT_GT(own, 0);
     EXPECT_EQ(scene["truthSamples"], 2);
     bool found = false;
-    for (const nlohmann::json& c : scene["configurations"]) {
+    for (const nlohmann::json& c : scene["settings"]) {
         double squares = 0;
         for (const double rmse : c["runRmse"]) squares += rmse * rmse / 8;
         const double error = c["error"];
@@ -126,39 +125,12 @@ TEST_F(GpuReport, TheConvergedPicturesErrorIsTakenOut) {
     EXPECT_TRUE(found);
 }
 
-// Filters draw other pictures than the box does, so their runs judge each other: that comes to their error
-// beside what they converge to, which is drawn here with many samples.
-TEST_F(GpuReport, RunsOfAFilterJudgeEachOther) {
-    const Ran ran =
-        runGlint({"report", "a.json", "-o", "out", "--only", "filter", "--size", "64", "--repeats", "8"});
-    ASSERT_EQ(ran.code, 0) << ran.err;
-    const nlohmann::json report = readJson();
-    const nlohmann::json& rows = report["scenes"][0]["configurations"];
-    ASSERT_EQ(rows.size(), 3u);
-    for (const nlohmann::json& row : rows) {
-        const std::string name = row["family"].get<std::string>().substr(std::string("filter ").size());
-        const auto draw = [&](const std::string& spp, const std::string& file) {
-            EXPECT_EQ(runGlint({"render", "a.json", "--size", "64x48", "--filter", name, "--sampler",
-                                "lowDiscrepancy", "--spp", spp, "--seed", spp, "-o", file, "-q"})
-                          .code,
-                      0);
-            return readImage(file);
-        };
-        const double error = compareImages(draw("1024", "truth.pfm"), draw("16", "few.pfm"), 0).rmse;
-        EXPECT_NEAR(row["error"].get<double>() / error, 1, 0.25) << name;
-        EXPECT_FALSE(row["hidden"].get<bool>());
-        EXPECT_TRUE(row["ssim"].is_null());
-        EXPECT_EQ(row["runRmse"].size(), 7u);
-    }
-    EXPECT_EQ(ran.out.find("front by medians: filter"), std::string::npos);
-}
-
 // The report's own device once, however often it is named, and the reference: the same samples, so the same
 // errors but for rounding.
-TEST_F(GpuReport, DevicesAreSetSideBySide) {
-    const std::vector<std::string> args = {"report",      "a.json", "-o",       "out",       "--only",
-                                           "device",      "--size", "16",       "--repeats", "2",
-                                           "--truth-spp", "64",     "--device", "0",         "--devices"};
+TEST_F(GpuReport, DevicesAreCompared) {
+    const std::vector<std::string> args = {"report",   "a.json", "-o",        "out", "--only",      "device",
+                                           "--size",   "16",     "--repeats", "2",   "--truth-spp", "64",
+                                           "--budget", "600",    "--device",  "0",   "--devices"};
     const auto with = [&](const std::string& devices) {
         std::vector<std::string> all = args;
         all.push_back(devices);
@@ -167,7 +139,7 @@ TEST_F(GpuReport, DevicesAreSetSideBySide) {
     const Ran ran = with("cpu,0,cpu");
     ASSERT_EQ(ran.code, 0) << ran.err;
     const nlohmann::json report = readJson();
-    const nlohmann::json& rows = report["scenes"][0]["configurations"];
+    const nlohmann::json& rows = report["scenes"][0]["settings"];
     ASSERT_EQ(rows.size(), 6u) << "two devices at 1, 4 and 16 samples";
     const std::string device = report["device"];
     for (size_t i = 0; i < rows.size(); i += 2) {
@@ -199,25 +171,31 @@ TEST_F(GpuReport, AnotherMeshStartsOver) {
   "objects": [{"type": "mesh", "mesh": "m", "material": "red"}])"));
     writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     ASSERT_EQ(report().code, 0);
-    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 6u);
+    EXPECT_EQ(readJson()["scenes"][0]["settings"].size(), 6u);
     writeText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
-    ASSERT_EQ(report({"--budget", "0"}).code, 0);
-    EXPECT_EQ(readJson()["scenes"][0]["configurations"].size(), 0u);
+    const nlohmann::json before = readJson();
+    ASSERT_EQ(report().code, 0);
+    EXPECT_NE(readJson()["scenes"][0]["hash"], before["scenes"][0]["hash"]);
+    EXPECT_NE(readJson()["scenes"][0]["settings"][0]["runRmse"],
+              before["scenes"][0]["settings"][0]["runRmse"]);
 }
 
 TEST_F(GpuReport, KeepsScenesThatAreNotNamed) {
     ASSERT_EQ(report().code, 0);
     writeText("b.json", sceneText(16, 12, "\"background\": 0.25"));
     std::vector<std::string> args = {"report",    "b.json", "-o",          "out", "--size", "16",
-                                     "--repeats", "2",      "--truth-spp", "64",  "--only", "depth"};
+                                     "--repeats", "2",      "--truth-spp", "64",  "--only", "grid"};
+    args.back() = "depth";
+    EXPECT_EQ(runGlint(args).err,
+              "glint: b.json: nothing was measured: no setting of --only applies to this scene\n");
+    args.back() = "grid";
     ASSERT_EQ(runGlint(args).code, 0);
     const nlohmann::json both = readJson();
     ASSERT_EQ(both["scenes"].size(), 2u);
     EXPECT_EQ(both["scenes"][0]["name"], "b");
     EXPECT_EQ(both["scenes"][1]["name"], "a");
-    EXPECT_GE(both["scenes"][1]["configurations"].size(), 3u);  // 6 where there is time for all
-    args[6] = "--repeats";
-    args[7] = "3";
+    EXPECT_EQ(both["scenes"][1]["settings"].size(), 6u);
+    args[9] = "32";
     const Ran another = runGlint(args);
     ASSERT_EQ(another.code, 0);
     EXPECT_NE(another.err.find("scenes that are not named are dropped"), std::string::npos) << another.err;
@@ -242,8 +220,7 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     const nlohmann::json json = readJson();
     const auto errors = [&](size_t scene) {
         std::vector<double> list;
-        for (const nlohmann::json& c : json["scenes"][scene]["configurations"])
-            list.push_back(c["total"]["rmse"]);
+        for (const nlohmann::json& c : json["scenes"][scene]["settings"]) list.push_back(c["total"]["rmse"]);
         return list;
     };
     ASSERT_EQ(json["scenes"].size(), 3u);
@@ -252,24 +229,70 @@ TEST_F(GpuReport, AnotherCameraIsAnotherReport) {
     if (json["scenes"][own]["path"] != "a.json") std::swap(own, other);
     EXPECT_EQ(json["scenes"][own]["camera"], "");
     EXPECT_EQ(json["scenes"][other]["path"], "b.json");
-    // A busy machine has time for fewer of them in one of the reports.
-    std::vector<double> chosenErrors = errors(0), namedErrors = errors(other), ownErrors = errors(own);
-    const size_t common = std::min({chosenErrors.size(), namedErrors.size(), ownErrors.size()});
-    ASSERT_GE(common, 3u);
-    for (std::vector<double>* list : {&chosenErrors, &namedErrors, &ownErrors}) list->resize(common);
+    const std::vector<double> chosenErrors = errors(0), namedErrors = errors(other), ownErrors = errors(own);
+    EXPECT_EQ(namedErrors.size(), 6u);
     EXPECT_EQ(chosenErrors, namedErrors);
     EXPECT_NE(chosenErrors, ownErrors);
     EXPECT_EQ(report({"--camera", "far"}).err, "glint: a.json: no camera \"far\" (there are \"near\")\n");
 }
 
-TEST_F(GpuReport, BudgetLeavesOutAndSaysWhat) {
-    const Ran ran = report({"--budget", "0"});
-    EXPECT_EQ(ran.code, 0) << ran.err;
-    EXPECT_NE(ran.out.find("Left out for want of time (the same command goes on with it):\n"
-                           "- samplers at 1, 4, 16 samples\n- samplers at 64 samples\n"),
-              std::string::npos)
-        << ran.out;
-    EXPECT_EQ(readJson()["scenes"][0]["leftOut"].size(), 4u);
+// No machine renders 12 million pixels in double precision in time.
+TEST_F(GpuReport, ThatNothingWasMeasuredIsAnError) {
+    const Ran ran = reportOf({"--size", "4096", "--budget", "1"});
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_EQ(ran.err, "glint: a.json: nothing was measured: use a larger --budget or a smaller --size\n");
+    EXPECT_FALSE(std::filesystem::exists("out/report.html"));
+}
+
+// With a clock that each step moves by 1000 seconds: settings are measured in order of importance, further
+// runs follow when each setting has one, and all of the time is used.
+TEST_F(GpuReport, ABudgetIsUsedInOrderOfImportance) {
+    std::filesystem::create_directory("out");
+    const gpu::Device device;
+    const auto runsWithin = [&](double seconds) {
+        report::Options options;
+        options.folder = "out";
+        options.width = 16;
+        options.repeats = 3;
+        options.truthSamples = 2;
+        options.only = {"grid", "jittered"};
+        std::atomic<int> steps{0};
+        options.progress = [&](double) { ++steps; };
+        options.secondsLeft = [&] { return seconds - 1000 * steps; };
+        SceneOptions scene;
+        scene.scene = "a.json";
+        std::ostringstream warnings;
+        std::vector<report::Subject> subjects;
+        subjects.push_back({"a.json", "", loadAndPack(scene, warnings)});
+        const report::Report report = report::run(device, std::move(subjects), std::nullopt, options);
+        std::vector<size_t> runs;
+        for (const report::Measured& m : report.scenes[0].measured) runs.push_back(m.seconds.size());
+        EXPECT_EQ(runs.size() + report.scenes[0].leftOut.size(), 12u);
+        return runs;
+    };
+    EXPECT_EQ(runsWithin(6500), std::vector<size_t>(6, 1));
+    EXPECT_EQ(runsWithin(18500), (std::vector<size_t>{2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1}));
+    EXPECT_EQ(runsWithin(1e9), std::vector<size_t>(12, 3));
+}
+
+TEST_F(GpuReport, ImagesThatDoNotFitAreRefused) {
+    std::filesystem::create_directory("out");
+    const gpu::Device device;
+    report::Options options;
+    options.folder = "out";
+    options.memory = [] { return uint64_t{1}; };
+    SceneOptions scene;
+    scene.scene = "a.json";
+    std::ostringstream warnings;
+    std::vector<report::Subject> subjects;
+    subjects.push_back({"a.json", "", loadAndPack(scene, warnings)});
+    try {
+        report::run(device, std::move(subjects), std::nullopt, options);
+        ADD_FAILURE() << "it did not refuse";
+    } catch (const Error& error) {
+        EXPECT_TRUE(std::string(error.what()).starts_with("images 256 pixels wide may need "))
+            << error.what();
+    }
 }
 
 TEST_F(GpuReport, RefusesAFolderThatHoldsSomethingElse) {

@@ -3,13 +3,13 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <regex>
+#include <set>
 
 #include "core/error.h"
 #include "core/quartiles.h"
-#include "report/front.h"
 #include "report/measures.h"
 #include "report/plan.h"
 #include "report/statistics.h"
@@ -87,93 +87,41 @@ TEST(ReportStatistics, SlopeOfPowerLaws) {
     EXPECT_FALSE(logSlope(std::vector<double>{2, 2}, std::vector<double>{1, 3}));
 }
 
-// From tables of Student's distribution.
-TEST(ReportStatistics, StudentQuantiles) {
-    const struct {
-        double tail, freedom, t;
-    } table[] = {{0.05, 1, 12.7062}, {0.05, 2, 4.30265},  {0.05, 3, 3.18245}, {0.05, 9, 2.26216},
-                 {0.01, 9, 3.24984}, {0.001, 9, 4.78091}, {0.5, 9, 0.702722}, {0.05, 100, 1.98397}};
-    for (const auto& row : table)
-        EXPECT_NEAR(studentQuantile(row.tail, row.freedom), row.t, 1e-4 * row.t)
-            << row.tail << ' ' << row.freedom;
-}
-
-// Logarithms log 2 - d, log 2, log 2 + d: their mean has a standard error of d / sqrt 3.
-TEST(ReportStatistics, IntervalsOfRatios) {
-    const double d = 0.1, half = 4.30265 * d / std::sqrt(3.0);
-    const std::vector<double> a = {2 * std::exp(-d), 6, 14 * std::exp(d)}, b = {1, 3, 7};
-    const Interval interval = ratioInterval(a, b, 0.05);
-    EXPECT_NEAR(interval.low, 2 * std::exp(-half), 1e-4);
-    EXPECT_NEAR(interval.high, 2 * std::exp(half), 1e-4);
-    EXPECT_EQ(ratioInterval(a, a, 0.05).low, 1);
-    EXPECT_EQ(ratioInterval(a, a, 0.05).high, 1);
-    for (const auto& [x, y] : {std::pair(std::vector<double>{1}, std::vector<double>{2}),
-                               std::pair(std::vector<double>{1, 0}, std::vector<double>{2, 2})}) {
-        EXPECT_EQ(ratioInterval(x, y, 0.05).low, 0);
-        EXPECT_EQ(ratioInterval(x, y, 0.05).high, std::numeric_limits<double>::infinity());
-    }
-}
-
 TEST(ReportPlan, HasNoKeyTwiceAndOnlyWhatTheSceneUses) {
     SceneFeatures features;
     features.spheres = true;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
-    std::set<std::string> keys, names;
-    size_t count = 0;
-    for (const Batch& batch : batches) {
-        EXPECT_TRUE(names.insert(batch.name).second) << batch.name;
-        for (const Configuration& c : batch.configurations) {
-            keys.insert(keyOf(c));
-            ++count;
-            EXPECT_EQ(c.methods.triangles, TriangleMethod::Watertight) << "there are no triangles";
-        }
+    const auto settings = planScene(features, true, 5);
+    std::set<std::string> keys;
+    for (const Setting& s : settings) {
+        EXPECT_TRUE(keys.insert(keyOf(s)).second) << keyOf(s);
+        EXPECT_EQ(s.methods.triangles, TriangleMethod::Watertight) << "there are no triangles";
     }
-    EXPECT_EQ(keys.size(), count);
-    // 3 samplers x 6 counts; the default, 2 sphere tests, 2 offsets, 2 pads, full, access and ray by ray, each
-    // at 3 counts; 5 other ways; 3 filters; ten times the default; no mirrors, so no depth.
-    EXPECT_EQ(count, 18u + 30u + 5u + 3u + 10u);
+    // 3 samplers x 6 counts; the default methods, 2 tests of spheres, 2 offsets, 2 pads, nothing left out; 5
+    // other ways; no mirrors, so no depth.
+    EXPECT_EQ(settings.size(), 18u + 8u + 5u);
+    EXPECT_EQ(settings[0].spp, 1) << "the most important first";
     features.mirrors = true;
-    const auto more = planScene(features, true, 5, std::nullopt, false);
-    EXPECT_EQ(more.size(), batches.size() + 1);
     // Depths 0 1 2 3 4 and the whole, and three cuts.
-    EXPECT_EQ(more[2].configurations.size(), 9u);
+    EXPECT_EQ(planScene(features, true, 5).size(), settings.size() + 9);
 }
 
-// Each at the same counts, and told apart from the report's own device where that is among them.
+// Each at the same counts, and distinct from the report's own device if that is among them.
 TEST(ReportPlan, DevicesTakeTurns) {
-    const gpu::Device* const some = reinterpret_cast<const gpu::Device*>(&kOnDevice);  // not looked at
+    const gpu::Device* const some = reinterpret_cast<const gpu::Device*>(&kOnDevice);  // not used
     const std::vector<DeviceBeside> devices = {
         {"a", "driver", some}, {"a", "other", some}, {"cpu", "", nullptr}};
-    const auto batches = planScene({}, false, 5, std::nullopt, false, devices);
     std::map<std::string, std::set<int>> counts;
     std::set<std::string> keys;
-    for (const Batch& batch : batches) {
-        for (const Configuration& c : batch.configurations) {
-            EXPECT_TRUE(keys.insert(keyOf(c)).second) << keyOf(c);
-            if (c.on.empty()) continue;
-            EXPECT_TRUE(batch.name.starts_with("devices side by side at ")) << batch.name;
-            EXPECT_EQ(c.onReference, c.on == "cpu");
-            EXPECT_EQ(c.family, c.on == "cpu" ? "device: cpu" : "device: a");
-            EXPECT_EQ(c.sampler, Sampler::LowDiscrepancy);
-            counts[c.on].insert(c.spp);
-        }
+    for (const Setting& s : planScene({}, false, 5, devices)) {
+        EXPECT_TRUE(keys.insert(keyOf(s)).second) << keyOf(s);
+        if (!s.family.starts_with(kOnDevice)) continue;
+        EXPECT_EQ(s.onReference, s.on == "cpu");
+        EXPECT_EQ(s.family, s.on == "cpu" ? "device: cpu" : "device: a");
+        counts[s.on].insert(s.spp);
     }
     const std::set<int> all = {1, 4, 16};
     EXPECT_EQ(counts,
               (std::map<std::string, std::set<int>>{{"a, driver", all}, {"a, other", all}, {"cpu", all}}));
-    for (const Batch& batch : planScene({}, false, 5, std::nullopt, false))
-        EXPECT_FALSE(batch.name.starts_with("devices")) << "nobody asked";
-}
-
-// Ten turns that scatter by a hundredth.
-void setRuns(Measured& m, double seconds, double error) {
-    m.seconds.clear();
-    m.rmse.clear();
-    for (int turn = 0; turn < 10; ++turn) {
-        const double scatter = 1 + 0.01 * ((turn + m.spp) % 3 - 1);
-        m.seconds.push_back(seconds * scatter);
-        m.rmse.push_back(error * scatter);
-    }
 }
 
 Measured measuredAt(const std::string& family, const std::string& sampler, int spp, double seconds,
@@ -181,15 +129,14 @@ Measured measuredAt(const std::string& family, const std::string& sampler, int s
     Measured m;
     m.key = family + std::to_string(spp);
     m.family = family;
-    m.batch = family == sampler ? "samplers" : "methods at " + std::to_string(spp);
     m.sampler = sampler;
     m.spp = spp;
     m.samples = spp;
     m.error = m.total.rmse = error;
     m.total.pixels = 12;
-    m.wall = {0.9 * seconds, seconds, 1.1 * seconds};
-    setRuns(m, seconds, error);
-    m.repeats = 10;
+    m.seconds = {0.9 * seconds, seconds, 1.1 * seconds};
+    m.rmse = {error, error, error};
+    m.deviceSeconds = m.seconds;
     if (spp <= 4) {
         m.arithmetic.emplace();
         m.arithmetic->all.rmse = 1e-7;
@@ -208,7 +155,7 @@ Report sampleReport() {
     scene.name = "bowl, \"red\" & <blue>";
     scene.width = 4;
     scene.height = 3;
-    scene.maxDepth = 5;
+    scene.depth = 5;
     scene.kappa = 50;
     scene.stiffness = "non-stiff";
     scene.measured = {measuredAt("grid", "grid", 1, 1, 0.04),
@@ -217,9 +164,8 @@ Report sampleReport() {
                       measuredAt("lowDiscrepancy", "lowDiscrepancy", 4, 4, 0.005),
                       measuredAt("offset: none", "lowDiscrepancy", 4, 3.9, 0.3),
                       measuredAt("depth", "lowDiscrepancy", 4, 2, 0.1)};
-    scene.leftOut = {"grid 64"};
-    scene.defaultSampler = "auto";
-    markFront(scene);
+    scene.leftOut = {"grid, 64 spp"};
+    scene.thumbnail = base64({0x89, 'P', 'N', 'G'});
     data.scenes.push_back(scene);
     return data;
 }
@@ -269,15 +215,24 @@ TEST(ReportWriting, CsvHasAFieldForEveryHeading) {
     ASSERT_EQ(rows.size(), 8u);
     for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
     EXPECT_EQ(rows[1][0], "bowl, \"red\" & <blue>");
-    const size_t last = rows[0].size() - 1;
-    EXPECT_EQ(rows[0][last - 2], "default");
-    EXPECT_EQ(rows[2][last - 2] + rows[2][last - 1] + rows[2][last], "yesnolowDiscrepancy4");
-    EXPECT_EQ(rows[6][last - 2] + rows[6][last - 1] + rows[6][last], "no") << "depths are not judged";
-    EXPECT_EQ(rows[0][14], "totalRmse");
-    EXPECT_EQ(rows[3][14], "0.01");
-    EXPECT_EQ(rows[0][11], "ssim");
-    EXPECT_EQ(rows[3][11], "");
-    EXPECT_EQ(rows[7][11], "0.75");
+    const auto field = [&](size_t line, const std::string& name) {
+        const auto at = std::find(rows[0].begin(), rows[0].end(), name);
+        return at == rows[0].end() ? "no " + name : rows[line][static_cast<size_t>(at - rows[0].begin())];
+    };
+    EXPECT_EQ(field(3, "total.rmse"), "0.01");
+    EXPECT_EQ(field(3, "runSeconds"), "16") << "lists become medians";
+    EXPECT_EQ(field(1, "arithmetic.all.rmse"), "1e-07");
+    EXPECT_EQ(field(7, "arithmetic.all.rmse"), "");
+    EXPECT_EQ(field(3, "ssim"), "");
+    EXPECT_EQ(field(7, "ssim"), "0.75");
+}
+
+TEST(ReportWriting, Base64IsThatOfRfc4648) {
+    const auto of = [](const std::string& text) { return base64({text.begin(), text.end()}); };
+    EXPECT_EQ(of(""), "");
+    EXPECT_EQ(of("f"), "Zg==");
+    EXPECT_EQ(of("fo"), "Zm8=");
+    EXPECT_EQ(of("foobar"), "Zm9vYmFy");
 }
 
 // Every tag closed in the order of opening; no script, nothing fetched.
@@ -310,10 +265,12 @@ TEST(ReportWriting, PageAndDiagramsAreWellFormed) {
     expectWellFormed(truncationDiagram(data.scenes[0]));
     EXPECT_NE(page.find("<svg "), std::string::npos);
     EXPECT_NE(page.find("bowl, &quot;red&quot; &amp; &lt;blue&gt;: error against time"), std::string::npos);
-    EXPECT_NE(precisionDiagram(data.scenes[0]).find("grid (1 to 16)"), std::string::npos);
+    EXPECT_NE(precisionDiagram(data.scenes[0]).find("grid (1 to 16 spp)"), std::string::npos);
     EXPECT_NE(page.find("offset: none"), std::string::npos) << "losers are shown";
-    for (const char* foreign : {"<script", "src=", "href=", "@import", "url("})
+    for (const char* foreign : {"<script", "href=", "@import", "url("})
         EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+    for (size_t at = page.find("src="); at != std::string::npos; at = page.find("src=", at + 1))
+        EXPECT_EQ(page.substr(at, 10), "src=\"data:");
     expectWellFormed(toHtml({}));
     EXPECT_EQ(precisionDiagram({}), "");
     EXPECT_EQ(truncationDiagram({}), "");
@@ -339,25 +296,57 @@ TEST(ReportWriting, DiagramsHoldAllThatTheyShow) {
     EXPECT_GT(met, 80u);
 }
 
-// Devices have a table and a diagram of their own: they are no settings that a user of one device has.
-TEST(ReportWriting, DevicesAreSetSideBySide) {
+// The first screen has the image, the settings to use and the curve, before any table; lists are lists.
+TEST(ReportWriting, ThePageBeginsWithTheSettingsToUse) {
+    const std::string page = toHtml(sampleReport());
+    const auto at = [&](const std::string& text) {
+        EXPECT_NE(page.find(text), std::string::npos) << text;
+        return page.find(text);
+    };
+    const size_t image = at("<img alt=\"the converged image\" src=\"data:image/png;base64,iVBORw==\"/>");
+    const size_t use = at("<li>for an error of 0.01: --sampler lowDiscrepancy --spp 4 (4000 ms)</li>");
+    EXPECT_LT(image, use);
+    EXPECT_LT(use, at("<svg "));
+    EXPECT_LT(at("<svg "), at("<table>"));
+    at("<li>for an error of 0.001: --error 0.001 (no measured setting reaches it)</li>");
+    at("<ul>\n<li>grid, 64 spp</li>\n</ul>");
+    EXPECT_EQ(page.find("<p>- "), std::string::npos);
+}
+
+// Forty settings at one place: no letter covers another.
+TEST(ReportWriting, LettersDoNotOverlap) {
+    SceneReport scene = sampleReport().scenes[0];
+    for (int i = 0; i < 20; ++i)
+        scene.measured.push_back(measuredAt("setting " + std::to_string(i), "grid", 4, 5, 0.02));
+    const std::string svg = precisionDiagram(scene);
+    const std::regex letter("<title>[^<]*</title><text x=\"([0-9.]+)\" y=\"([0-9.]+)\"");
+    std::vector<std::pair<double, double>> places;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), letter), end; it != end; ++it)
+        places.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
+    ASSERT_EQ(places.size(), 21u);
+    for (size_t i = 0; i < places.size(); ++i)
+        for (size_t k = 0; k < i; ++k)
+            EXPECT_TRUE(std::abs(places[i].first - places[k].first) > 10 ||
+                        std::abs(places[i].second - places[k].second) > 11)
+                << i << " and " << k;
+}
+
+// Devices have a table and a diagram of their own: a user of one device cannot choose them.
+TEST(ReportWriting, DevicesAreCompared) {
     Report data = sampleReport();
     SceneReport& scene = data.scenes[0];
     const std::string without = precisionDiagram(scene);
     EXPECT_EQ(devicesDiagram(scene), "");
     for (const auto& [family, seconds] :
-         {std::pair("device: <llvmpipe>", 2.0), std::pair("device: reference", 6.0)}) {
+         {std::pair("device: <llvmpipe>", 2.0), std::pair("device: reference", 6.0)})
         scene.measured.push_back(measuredAt(family, "lowDiscrepancy", 4, seconds, 0.001));
-        scene.measured.back().batch = "devices side by side at 1, 4 samples";
-    }
-    markFront(scene);
     const std::string text = toMarkdown(data);
-    EXPECT_NE(text.find("| <llvmpipe> | 4 | 2000 (1800..2200) | 1 | 0.001 | 0 | - |\n"
-                        "| reference | 4 | 6000 (5400..6600) | 3 (3 to 3) | 0.001 | 0 | - |\n"),
+    EXPECT_NE(text.find("| <llvmpipe> | 4 | 2000 (1900..2100) | 1 | 0.001 | 0 | - |\n"
+                        "| reference | 4 | 6000 (5700..6300) | 3 | 0.001 | 0 | - |\n"),
               std::string::npos)
         << text;
     EXPECT_EQ(text.find("| device: "), std::string::npos) << "no method, no other way";
-    EXPECT_NE(text.find("Nothing measured reaches an error of 0.001."), std::string::npos)
+    EXPECT_NE(text.find("for an error of 0.001: --error 0.001"), std::string::npos)
         << "a device is no setting";
     EXPECT_EQ(precisionDiagram(scene), without);
     const std::string diagram = devicesDiagram(scene);
@@ -366,131 +355,9 @@ TEST(ReportWriting, DevicesAreSetSideBySide) {
     EXPECT_NE(toHtml(data).find(diagram), std::string::npos);
     scene.measured.erase(scene.measured.begin(), scene.measured.end() - 2);
     const std::string alone = toMarkdown(data);
-    EXPECT_NE(alone.find("| not measured |"), std::string::npos);
-    for (const char* empty : {"| sampler | spp |", "Slopes", "The front", "Nothing"})
+    EXPECT_NE(alone.find("no sampler was measured"), std::string::npos);
+    for (const char* empty : {"| sampler | spp |", "Slopes"})
         EXPECT_EQ(alone.find(empty), std::string::npos) << empty;
-}
-
-// Turns scatter by a hundredth, so that ten of them tell a ratio to about that.
-TEST(ReportFront, OnlyWhatIsClearlyBetterBeats) {
-    const auto point = [](double seconds, double error) {
-        return measuredAt("grid", "grid", 4, seconds, error);
-    };
-    const auto wins = [](const Measured& a, const Measured& b) { return beats(a, b, 0.01); };
-    const Measured m = point(1, 0.01);
-    EXPECT_TRUE(wins(point(0.9, 0.01), m)) << "quicker, as exact";
-    EXPECT_TRUE(wins(point(0.9, 0.0101), m)) << "quicker, as exact within a fiftieth";
-    EXPECT_TRUE(wins(point(1.01, 0.008), m)) << "more exact, as quick within a fiftieth";
-    EXPECT_FALSE(wins(point(0.985, 0.00985), m)) << "better in both, of no use in either";
-    EXPECT_FALSE(wins(point(0.8, 0.02), m)) << "quicker, less exact";
-    EXPECT_FALSE(wins(point(2, 0.001), m)) << "more exact, slower";
-    EXPECT_FALSE(wins(m, m));
-    Measured elsewhere = point(0.5, 0.005);
-    elsewhere.batch = "another";
-    EXPECT_FALSE(wins(elsewhere, m)) << "did not take turns";
-    Measured unknown = point(1, 0.001);
-    unknown.hidden = true;
-    EXPECT_FALSE(wins(unknown, m)) << "the converged picture cannot tell";
-    Measured twice = point(0.5, 0.01);
-    twice.seconds.resize(2);
-    twice.seconds[1] *= 1.5;
-    EXPECT_FALSE(wins(twice, m)) << "two runs that far apart tell nothing";
-}
-
-// The default against itself under nine names: times scatter by 5 %, and one in ten is half as long again, as
-// on a machine that others use. In at most kMistake of all such reports anything wins.
-TEST(ReportFront, NothingWinsAmongEquals) {
-    std::mt19937 random(7);
-    std::normal_distribution<double> scatter(0, 0.05);
-    std::uniform_real_distribution<double> uniform;
-    const auto winners = [&](double gain) {
-        SceneReport scene;
-        scene.defaultSampler = "auto";
-        for (int name = 0; name < 10; ++name)
-            scene.measured.push_back(
-                measuredAt(name == 0 ? kDefaultAmongMethods : "again " + std::to_string(name),
-                           "lowDiscrepancy", 1, 1, 0.01));
-        for (Measured& m : scene.measured) {
-            for (double& seconds : m.seconds)
-                seconds = std::exp(scatter(random)) * (uniform(random) < 0.1 ? 1.5 : 1);
-        }
-        for (double& seconds : scene.measured[3].seconds) seconds *= gain;
-        markFront(scene);
-        return std::count_if(scene.measured.begin(), scene.measured.end(),
-                             [](const Measured& m) { return !m.beatenBy.empty(); });
-    };
-    constexpr int kTrials = 1000;
-    int wrong = 0, found = 0;
-    for (int trial = 0; trial < kTrials; ++trial) wrong += winners(1) > 0 ? 1 : 0;
-    for (int trial = 0; trial < 200; ++trial) found += winners(0.5) > 0 ? 1 : 0;
-    // Three standard deviations of the count above its expectation.
-    EXPECT_LT(wrong, kTrials * kMistake + 3 * std::sqrt(kTrials * kMistake));
-    EXPECT_EQ(found, 200) << "twice as quick";
-}
-
-TEST(ReportFront, DefaultIsMarkedAndMethodsAreJudgedApart) {
-    SceneReport scene;
-    scene.defaultSampler = "auto";
-    scene.measured = {measuredAt("grid", "grid", 4, 4, 0.02),
-                      measuredAt("lowDiscrepancy", "lowDiscrepancy", 4, 4, 0.03),
-                      measuredAt("grid", "grid", 16, 16, 0.01),
-                      measuredAt("lowDiscrepancy", "lowDiscrepancy", 16, 16, 0.005),
-                      measuredAt(kDefaultAmongMethods, "lowDiscrepancy", 4, 8, 0.03),
-                      measuredAt("spheres: geometric", "lowDiscrepancy", 4, 6, 0.03),
-                      measuredAt("spheres: geometric", "lowDiscrepancy", 16, 6, 0.01),
-                      measuredAt("depth", "lowDiscrepancy", 4, 1, 0.001)};
-    markFront(scene);
-    const bool defaults[] = {true, false, false, true, true, false, false, false};
-    const std::string beatenBy[] = {"", "grid4", "lowDiscrepancy16", "", "spheres: geometric4", "", "", ""};
-    for (size_t i = 0; i < scene.measured.size(); ++i) {
-        EXPECT_EQ(scene.measured[i].isDefault, defaults[i]) << scene.measured[i].key;
-        EXPECT_EQ(scene.measured[i].beatenBy, beatenBy[i]) << scene.measured[i].key;
-    }
-    EXPECT_EQ(defaultInWords(scene, Contest::Samplers), "on the front at 4, 16 spp");
-    EXPECT_EQ(
-        defaultInWords(scene, Contest::Methods),
-        "beaten at 4 spp by spheres: geometric, 4 spp (0.75 (0.75 to 0.75) x the time, 1 (1 to 1) x the "
-        "error), which is not the "
-        "default because it takes hits for misses far from a sphere, and wrong points close to a huge "
-        "one");
-    Report data;
-    data.scenes = {scene};
-    data.scenes[0].name = "a";
-    EXPECT_NE(toMarkdown(data).find("| a | 4: yes, 16: yes | 4: no (spheres: geometric, 4 spp) |\n"),
-              std::string::npos);
-    // A scene that names its sampler has that for a default.
-    scene.defaultSampler = "lowDiscrepancy";
-    markFront(scene);
-    EXPECT_FALSE(scene.measured[0].isDefault);
-    EXPECT_TRUE(scene.measured[1].isDefault);
-}
-
-TEST(ReportFront, WeaknessesAreOfMethodsThatThereAre) {
-    SceneFeatures features;
-    features.spheres = features.triangles = true;
-    size_t weak = 0;
-    const auto batches = planScene(features, true, 5, gpu::Access::StorageBuffer, true);
-    for (const Configuration& c : batches[1].configurations) weak += weaknessOf(c.family).empty() ? 0 : 1;
-    // Three triangle tests, two sphere tests, two offsets and two pads; the default, full, storage buffers and
-    // ray by ray have none.
-    EXPECT_EQ(weak, 9u);
-}
-
-// By hand from the sample: 0.005 is reached at 4 s; grid's 4 samples, the default, are beaten by that, its 1
-// sample by nothing, and 16 samples of the default were not measured.
-TEST(ReportWriting, ConclusionInWords) {
-    const std::string words = conclusionOf(sampleReport().scenes[0]);
-    EXPECT_NE(words.find("For an error of 0.01 the cheapest is lowDiscrepancy, 4 spp: 4000 ms."),
-              std::string::npos)
-        << words;
-    EXPECT_NE(words.find("Nothing measured reaches an error of 0.001."), std::string::npos) << words;
-    EXPECT_NE(words.find("The default sampler (auto) is on the front at 1 spp; beaten at 4 spp by "
-                         "lowDiscrepancy, 4 spp (1 (1 to 1) x the time, 0.25 (0.25 to 0.25) x the error)."),
-              std::string::npos)
-        << words;
-    EXPECT_NE(words.find("The front by medians: grid, 1 spp; lowDiscrepancy, 4 spp."), std::string::npos)
-        << words;
-    EXPECT_EQ(conclusionOf({}), "Nothing was measured.");
 }
 
 }  // namespace
