@@ -111,9 +111,9 @@ void Builder::checkOptions(const std::vector<Box>& boxes) {
         options_.groups = nullptr;
         leafCapacity_ = options_.maxLeafSize;
     }
-    if (boxes.size() > (size_t{1} << 31) || options_.maxDepth < groupLevels_ ||
-        capacity(options_.maxDepth) < boxes.size())
-        throw std::invalid_argument("buildBvh: too many boxes for maxDepth and maxLeafSize");
+    if (boxes.size() > (size_t{1} << 31) || options_.maxLevels < groupLevels_ ||
+        capacity(options_.maxLevels) < boxes.size())
+        throw std::invalid_argument("buildBvh: too many boxes for maxLevels and maxLeafSize");
 }
 
 void Builder::readBoxes(const std::vector<Box>& boxes) {
@@ -288,7 +288,7 @@ Plan Builder::plan(const Range& range, const sah::Binning& binning, const sah::B
     const uint32_t count = range.count();
     const bool small = count <= options_.maxLeafSize && !apart(range);
     if (small && mixed(range)) return {Plan::How::Groups};
-    const uint32_t levels = options_.maxDepth - range.depth;
+    const uint32_t levels = options_.maxLevels - range.depth;
     if (count == 1 || (small && levels == 0)) return {Plan::How::Leaf};
 
     const glm::vec3 extent = toVec3(range.bounds.centroids.hi - range.bounds.centroids.lo);

@@ -40,7 +40,7 @@ constexpr auto entriesOf(BuildQuality) {
 
 struct BvhOptions {
     uint32_t maxLeafSize = 4;  // 1..shared::kMaxLeafSize
-    uint32_t maxDepth =
+    uint32_t maxLevels =
         48;  // levels below the root; SAH gives way to median splits where needed to stay within
     uint32_t bins = 16;
     // Of one node, in units of one primitive test. Measured on the mountain of 524 k triangles: packets trace
@@ -68,7 +68,7 @@ struct Bvh {
 
 // Builds a tree over `boxes` (each finite and not empty; zero-thickness is fine). The result does not depend
 // on the number of threads. Identical centroids are split by index, so that the leaf size always holds.
-// Throws std::invalid_argument for options out of range, and where maxDepth levels cannot hold that many
+// Throws std::invalid_argument for options out of range, and where maxLevels levels cannot hold that many
 // boxes in leaves of maxLeafSize; kMaxBvhDepth levels hold any number up to 2^31.
 Bvh buildBvh(const std::vector<Box>& boxes, const BvhOptions& options = {});
 

@@ -228,7 +228,7 @@ void Optimizer::run() {
         }
         // Moves were judged one by one, not together.
         const double newCost = areas();
-        if (depth() > options_.maxDepth || !(newCost < cost)) {
+        if (depth() > options_.maxLevels || !(newCost < cost)) {
             bvh_.nodes = before;
             return;
         }

@@ -11,8 +11,8 @@ struct ReinsertionOptions {
     uint32_t iterations = 3;
     // Part of all nodes, those with the greatest areas, that each iteration looks for a better place for.
     double batch = 0.05;
-    uint32_t maxDepth = 48;  // levels below the root; an iteration that passes it is undone, and the last
-    unsigned threads = 0;    // 0: all
+    uint32_t maxLevels = 48;  // levels below the root; an iteration that passes it is undone, and the last
+    unsigned threads = 0;     // 0: all
 };
 
 // Takes each subtree of a batch out of the tree and puts it back where the sum of all nodes' areas, and with

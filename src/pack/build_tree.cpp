@@ -79,7 +79,7 @@ Tree freshTree(Primitives& primitives, const Scene& scene, const Frame& frame, c
     const bool high = options.quality == BuildQuality::High;
     if (!high && tree.bvh.nodes.size() > kQuickNodes) return tree;
     ReinsertionOptions reinsertion;
-    reinsertion.maxDepth = options.bvh.maxDepth;
+    reinsertion.maxLevels = options.bvh.maxLevels;
     reinsertion.threads = options.bvh.threads;
     reinsertion.iterations = high ? 8 : 3;
     reinsertion.batch = high ? 0.1 : 0.05;

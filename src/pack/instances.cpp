@@ -68,7 +68,7 @@ std::pair<size_t, const void*> prototypeKey(const Object& object) {
     return {object.shape.index(), unit ? nullptr : static_cast<const void*>(&object)};
 }
 
-Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDepth,
+Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxLevels,
                         const PackOptions& options) {
     Scene alone;
     alone.objects.push_back({object.name, object.shape, 0, std::nullopt});
@@ -78,7 +78,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDe
     const auto textured = std::find_if(scene.materials.begin(), scene.materials.end(), hasTexture);
     if (textured != scene.materials.end()) alone.materials.assign(scene.materials.size(), *textured);
     const PrimitiveNumbers numbers(alone);
-    checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxDepth);
+    checkLimit("primitives of an object that is stored once", numbers.total(), uint64_t{1} << maxLevels);
     const Extent extent = objectExtents(alone, numbers, nullptr, options.threads).front();
     Prototype prototype;
     PackedScene& packed = prototype.geometry;
@@ -87,7 +87,7 @@ Prototype packPrototype(const Object& object, const Scene& scene, uint32_t maxDe
     // Seen from its middle: no form of rounding may depend on where the camera is.
     const Frame frame{packed.origin, extent.center(), nullptr};
     Materials unused(scene.materials.size());
-    packGeometry(alone, numbers, frame, maxDepth, options, packed, unused);
+    packGeometry(alone, numbers, frame, maxLevels, options, packed, unused);
     prototype.boxes = topBoxes(packed.nodes, kTopBoxes);
     return prototype;
 }

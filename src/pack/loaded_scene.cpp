@@ -2,9 +2,8 @@
 
 namespace glint {
 
-shared::Camera cameraOf(const LoadedScene& loaded) {
-    const Scene& scene = loaded.scene;
-    return packCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
+shared::Camera cameraOf(const LoadedScene& loaded, const Request& request) {
+    return packCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 
 #include "pack/packed_scene.h"
 #include "scene/scene.h"
+#include "trace/request.h"
 
 namespace glint {
 
@@ -12,7 +13,7 @@ struct LoadedScene {
     double loadSeconds = 0, packSeconds = 0;
 };
 
-// The camera of the scene's picture.
-shared::Camera cameraOf(const LoadedScene& loaded);
+// The scene's camera for an image of the request's size.
+shared::Camera cameraOf(const LoadedScene& loaded, const Request& request);
 
 }  // namespace glint

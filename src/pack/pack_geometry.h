@@ -34,7 +34,7 @@ struct PackOptions {
 };
 
 // Fills the arrays of nodes and of what is in the tree, the bounds, the statistics and the warnings.
-void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxDepth,
+void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
                   const PackOptions& options, PackedScene& packed, Materials& materials);
 
 struct Extent;

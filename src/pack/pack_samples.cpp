@@ -177,6 +177,7 @@ uint32_t leastSamples(Filter filter) {
 
 Request requestOf(const ImageSettings& image, bool lens) {
     Request request;
+    request.image = image;
     request.width = image.width;
     request.height = image.height;
     request.samples = packSamples(image, lens);

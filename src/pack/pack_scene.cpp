@@ -65,7 +65,7 @@ void fillStatistics(const Tree& tree, PackStatistics& statistics) {
 
 }  // namespace
 
-void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxDepth,
+void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Frame& frame, uint32_t maxLevels,
                   const PackOptions& pack, PackedScene& packed, Materials& materials) {
     const unsigned threads = pack.threads;
     Primitives primitives =
@@ -75,7 +75,7 @@ void packGeometry(const Scene& scene, const PrimitiveNumbers& numbers, const Fra
     tree.split = pack.split;
     tree.memory = pack.memory;
     BvhOptions& options = tree.bvh;
-    options.maxDepth = maxDepth;
+    options.maxLevels = maxLevels;
     options.threads = threads;
     const auto kinds = std::count_if(primitives.counts.begin(), primitives.counts.end(),
                                      [](uint32_t count) { return count > 0; });

@@ -63,7 +63,7 @@ uint64_t treeKey(const Primitives& primitives, const Scene& scene, const Frame& 
                  const TreeOptions& options) {
     const BvhOptions& bvh = options.bvh;
     const std::array<double, 10> numbers = {static_cast<double>(bvh.maxLeafSize),
-                                            static_cast<double>(bvh.maxDepth),
+                                            static_cast<double>(bvh.maxLevels),
                                             static_cast<double>(bvh.bins),
                                             bvh.traversalCost,
                                             static_cast<double>(bvh.soloGroup),

@@ -59,7 +59,7 @@ TEST(Builder, TightDepthHolds) {
             for (const uint32_t slack : {0u, 1u, 3u}) {
                 BvhOptions options;
                 options.maxLeafSize = leaf;
-                options.maxDepth = halvings(set.boxes.size(), leaf) + slack;
+                options.maxLevels = halvings(set.boxes.size(), leaf) + slack;
                 expectValid(buildBvh(set.boxes, options), set.boxes, options);
             }
         }
@@ -68,7 +68,7 @@ TEST(Builder, TightDepthHolds) {
 
 TEST(Builder, RefusesWhatCannotFit) {
     BvhOptions options;
-    options.maxDepth = 3;
+    options.maxLevels = 3;
     options.maxLeafSize = 4;
     EXPECT_NO_THROW(buildBvh(randomBoxes(32, 1), options));  // 2^3 leaves of 4
     EXPECT_THROW(buildBvh(randomBoxes(33, 1), options), std::invalid_argument);
@@ -138,7 +138,7 @@ TEST(Builder, ManyBoxesAreValid) {
     expectValid(buildBvh(boxes), boxes, {});
     const std::vector<Box> same(200000, boxAround({0, 0, 0}, 1));
     BvhOptions tight;
-    tight.maxDepth = halvings(same.size(), tight.maxLeafSize);
+    tight.maxLevels = halvings(same.size(), tight.maxLeafSize);
     expectValid(buildBvh(same, tight), same, tight);
 }
 
@@ -154,7 +154,7 @@ TEST(Builder, LeavesNeverMixGroups) {
             BvhOptions options;
             options.groups = &groups;
             expectValid(buildBvh(set.boxes, options), set.boxes, options);
-            options.maxDepth = halvings(set.boxes.size(), options.maxLeafSize) + levels;
+            options.maxLevels = halvings(set.boxes.size(), options.maxLeafSize) + levels;
             expectValid(buildBvh(set.boxes, options), set.boxes, options);
         }
     }

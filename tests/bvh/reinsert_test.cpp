@@ -67,10 +67,10 @@ TEST(Reinsertion, MendsACarelessTree) {
 TEST(Reinsertion, StaysWithinTheDepth) {
     const std::vector<Box> boxes = randomBoxes(512, 8);
     Bvh bvh = careless(boxes);
-    reinsertSubtrees(bvh, {.iterations = 20, .batch = 1, .maxDepth = 10});
+    reinsertSubtrees(bvh, {.iterations = 20, .batch = 1, .maxLevels = 10});
     BvhOptions options;
     options.maxLeafSize = 1;
-    options.maxDepth = 10;
+    options.maxLevels = 10;
     expectValid(bvh, boxes, options);
 }
 

@@ -130,7 +130,7 @@ void expectValid(const Bvh& bvh, const std::vector<Box>& boxes, const BvhOptions
     EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
     EXPECT_TRUE(std::all_of(visited.begin(), visited.end(), [](int n) { return n == 1; }));
     EXPECT_EQ(bvh.depth, depth);
-    EXPECT_LE(depth, options.maxDepth);
+    EXPECT_LE(depth, options.maxLevels);
 }
 
 }  // namespace glint::test

@@ -26,7 +26,7 @@ uint32_t halvings(size_t count, uint32_t leaf);
 
 // Reports a failure unless: `order` is a permutation; each box is in exactly one leaf, and inside its leaf's
 // box; each child's box is inside its parent's; leaves are at most options.maxLeafSize, of one group,
-// ascending by index; no node is deeper than options.maxDepth, and Bvh::depth is the depth of the deepest.
+// ascending by index; no node is deeper than options.maxLevels, and Bvh::depth is the depth of the deepest.
 void expectValid(const Bvh& bvh, const std::vector<Box>& boxes, const BvhOptions& options);
 
 }  // namespace glint::test
