@@ -83,8 +83,8 @@ void compare(const Settings& settings, const std::string& path, const gpu::Devic
         return;
     }
     loaded.packed = packScene(loaded.scene);
-    const shared::Camera camera = cameraOf(loaded);
     Request request = requestOf(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
+    const shared::Camera camera = cameraOf(loaded, request);
     request.ledger = loaded.packed.features.transmission;
     render::Options options;
     options.expected = &request;

@@ -7,26 +7,8 @@
 #include "core/stopwatch.h"
 #include "core/text_file.h"
 #include "pack/camera_change.h"
-#include "scene/sampling.h"
 
 namespace glint::app {
-
-namespace {
-
-void overrideSampling(const SceneOptions& options, ImageSettings& image) {
-    if (options.sampler) image.sampler = *options.sampler;
-    if (options.filter) {
-        image.filter = options.filter->filter;
-        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
-    }
-    if (options.seed) image.seed = *options.seed;
-    if (options.adaptive) image.adaptive = options.adaptive;
-    // The scene's number of samples is not asked for then.
-    const std::string wrong = options.untilError ? "" : samplingConflict(image);
-    if (!wrong.empty()) throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
-}
-
-}  // namespace
 
 AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> time, std::ostream& err,
                              bool quiet)
@@ -35,22 +17,10 @@ AnimatedScene::AnimatedScene(const SceneOptions& options, std::optional<double> 
     reader_.emplace(options.scene,
                     LoadOptions{options.allowOutside, availableMemory(), options.camera, options.files},
                     time);
-    override();
+    loaded_.scene = reader_->scene();
     loaded_.loadSeconds = watch.seconds();
     pack();
     warn();
-}
-
-void AnimatedScene::override() {
-    loaded_.scene = reader_->scene();
-    Scene& scene = loaded_.scene;
-    if (options_.size) {
-        scene.image.width = options_.size->width;
-        scene.image.height = options_.size->height;
-    }
-    if (options_.spp) scene.image.samplesPerPixel = *options_.spp;
-    if (options_.maxDepth) scene.maxDepth = *options_.maxDepth;
-    overrideSampling(options_, scene.image);
 }
 
 void AnimatedScene::pack() {
@@ -92,7 +62,7 @@ AnimatedScene::Change AnimatedScene::moveTo(double time) {
             return change;
         }
     }
-    override();
+    loaded_.scene = reader_->scene();
     loaded_.loadSeconds = watch.seconds();
     pack();
     warn();

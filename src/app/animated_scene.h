@@ -1,4 +1,4 @@
-// The scene of a command line, at any moment of its animation.
+// A scene at any moment of its animation.
 #pragma once
 
 #include <iosfwd>
@@ -33,7 +33,6 @@ class AnimatedScene {
     uint64_t treesBuilt() const { return memory_.built(); }
 
   private:
-    void override();
     void pack();
     void warn();
 

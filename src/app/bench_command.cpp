@@ -88,8 +88,6 @@ void switchShaderCachesOff() {
 
 bench::Options optionsOf(const BenchCommand& command) {
     bench::Options options;
-    options.tracing.methods = command.common.methods;
-    options.tracing.minContribution = command.common.minContribution;
     options.renderer.traversal = command.device.traversal;
     options.renderer.leaveOut = !command.full;
     options.renderer.also = command.with;
@@ -110,8 +108,10 @@ bench::Result measureScene(const BenchCommand& command, const std::filesystem::p
     bench::Options options = optionsOf(command);
     options.progress = [&](double fraction) { progress.update(fraction); };
     const LoadedScene loaded = loadAndPack(scene, err);
-    const ImageSettings& image = loaded.scene.image;
-    checkMemory(image.width, image.height, bytesPerPixel({}, false), availableMemory(), "");
+    options.request = requestOf(loaded, scene);
+    options.renderer.also.mirrors = command.with.mirrors || alsoFor(loaded, options.request).mirrors;
+    checkMemory(options.request.width, options.request.height, bytesPerPixel({}, false), availableMemory(),
+                "");
     bench::Result result = bench::measure(path.string(), loaded, device, options);
     progress.finish();
     return result;

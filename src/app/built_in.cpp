@@ -2,8 +2,8 @@
 #include <utility>
 #include <vector>
 
+#include "app/render_ranks.h"
 #include "app/version.h"
-#include "farm/mpi_transport.h"
 #include "gpu/device.h"
 
 namespace glint::app {
@@ -34,7 +34,7 @@ std::string buildType() {
 // The file may be left out of what is installed.
 std::string mpi() {
     const std::string built = GLINT_MPI_TEXT;
-    return built == "no" || farm::hasMpiModule() ? built : "no glint-mpi.so";
+    return built == "no" || hasRanksModule() ? built : "no glint-mpi.so";
 }
 
 std::vector<std::string> devices() {

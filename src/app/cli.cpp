@@ -9,10 +9,10 @@
 
 #include "app/command_list.h"
 #include "app/exit_code.h"
+#include "app/render_ranks.h"
 #include "app/usage.h"
 #include "core/error.h"
 #include "core/text_file.h"
-#include "farm/mpi_transport.h"
 
 namespace glint::app {
 
@@ -49,14 +49,13 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
     const auto failed = [&](ExitCode code, const std::string& message) {
         out.flush();  // results come before the error, whoever reads both
         // All processes of mpirun have the same command line; rank 0 reports what is wrong with it.
-        const auto launched = farm::launchedByMpi();
-        if (code == ExitCode::Usage && launched && launched->rank > 0) {
+        if (code == ExitCode::Usage && rankOfLauncher() > 0) {
             // mpirun ends all processes when the first one leaves; rank 0 must have printed the error.
             std::this_thread::sleep_for(std::chrono::seconds(2));
             return static_cast<int>(code);
         }
         err << "glint: " << printable(message) << std::endl;
-        farm::abortMpi(static_cast<int>(code));
+        abortRanks(static_cast<int>(code));
         return static_cast<int>(code);
     };
     try {

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/text_file.h"
 #include "pack/pack_samples.h"
+#include "scene/sampling.h"
 
 namespace glint::app {
 
@@ -18,10 +19,42 @@ LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool qui
 }
 
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options) {
-    Request request = requestOf(loaded.scene.image, loaded.scene.camera.lensRadius > 0);
+    ImageSettings image = loaded.scene.image;
+    if (options.size) {
+        image.width = options.size->width;
+        image.height = options.size->height;
+    }
+    if (options.spp) image.samplesPerPixel = *options.spp;
+    if (options.sampler) image.sampler = *options.sampler;
+    if (options.filter) {
+        image.filter = options.filter->filter;
+        image.filterRadius = options.filter->radius.value_or(defaultRadius(image.filter));
+    }
+    if (options.seed) image.seed = *options.seed;
+    if (options.adaptive) image.adaptive = options.adaptive;
+    // --error ignores the scene's number of samples.
+    if (options.untilError)
+        image.samplesPerPixel = std::max(image.samplesPerPixel, static_cast<int>(leastSamples(image.filter)));
+    if (const std::string wrong = samplingConflict(image); !wrong.empty())
+        throw Error(ErrorKind::Argument, options.scene.string() + ": " + wrong);
+    Request request = requestOf(image, loaded.scene.camera.lensRadius > 0);
     request.methods = options.methods;
     request.minContribution = options.minContribution;
+    if (options.maxDepth) request.maxDepth = static_cast<uint32_t>(*options.maxDepth);
     return request;
+}
+
+int depthOf(const LoadedScene& loaded, const Request& request) {
+    return request.maxDepth ? static_cast<int>(*request.maxDepth) : loaded.scene.maxDepth;
+}
+
+SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request) {
+    const auto& materials = loaded.scene.materials;
+    SceneFeatures also;
+    also.mirrors =
+        depthOf(loaded, request) > 0 && std::any_of(materials.begin(), materials.end(),
+                                                    [](const Material& m) { return m.mirror != Color(0); });
+    return also;
 }
 
 namespace {

@@ -14,12 +14,19 @@
 
 namespace glint::app {
 
-// Loads, at a moment of the animation if one is given, applies the command line's overrides, packs; warnings
-// go to `err`, one line each, unless quiet.
+// Loads, at a moment of the animation if one is given, and packs; warnings go to `err`, one line each, unless
+// quiet.
 LoadedScene loadAndPack(const SceneOptions& options, std::ostream& err, bool quiet = false);
 
-// The scene's picture, whole, with what the command line says about it.
+// The whole image of the scene, with the wishes of the command line. Throws Error(Argument) for sampler,
+// samples and filter that contradict each other.
 Request requestOf(const LoadedScene& loaded, const SceneOptions& options);
+
+// The depth of the request or, without one, of the scene.
+int depthOf(const LoadedScene& loaded, const Request& request);
+
+// Features that a request needs of a device though the scene's own depth does without them.
+SceneFeatures alsoFor(const LoadedScene& loaded, const Request& request);
 
 // Opens the device that was chosen. If there is none at all and `hostWould` do the same work, the error says
 // so. Throws Error(Device) too if the validation layer was asked for and is not there.

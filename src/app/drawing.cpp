@@ -23,8 +23,8 @@ Drawing::Drawing(Backend backend, const DeviceChoice& choice, std::ostream* warn
 
 void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t cameraRays) {
     loaded_ = &loaded;
-    camera_ = cameraOf(loaded);
-    methods_ = expected.methods;
+    expected_ = expected;
+    camera_ = cameraOf(loaded, expected);
     try {
         if (backend_ == Backend::Gpu) return loadDevice(expected, cameraRays);
     } catch (const Error& error) {
@@ -37,7 +37,7 @@ void Drawing::load(const LoadedScene& loaded, const Request& expected, uint64_t 
 void Drawing::loadTruth() {
     const Stopwatch watch;
     truth_ = reference::truthOf(*loaded_);
-    truthCamera_ = reference::truthCamera(*loaded_);
+    truthCamera_ = reference::truthCamera(*loaded_, expected_);
     hostSeconds_ += watch.seconds();
 }
 
@@ -47,6 +47,7 @@ void Drawing::loadDevice(const Request& expected, uint64_t cameraRays) {
     options.traversal = choice_.traversal;
     options.ownArithmetic = choice_.reproducible;
     options.expected = &expected;
+    options.also = alsoFor(*loaded_, expected);
     options.cameraRays = cameraRays;
     renderer_.emplace(*device_, loaded_->packed, options);
 }
@@ -70,10 +71,10 @@ bool Drawing::fallBack(const Error& error) {
 
 void Drawing::reload(const Request& expected, bool cameraAlone) {
     if (!cameraAlone) return load(*loaded_, expected);
-    camera_ = cameraOf(*loaded_);
+    camera_ = cameraOf(*loaded_, expected);
     if (backend_ == Backend::Gpu) return;
     reference::setEye(*truth_, loaded_->scene.camera.eye);
-    truthCamera_ = reference::truthCamera(*loaded_);
+    truthCamera_ = reference::truthCamera(*loaded_, expected);
 }
 
 Picture Drawing::draw(const Request& request) {
@@ -99,8 +100,8 @@ DrawingFacts Drawing::facts() const {
     // Rays of whole paths walk by themselves.
     const render::KernelTimes& kernels = renderer_->times().kernels;
     facts.traversal = kernels.whole > 0 && kernels.primary == 0
-                          ? render::nameOf({false, "", renderer_->traversal(methods_).nodes})
-                          : render::nameOf(renderer_->traversal(methods_));
+                          ? render::nameOf({false, "", renderer_->traversal(expected_.methods).nodes})
+                          : render::nameOf(renderer_->traversal(expected_.methods));
     facts.arithmetic = device_->arithmetic();
     facts.times = renderer_->times();
     return facts;

@@ -92,7 +92,7 @@ class Drawing {
     // Of the host.
     std::shared_ptr<reference::Model> truth_;
     reference::rows::Camera truthCamera_;
-    Methods methods_;
+    Request expected_;
     std::optional<FailedDevice> failed_;
     double hostSeconds_ = 0;
 };

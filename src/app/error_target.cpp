@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "app/common.h"
 #include "core/error.h"
 #include "core/wording.h"
 #include "pack/pack_samples.h"
@@ -38,7 +39,7 @@ double confidenceOf(const std::string& text) {
 // The condition number times the ulp of the arithmetic, and the rounding error of storing as fp32.
 double roundingOf(const LoadedScene& loaded, const Request& request, Backend backend) {
     const reference::Tracer tracer(loaded.packed, request);
-    return verify::roundingError(tracer, cameraOf(loaded), request.width, request.height,
+    return verify::roundingError(tracer, cameraOf(loaded, request), request.width, request.height,
                                  backend == Backend::Cpu ? 0x1p-53 : verify::kFloatUnit);
 }
 
@@ -64,12 +65,12 @@ const char* limitOf(converge::Stop stop) {
 }
 
 // Kernels without reflections do not count what is missing.
-void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded) {
+void checkDepthIsKnown(const ErrorTarget& target, const LoadedScene& loaded, const Request& request) {
     const auto reflects = [](const Material& m) {
         return m.mirror != Color(0) || m.transmission != Color(0);
     };
     const auto& materials = loaded.scene.materials;
-    if (target.withinDepth || loaded.scene.maxDepth > 0 ||
+    if (target.withinDepth || depthOf(loaded, request) > 0 ||
         std::none_of(materials.begin(), materials.end(), reflects))
         return;
     throw Error(ErrorKind::Argument,
@@ -127,9 +128,9 @@ void checkErrorTarget(const ErrorTarget& target, const SceneOptions& scene, cons
 
 converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backend backend, Request& request,
                     Progress& progress) {
-    checkDepthIsKnown(target, loaded);
+    checkDepthIsKnown(target, loaded, request);
     converge::Job job;
-    job.image = loaded.scene.image;
+    job.image = request.image;
     job.image.adaptive.reset();
     if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;
     job.target.error = *target.error;
@@ -142,7 +143,7 @@ converge::Job jobOf(const ErrorTarget& target, const LoadedScene& loaded, Backen
     job.target.depthCounts = !target.withinDepth;
     job.radianceBound =
         radianceBound(loaded.packed, environmentOf(loaded.packed, request), lightsOf(loaded.packed, request));
-    job.maxDepth = loaded.packed.environment.maxDepth;
+    request.maxDepth = static_cast<uint32_t>(depthOf(loaded, request));
     job.rounding = roundingOf(loaded, request, backend);
     job.inDouble = backend == Backend::Cpu;
     // Batches are many, and each would count from 0 to 1.

@@ -133,10 +133,13 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
     const LoadedScene loaded = loadAndPack(command, err);
     const Scene& scene = loaded.scene;
     const PackedScene& packed = loaded.packed;
+    const Request request = requestOf(loaded, command);
+    const ImageSettings& image = request.image;
     out << shown(command.scene) << '\n'
-        << "  picture       " << scene.image.width << " x " << scene.image.height << ", "
-        << counted(scene.image.samplesPerPixel, "sample") << " per pixel" << samplerText(scene.image)
-        << ", at most " << counted(scene.maxDepth, "reflection") << '\n'
+        << "  picture       " << image.width << " x " << image.height << ", "
+        << counted(static_cast<uint64_t>(image.samplesPerPixel), "sample") << " per pixel"
+        << samplerText(image) << ", at most "
+        << counted(static_cast<uint64_t>(depthOf(loaded, request)), "reflection") << '\n'
         << "  camera        " << cameraKind(scene.camera) << '\n';
     if (!scene.cameras.empty()) out << "  cameras       " << cameraNames(scene, scene.cameras.size()) << '\n';
     out << "  objects       " << scene.objects.size() << " (" << kindCounts(packed) << ")\n";
@@ -150,7 +153,7 @@ int printInfo(const SceneOptions& command, std::ostream& out, std::ostream& err)
 #define GLINT_LIST(ID, NAME, field) (packed.features.field ? used : leftOut).push_back(#field);
     GLINT_FEATURES(GLINT_LIST)
 #undef GLINT_LIST
-    out << "  traversal     " << traversalText(packed, requestOf(loaded, command)) << '\n';
+    out << "  traversal     " << traversalText(packed, request) << '\n';
     out << "  features used " << words(used) << '\n' << "  left out      " << words(leftOut) << '\n';
     out << "  tests         triangles " << nameOf(command.methods.triangles) << ", spheres "
         << nameOf(command.methods.spheres) << '\n';

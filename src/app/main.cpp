@@ -6,7 +6,7 @@
 
 #include "app/cli.h"
 #include "app/exit_code.h"
-#include "farm/mpi_transport.h"
+#include "app/render_ranks.h"
 
 namespace {
 
@@ -39,8 +39,7 @@ void fillClosedStreams() {
 
 int main(int argc, char** argv) {
     fillClosedStreams();
-    const auto launched = glint::farm::launchedByMpi();
-    silent = launched && launched->rank > 0;
+    silent = glint::app::rankOfLauncher() > 0;
     quitOn(SIGINT);
     quitOn(SIGTERM);
     // Writing beyond the limit of a file's size is then an error like a full disk, and has a message.

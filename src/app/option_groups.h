@@ -19,7 +19,7 @@
 
 namespace glint::app {
 
-// What is drawn, and what the command line says instead of the scene.
+// The scene, and the wishes of the command line.
 struct SceneOptions {
     std::filesystem::path scene;
     bool allowOutside = false;  // files outside the scene's folder may be read
@@ -34,7 +34,7 @@ struct SceneOptions {
     std::optional<FilterChoice> filter;
     std::optional<uint32_t> seed;
     std::optional<AdaptiveSampling> adaptive;
-    bool untilError = false;            // samples are taken until an error is reached, however many it takes
+    bool untilError = false;            // --error chooses the number of samples
     std::optional<double> time;         // of the animation, seconds; empty: the scene as its file says it
     std::shared_ptr<FileSource> files;  // that the scene is read from; empty: the file system's
 };

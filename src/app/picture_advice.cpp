@@ -43,9 +43,9 @@ Placement placeBounds(const Camera& camera, const PackedScene& packed) {
 // Camera rays spread over the picture, followed by the reference.
 class Scout {
   public:
-    Scout(const Picture& picture, const Scene& scene, const PackedScene& packed, const Tracing& tracing)
-        : tracer_(packed, tracing),
-          camera_(packCamera(scene.camera, scene.image.width, scene.image.height, packed.origin)) {
+    Scout(const Picture& picture, const Scene& scene, const PackedScene& packed, const Request& request)
+        : tracer_(packed, request),
+          camera_(packCamera(scene.camera, request.width, request.height, packed.origin)) {
         constexpr int kSide = 16;
         const Region& r = picture.region;
         for (int i = 0; i < kSide * kSide; ++i) {
@@ -92,7 +92,7 @@ std::optional<std::string> clippedReason(const Camera& camera, const std::vector
 }
 
 std::string emptyReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
-                        const Tracing& tracing) {
+                        const Request& request) {
     if (scene.objects.empty()) return "the scene has no objects";
     const bool finiteGeometry = packed.environment.root != shared::kNone;
     if (!finiteGeometry && packed.planes.empty())
@@ -104,9 +104,9 @@ std::string emptyReason(const Picture& picture, const Scene& scene, const Packed
         if (p.distanceMax < scene.camera.nearT) return "everything is nearer than the camera's near";
     }
     if (const auto clipped =
-            clippedReason(scene.camera, Scout(picture, scene, packed, tracing).unboundedHits()))
+            clippedReason(scene.camera, Scout(picture, scene, packed, request).unboundedHits()))
         return *clipped;
-    if (picture.region.width() < scene.image.width || picture.region.height() < scene.image.height) {
+    if (picture.region.width() < request.width || picture.region.height() < request.height) {
         return "there is nothing else in this --crop";
     }
     return "the camera looks past the objects; glint info tells where they are";
@@ -159,12 +159,12 @@ std::string unlitReason(const std::vector<reference::PixelRecord>& paths, const 
 }
 
 std::string blackReason(const Picture& picture, const Scene& scene, const PackedScene& packed,
-                        const Tracing& tracing) {
+                        const Request& request) {
     const bool noAmbient = scene.ambient == Color(0);
     const bool noLight = std::all_of(scene.lights.begin(), scene.lights.end(), isDark);
     if (scene.lights.empty() && noAmbient) return "the scene has neither lights nor ambient light";
     if (noLight && noAmbient) return "all its lights have the intensity 0, and there is no ambient light";
-    const Scout scout(picture, scene, packed, tracing);
+    const Scout scout(picture, scene, packed, request);
     const auto paths = scout.paths();
     if (const auto object = darkObjectAround(scout, paths, scene)) return insideReason(scene, *object);
     return unlitReason(paths, scene);
@@ -173,7 +173,7 @@ std::string blackReason(const Picture& picture, const Scene& scene, const Packed
 }  // namespace
 
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Tracing& tracing) {
+                                         const PackedScene& packed, const Request& request) {
     if (!picture.complete) return std::nullopt;
     bool anyHit = false, allHit = true, anyWhole = false, anyColor = false, anyRimColor = false;
     for (size_t i = 0; i < picture.color.pixels.size(); i += 4) {
@@ -186,11 +186,11 @@ std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& sc
         (c[3] >= 1 ? anyColor : anyRimColor) |= colored;
         anyWhole |= c[3] >= 1;
     }
-    if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed, tracing);
+    if (!anyHit) return "the picture shows background only: " + emptyReason(picture, scene, packed, request);
     if (!(anyWhole ? anyColor : anyRimColor))
-        return "everything in the picture is black: " + blackReason(picture, scene, packed, tracing);
+        return "everything in the picture is black: " + blackReason(picture, scene, packed, request);
     if (allHit) {
-        const Scout scout(picture, scene, packed, tracing);
+        const Scout scout(picture, scene, packed, request);
         if (const auto object = darkObjectAround(scout, scout.paths(), scene))
             return insideReason(scene, *object);
     }

@@ -15,6 +15,6 @@ namespace glint::app {
 // unlit inside of one object; nothing for any other. Looks for the reason with a few camera rays of its own.
 // `tracing`: what the picture was made with.
 std::optional<std::string> pictureAdvice(const Picture& picture, const Scene& scene,
-                                         const PackedScene& packed, const Tracing& tracing = {});
+                                         const PackedScene& packed, const Request& request = {});
 
 }  // namespace glint::app

@@ -130,19 +130,18 @@ int renderPicture(const RenderCommand& command, std::ostream& out, std::ostream&
     const std::filesystem::path output = outputOf(command);
     checkPicturePath(output);
     Drawing drawing(command.backend, command.device, command.quiet ? nullptr : &err);
-    SceneOptions scene = command.scene;
-    scene.untilError = command.target.error.has_value();
-    const LoadedScene loaded = loadAndPack(scene, err, command.quiet);
+    const LoadedScene loaded = loadAndPack(command.scene, err, command.quiet);
     checkNotRead(command, loaded.scene);
-    const Region region = checkedRegion(command, loaded.scene);
-    const int bandRows = bandRowsOf(command, output, region, availableMemory());
+    Request request = requestOf(command, loaded);
+    const int bandRows = bandRowsOf(command, output, request.region, availableMemory());
 
     installInterruptHandler();
     Outcome outcome;
+    outcome.request = request;
     {
         Progress progress("render", command.quiet ? ProgressMode::None : command.progress, err,
                           isTerminal(err));
-        Request request = requestOf(command, loaded, region, progress);
+        request.progress = [&](double fraction) { progress.update(fraction); };
         std::optional<converge::Job> job;
         if (command.target.error) job = jobOf(command.target, loaded, command.backend, request, progress);
         // As many as an error takes are not known.

@@ -127,7 +127,7 @@ void FrameRenderer::open(const Frame& first) {
     if (!animation && !command_.quiet && command_.frames->first != command_.frames->last)
         err_ << "glint: warning: " << shown(command_.scene.scene)
              << ": has no animation; all frames are the same picture\n";
-    const Region region = checkedRegion(command_, loaded.scene);
+    const Region region = requestOf(command_, loaded).region;
     checkMemory(region.width(), region.height(), bytesPerPixel(command_.aovs, needsData(command_)),
                 availableMemory());
     scene_->moveTo(timeOf(first.number));
@@ -140,7 +140,7 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
     drawn.number = frame.number;
     drawn.time = timeOf(frame.number);
     if (loaded_) drawn.change = scene_->moveTo(drawn.time);
-    Request request = requestOf(command_, loaded, checkedRegion(command_, loaded.scene), progress);
+    Request request = requestOf(command_, loaded);
     request.progress = [&](double done) { progress.update(from + (to - from) * done); };
     std::optional<converge::Job> job;
     if (command_.target.error) job = jobOf(command_.target, loaded, command_.backend, request, progress);
@@ -150,6 +150,7 @@ bool FrameRenderer::drawOne(const Frame& frame, double from, double to, Progress
         drawing_.reload(request, drawn.change == AnimatedScene::Change::Camera);
     loaded_ = true;
     Outcome outcome;
+    outcome.request = request;
     outcome.picture = drawPicture(drawing_, request, job, outcome);
     const bool cut = outcome.converged && outcome.converged->stop == converge::Stop::Interrupted;
     if (!outcome.picture.complete || cut) return false;  // half a frame would pass for a whole one next time

@@ -46,8 +46,8 @@ farm::Identity identityOf(const RenderCommand& command, const LoadedScene& loade
     if (command.scene.time) add("time", describe(*command.scene.time));
     add("size", std::to_string(request.width) + "x" + std::to_string(request.height));
     add("crop", regionText(regionOf(request)));
-    add("samples", samplesText(scene.image));
-    add("maxDepth", std::to_string(scene.maxDepth));
+    add("samples", samplesText(request.image));
+    add("maxDepth", std::to_string(depthOf(loaded, request)));
     add("min-contribution", describe(command.scene.minContribution));
     add("intersector", std::string(nameOf(command.scene.methods.triangles)));
     add("sphere", std::string(nameOf(command.scene.methods.spheres)));

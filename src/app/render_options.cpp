@@ -28,29 +28,22 @@ void checkNotRead(const RenderCommand& command, const Scene& scene) {
     }
 }
 
-Region checkedRegion(const RenderCommand& command, const Scene& scene) {
-    if (!command.crop) return {0, 0, scene.image.width, scene.image.height};
-    const Region& crop = *command.crop;
-    if (crop.x1 > scene.image.width || crop.y1 > scene.image.height) {
-        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
-                                             std::to_string(scene.image.width) + "x" +
-                                             std::to_string(scene.image.height) + " pixels");
-    }
-    return crop;
-}
-
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data) {
     return 4 * sizeof(float) + 1 + (data ? sizeof(PixelData) : 0) + aovs.size() * 3 * sizeof(float);
 }
 
-Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
-                  Progress& progress) {
-    Request request = requestOf(loaded, command.scene);
-    request.region = region;
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded) {
+    SceneOptions wishes = command.scene;
+    wishes.untilError = command.target.error.has_value();
+    Request request = requestOf(loaded, wishes);
+    request.region = command.crop.value_or(Region{0, 0, request.width, request.height});
+    if (request.region.x1 > request.width || request.region.y1 > request.height)
+        throw Error(ErrorKind::Argument, "--crop: reaches beyond the picture of " +
+                                             std::to_string(request.width) + "x" +
+                                             std::to_string(request.height) + " pixels");
     request.data = needsData(command);
     request.cost = std::find(command.aovs.begin(), command.aovs.end(), Aov::Cost) != command.aovs.end();
     request.ledger = loaded.packed.features.transmission || command.json;
-    request.progress = [&progress](double fraction) { progress.update(fraction); };
     request.cancelled = interrupted;
     return request;
 }

@@ -43,15 +43,11 @@ std::filesystem::path outputOf(const RenderCommand& command);
 // texture often has its model's name.
 void checkNotRead(const RenderCommand& command, const Scene& scene);
 
-// The pixels to draw. Throws Error(Argument) for a --crop beyond the picture.
-Region checkedRegion(const RenderCommand& command, const Scene& scene);
-
 // Of the picture itself and a copy of each layer for the file; what a device or the encoder holds on top is
 // bounded or smaller.
 uint64_t bytesPerPixel(const std::vector<Aov>& aovs, bool data);
 
-// `progress` must outlive the request.
-Request requestOf(const RenderCommand& command, const LoadedScene& loaded, const Region& region,
-                  Progress& progress);
+// All wishes of the command; `progress` is left empty. Throws Error(Argument) for a --crop beyond the image.
+Request requestOf(const RenderCommand& command, const LoadedScene& loaded);
 
 }  // namespace glint::app

@@ -120,6 +120,19 @@ bool isForRanks(const RenderCommand& command) {
     return true;
 }
 
+int rankOfLauncher() {
+    const auto launched = farm::launchedByMpi();
+    return launched ? launched->rank : 0;
+}
+
+void abortRanks(int exitCode) {
+    farm::abortMpi(exitCode);
+}
+
+bool hasRanksModule() {
+    return farm::hasMpiModule();
+}
+
 int renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err) {
     const auto transport = farm::openMpi();
     const int code = transport->rank() == 0 ? renderAsFirst(command, *transport, out, err)

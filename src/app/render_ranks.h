@@ -1,4 +1,4 @@
-// `mpirun glint render`: one picture by all processes that the launcher started (farm/ranks.h).
+// `mpirun glint render`: one image by all processes that the launcher started (farm/ranks.h).
 #pragma once
 
 #include <iosfwd>
@@ -7,10 +7,16 @@
 
 namespace glint::app {
 
-// True if a launcher of MPI has started this process and others, and the command draws one picture that they
-// are to share. Throws Error(Argument) for what cannot be shared.
+// True if an MPI launcher started several processes for this image. Throws Error(Argument) for options that
+// exclude it.
 bool isForRanks(const RenderCommand& command);
-
 int renderAmongRanks(const RenderCommand& command, std::ostream& out, std::ostream& err);
+
+// This process among those of an MPI launcher; 0 without one.
+int rankOfLauncher();
+// Ends all ranks with this exit code; does nothing without ranks.
+void abortRanks(int exitCode);
+// True if the module for MPI is installed.
+bool hasRanksModule();
 
 }  // namespace glint::app

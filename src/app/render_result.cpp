@@ -43,10 +43,10 @@ nlohmann::json statsJson(const Outcome& outcome, const RenderCommand& command, c
     if (outcome.ranks > 0) json["ranks"] = outcome.ranks;
     json["width"] = outcome.picture.region.width();
     json["height"] = outcome.picture.region.height();
-    json["samplesPerPixel"] = loaded.scene.image.samplesPerPixel;
-    json["sampler"] = nameOf(samplerOf(loaded.scene.image));
+    json["samplesPerPixel"] = outcome.request.image.samplesPerPixel;
+    json["sampler"] = nameOf(samplerOf(outcome.request.image));
     json["samplesTaken"] = samplesJson(outcome);
-    json["maxDepth"] = loaded.scene.maxDepth;
+    json["maxDepth"] = depthOf(loaded, outcome.request);
     visitKinds(loaded.packed, [&](const KindCount& kind) {
         if (kind.kind != shared::PrimitiveKind::Instance) json[kind.array] = kind.count;
     });
@@ -151,9 +151,8 @@ void warnAboutPicture(const Outcome& outcome, const RenderCommand& command, cons
     if (loaded.packed.features.transmission || command.scene.minContribution > 0)
         warnOfLosses(picture, start, err);
     if (outcome.converged) warnAboutError(command.target, *outcome.converged, start, err);
-    const auto advice =
-        outcome.bands ? outcome.bands->advice
-                      : pictureAdvice(picture, loaded.scene, loaded.packed, requestOf(loaded, command.scene));
+    const auto advice = outcome.bands ? outcome.bands->advice
+                                      : pictureAdvice(picture, loaded.scene, loaded.packed, outcome.request);
     if (advice) err << start << *advice << '\n';
 }
 
@@ -171,20 +170,6 @@ void printResult(const Outcome& outcome, const RenderCommand& command, const Loa
     } else if (!command.quiet) {
         printSummary(outcome, command, loaded, out);
     }
-}
-
-std::string producerText(const farm::Producer& producer) {
-    return producer.driver.empty() ? producer.device : producer.device + ", " + producer.driver;
-}
-
-void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
-                     std::ostream& err) {
-    std::string list;
-    for (const farm::Producer& producer : producers)
-        if (!producer.sharesBits) list += (list.empty() ? "" : "; ") + producerText(producer);
-    if (producers.size() < 2 || list.empty()) return;
-    err << start << "the parts come from several devices, and the bits of some are their own (" << list
-        << "): the last digits may differ from part to part\n";
 }
 
 }  // namespace glint::app

@@ -11,7 +11,6 @@
 #include "app/drawing.h"
 #include "app/render_options.h"
 #include "converge/converge.h"
-#include "farm/unit_result.h"
 #include "trace/picture.h"
 
 namespace glint::app {
@@ -27,6 +26,7 @@ struct BandTotals {
 };
 
 struct Outcome {
+    Request request;  // that it answers
     Picture picture;  // in bands: without pixels
     std::optional<BandTotals> bands;
     std::optional<converge::Result> converged;  // its picture is `picture`
@@ -59,11 +59,5 @@ nlohmann::json fallbackJson(const FailedDevice& failed);
 
 // Says on `err` how many pixels are not finite, each line after `start`; nothing if all are.
 void warnOfNotFinite(const Picture& picture, const std::string& start, std::ostream& err);
-
-std::string producerText(const farm::Producer& producer);
-
-// Says on `err` if several devices drew a picture and the bits of some are their own.
-void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
-                     std::ostream& err);
 
 }  // namespace glint::app

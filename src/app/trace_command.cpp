@@ -53,7 +53,8 @@ RayBatch batchOf(const TraceCommand& command, std::ostream& err) {
 std::vector<WorldHit> tracePixelOnDevice(const TraceCommand& command, const LoadedScene& loaded,
                                          render::Renderer& renderer) {
     const auto [x, y] = *command.pixel;
-    return {hitOf(renderer.pixel(cameraOf(loaded), requestOf(loaded, command.scene), x, y))};
+    const Request request = requestOf(loaded, command.scene);
+    return {hitOf(renderer.pixel(cameraOf(loaded, request), request, x, y))};
 }
 
 std::vector<WorldHit> tracePixelOnHost(const TraceCommand& command, const LoadedScene& loaded) {
@@ -61,7 +62,8 @@ std::vector<WorldHit> tracePixelOnHost(const TraceCommand& command, const Loaded
     const Request request = requestOf(loaded, command.scene);
     const reference::Tracer tracer(reference::truthOf(loaded), request,
                                    radianceBoundOf(loaded.packed, request));
-    return {reference::trace(tracer, tracer.cameraRay(reference::truthCamera(loaded), x + 0.5, y + 0.5))};
+    return {reference::trace(tracer,
+                             tracer.cameraRay(reference::truthCamera(loaded, request), x + 0.5, y + 0.5))};
 }
 
 std::vector<WorldHit> traceOnHost(const LoadedScene& loaded, const RayBatch& batch) {
@@ -89,8 +91,7 @@ void traceOnDevice(const TraceCommand& command, const LoadedScene& loaded, std::
     reportValidation(device, command.device, err);
 }
 
-void checkPixel(const LoadedScene& loaded, std::pair<int, int> pixel) {
-    const ImageSettings& image = loaded.scene.image;
+void checkPixel(const Request& image, std::pair<int, int> pixel) {
     if (pixel.first < 0 || pixel.second < 0 || pixel.first >= image.width || pixel.second >= image.height) {
         throw Error(ErrorKind::Argument, "--pixel: " + std::to_string(pixel.first) + "," +
                                              std::to_string(pixel.second) + " is outside the picture of " +
@@ -104,7 +105,7 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& err) {
         throw Error(ErrorKind::Argument, "trace: give either --rays FILE.csv or --pixel x,y");
     checkDeviceOptions(command.backend, command.device);
     const LoadedScene loaded = loadAndPack(command.scene, err);
-    if (command.pixel) checkPixel(loaded, *command.pixel);
+    if (command.pixel) checkPixel(requestOf(loaded, command.scene), *command.pixel);
     if (command.backend == Backend::Gpu) {
         traceOnDevice(command, loaded, out, err);
     } else {

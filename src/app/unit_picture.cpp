@@ -1,5 +1,6 @@
 #include "app/unit_picture.h"
 
+#include <ostream>
 #include <utility>
 
 #include "app/output_check.h"
@@ -94,6 +95,20 @@ Outcome UnitPicture::write() {
     outcome.picture.firstNotFinite = assembly_.firstNotFinite();
     outcome.writeSeconds = writeSeconds_ + writing.seconds();
     return outcome;
+}
+
+std::string producerText(const farm::Producer& producer) {
+    return producer.driver.empty() ? producer.device : producer.device + ", " + producer.driver;
+}
+
+void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
+                     std::ostream& err) {
+    std::string list;
+    for (const farm::Producer& producer : producers)
+        if (!producer.sharesBits) list += (list.empty() ? "" : "; ") + producerText(producer);
+    if (producers.size() < 2 || list.empty()) return;
+    err << start << "the parts come from several devices, and the bits of some are their own (" << list
+        << "): the last digits may differ from part to part\n";
 }
 
 }  // namespace glint::app

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/render_result.h"
@@ -42,6 +44,12 @@ class UnitPicture {
 // Error(Failed) if the picture fits neither at once nor, in a format that has them, in rows.
 bool needsRows(const farm::UnitHeader& header, const std::filesystem::path& output, uint64_t heldBytes,
                uint64_t available, bool wanted = false);
+
+std::string producerText(const farm::Producer& producer);
+
+// Warns if several devices rendered the image and the bits of some differ from those of others.
+void warnOfMixedBits(const std::vector<farm::Producer>& producers, const std::string& start,
+                     std::ostream& err);
 
 // Of a unit of so many pixels while it is drawn, or waits.
 uint64_t unitBytes(const std::vector<Aov>& aovs, uint64_t pixels);

@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "app/render_identity.h"
+#include "app/unit_picture.h"
 #include "core/content_hash.h"
 #include "core/interrupt.h"
 #include "farm/cut.h"
@@ -69,17 +70,14 @@ UnitRenderer::UnitRenderer(const RenderCommand& command, int parts, std::ostream
       loaded_(loadAndPack(command.scene, err, command.quiet)) {
     constexpr int kLikelyParts = 64;  // to know how many before they are cut
     if (!command.part) checkNotRead(command, loaded_.scene);
-    const Region region = checkedRegion(command, loaded_.scene);
-    Progress none("", ProgressMode::None, err, false);
-    request_ = requestOf(command, loaded_, region, none);
-    request_.progress = nullptr;
+    request_ = requestOf(command, loaded_);
     const auto costs =
         farm::estimateCosts(loaded_.packed, loaded_.scene.camera, request_, parts > 0 ? parts : kLikelyParts);
     cut_ = parts > 0 ? farm::cutPicture(costs, parts)
                      : cutToHold(costs, std::max(partsFor(costs, request_.samples.count()), leastParts),
                                  bytesPerPixel(command.aovs, false));
     parts = static_cast<int>(cut_.size());
-    header_ = {identityOf(command, loaded_, request_), region, command.aovs, parts};
+    header_ = {identityOf(command, loaded_, request_), regionOf(request_), command.aovs, parts};
     header_.identity.facts.emplace_back("parts", std::to_string(parts));
     header_.identity.facts.emplace_back("cut", hashOf(cut_));
 }
@@ -116,6 +114,7 @@ std::optional<farm::UnitResult> UnitRenderer::draw(int part, const std::function
 void UnitRenderer::complete(Outcome& outcome, const std::vector<farm::Producer>& producers,
                             std::ostream& err) const {
     if (uploaded_) outcome.drawn = drawing_.facts();
+    outcome.request = request_;
     outcome.picture.samplesPerPixel = request_.samples.count();
     if (command_.quiet) return;
     warnAboutPicture(outcome, command_, loaded_, err);

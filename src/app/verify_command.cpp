@@ -147,11 +147,12 @@ class SceneVerifier {
                             verify::Options& options) const {
         render::Options tracing;
         tracing.traversal = command_.device.traversal;
+        tracing.also = alsoFor(loaded, options);
         tracing.cameraRays = cameraRaysOf(options);  // as `render` has it: by the same kernels
         render::Renderer renderer(device_, loaded.packed, tracing);
         Progress progress("verify " + path.filename().string(), command_.progress, err_, isTerminal(err_));
         options.progress = [&](double fraction) { progress.update(fraction); };
-        return verify::verify(renderer, loaded.packed, cameraOf(loaded), options, &loaded.scene);
+        return verify::verify(renderer, loaded.packed, cameraOf(loaded, options), options, &loaded.scene);
     }
 
     void writeImages(const std::string& stem, const verify::Report& report) const {

@@ -21,8 +21,8 @@ struct Target {
     double confidence = 0.95;                                     // in (0.5, 1)
     double maxSeconds = std::numeric_limits<double>::infinity();  // of rendering
     uint32_t maxSamples = 65536;                                  // of a pixel, at least 2
-    // True: the truth has no limit of depth. False: it ends at maxDepth, and what may lie beyond is reported
-    // but not counted.
+    // True: the truth has no limit of depth. False: it ends at the depth of the request, and what may lie
+    // beyond is reported but not counted.
     bool depthCounts = true;
 };
 
@@ -31,7 +31,7 @@ struct ErrorBudget {
     double sampling = std::numeric_limits<double>::infinity();  // with Target::confidence
     double rounding = 0;                                        // the scene's condition number times the ulp
     double cut = 0;    // branches below Request::minContribution, or without room on the stack
-    double depth = 0;  // branches beyond maxDepth
+    double depth = 0;  // branches beyond the depth
     bool depthCounts = true;
     // The part that more samples do not reduce.
     double fixed() const { return rounding + cut + (depthCounts ? depth : 0); }
@@ -69,14 +69,13 @@ struct Result : State {
 using Draw = std::function<Picture(const Request&)>;
 
 struct Job {
-    Request request;      // of the image; its samples are ignored
+    Request request;      // of the image, with a depth; its samples are ignored
     ImageSettings image;  // sampler (no grid), filter, seed
     Target target;
     double rounding = 0;    // ErrorBudget::rounding
     bool inDouble = false;  // the tracer computes in double precision; for advice
     // No channel of a pixel exceeds it; for State::unseen.
     double radianceBound = std::numeric_limits<double>::infinity();
-    uint32_t maxDepth = 0;                     // the depth if the request has none; for advice
     std::function<void(const State&)> report;  // after each round; may be empty
 };
 

@@ -52,7 +52,7 @@ std::string depthAdvice(const Draw& draw, const Job& job, double allowed) {
     request.cancelled = [&] {
         return watch.seconds() > kAdviceSeconds || (job.request.cancelled && job.request.cancelled());
     };
-    uint32_t depth = job.request.maxDepth.value_or(job.maxDepth);
+    uint32_t depth = job.request.maxDepth.value();
     while (depth < kDeepestAdvice) {
         depth = std::min<uint32_t>(2 * depth + 1, kDeepestAdvice);
         request.maxDepth = depth;

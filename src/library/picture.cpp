@@ -137,8 +137,8 @@ Picture drawToError(const Snapshot& snapshot, const shared::Camera& camera, cons
                     const ImageSettings& image, Request request) {
     converge::Job job;
     job.target = targetOf(wanted);
-    job.maxDepth = request.maxDepth.value_or(snapshot.part().packed.environment.maxDepth);
-    checkDepthIsKnown(snapshot.scene(), job.maxDepth);
+    if (!request.maxDepth) request.maxDepth = snapshot.part().packed.environment.maxDepth;
+    checkDepthIsKnown(snapshot.scene(), *request.maxDepth);
     job.image = image;
     job.image.adaptive.reset();
     if (job.image.sampler == Sampler::Grid) job.image.sampler = Sampler::LowDiscrepancy;

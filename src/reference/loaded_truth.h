@@ -12,10 +12,9 @@ inline std::shared_ptr<Model> truthOf(const LoadedScene& loaded, unsigned thread
     return std::make_shared<Model>(truthOf(loaded.scene, loaded.packed.origin, threads));
 }
 
-// The camera of the scene's picture.
-inline rows::Camera truthCamera(const LoadedScene& loaded) {
-    const Scene& scene = loaded.scene;
-    return truthCamera(scene.camera, scene.image.width, scene.image.height, loaded.packed.origin);
+// The scene's camera for an image of the request's size.
+inline rows::Camera truthCamera(const LoadedScene& loaded, const Request& request) {
+    return truthCamera(loaded.scene.camera, request.width, request.height, loaded.packed.origin);
 }
 
 }  // namespace glint::reference

@@ -1,6 +1,7 @@
-// What is asked of a tracer. A request is a plain value: made once, from the command line, the window, a
-// script or a call, and handed to either tracer with a packed scene, which no request changes. What only
-// concerns how the device works (traversal, access, slices ...) is in render::Options.
+// Everything that a user may wish of an image of a scene: size, samples, depth, methods, AOVs. A request is a
+// plain value, made once from the command line, the window, a script or a call, and given to either tracer
+// with a packed scene. Scenes are never copied or changed for a wish. Camera and moment choose the scene
+// itself (LoadOptions); settings of the device alone (traversal, access, slices ...) are in render::Options.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/scene.h"
 #include "shared/layout.h"
 #include "trace/methods.h"
 #include "trace/packed_samples.h"
@@ -43,8 +45,11 @@ struct Request : Tracing {
     // ---- which pixels ----
     int width = 0, height = 0;  // of the whole picture
     Region region;              // the part wanted, cut off at the picture's edges; all zero: everything
+    // Size, sampler, filter, seed and adaptivity as the user wishes; `width`, `height` and `samples` are made
+    // from them (requestOf in pack/pack_samples.h).
+    ImageSettings image = {};
     // What each pixel takes; the default is its middle. A thin lens needs scattered samples, or stays a
-    // pinhole. Sampler, filter, seed and adaptivity are in these (pack/pack_samples.h).
+    // pinhole. (pack/pack_samples.h).
     PackedSamples samples = PackedSamples::fixed({{0.5, 0.5}});
 
     // ---- what is wanted ----

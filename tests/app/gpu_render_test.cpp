@@ -226,5 +226,30 @@ TEST_F(GpuRender, EmptyScene) {
     for (const float sample : image.pixels) ASSERT_EQ(sample, 0.5f);
 }
 
+// Wishes are in the request: an image has the bits of the image of a file that says the same, even if its own
+// file has no reflections.
+TEST_F(GpuRender, OptionsHaveTheBitsOfTheFile) {
+    const std::string rest = R"("background": [0.2, 0.4, 0.6], "ambient": 0.2,
+        "materials": {"m": {"diffuse": 0.2, "mirror": 0.7}},
+        "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"},
+                    {"type": "sphere", "center": [1.5, 0.5, 1], "radius": 0.7, "material": "m"}])";
+    glint::test::writeText("a.json", sceneText(16, 12, R"("maxDepth": 0, )" + rest));
+    std::string text = sceneText(24, 18, R"("maxDepth": 3, )" + rest);
+    text.replace(text.find("\"width\""), 0, R"("samplesPerPixel": 4, "sampler": "jittered", "seed": 9, )");
+    glint::test::writeText("b.json", text);
+    const auto draw = [](std::vector<std::string> args) {
+        args.insert(args.begin(), "render");
+        args.insert(args.end(), {"--backend", "gpu", "-q"});
+        const Ran ran = runGlint(args);
+        EXPECT_EQ(ran.code, 0) << ran.err;
+    };
+    draw({"b.json", "-o", "b.pfm"});
+    draw({"a.json", "-o", "a.pfm", "--size", "24x18", "--max-depth", "3", "--spp", "4", "--sampler",
+          "jittered", "--seed", "9"});
+    EXPECT_EQ(readBytes("a.pfm"), readBytes("b.pfm"));
+    draw({"b.json", "-o", "c.pfm", "--max-depth", "0"});
+    EXPECT_NE(readBytes("c.pfm"), readBytes("b.pfm"));
+}
+
 }  // namespace
 }  // namespace glint::app::test::gpu_render_test

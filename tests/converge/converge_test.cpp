@@ -146,7 +146,7 @@ TEST(ConvergeTest, WhatNoSampleMendsIsRefusedWithAdvice) {
         return picture;
     };
     Job job = jobOf(0.01);
-    job.maxDepth = 2;
+    job.request.maxDepth = 2;
     const std::string deeper = refusalOf(mirrors, job);
     EXPECT_NE(deeper.find("beyond maxDepth may add 0.25; --max-depth 11 would do; --within-depth"),
               std::string::npos)

@@ -1,0 +1,47 @@
+// Takes the place of the sources that need src/farm, if CMake's GLINT_FARM is off.
+#include "app/commands.h"
+#include "app/render_ranks.h"
+#include "app/render_units.h"
+#include "core/error.h"
+
+namespace glint::app {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorKind::Argument, what + ": this glint was built without it (GLINT_FARM is OFF)");
+}
+
+}  // namespace
+
+int renderPart(const RenderCommand&, std::ostream&, std::ostream&) {
+    refuse("--part");
+}
+
+int renderFromCheckpoint(const RenderCommand&, std::ostream&, std::ostream&) {
+    refuse("--checkpoint");
+}
+
+bool isForRanks(const RenderCommand&) {
+    return false;
+}
+
+int renderAmongRanks(const RenderCommand&, std::ostream&, std::ostream&) {
+    refuse("mpirun");
+}
+
+int rankOfLauncher() {
+    return 0;
+}
+
+void abortRanks(int) {}
+
+bool hasRanksModule() {
+    return false;
+}
+
+Run mergeCommand(OptionTable&) {
+    return [](std::ostream&, std::ostream&) -> int { refuse("merge"); };
+}
+
+}  // namespace glint::app
