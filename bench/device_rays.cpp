@@ -14,10 +14,10 @@ render::KernelCode replace(render::KernelCode code, const Replacements& replaced
     const auto take = [](std::span<const uint32_t>& kernel, const std::vector<uint32_t>& other) {
         if (!other.empty()) kernel = other;
     };
-    take(code.intersect, replaced.intersect);
-    take(code.intersectAny, replaced.intersectAny);
-    take(code.packetIntersect, replaced.packetIntersect);
-    take(code.packetIntersectAny, replaced.packetIntersectAny);
+    take(code[render::KernelId::Intersect], replaced.intersect);
+    take(code[render::KernelId::IntersectAny], replaced.intersectAny);
+    take(code[render::KernelId::PacketIntersect], replaced.packetIntersect);
+    take(code[render::KernelId::PacketIntersectAny], replaced.packetIntersectAny);
     return code;
 }
 
@@ -26,8 +26,7 @@ render::KernelCode replace(render::KernelCode code, const Replacements& replaced
 DeviceRays::DeviceRays(const gpu::Device& device, const PackedScene& scene, render::Traversal traversal,
                        const Replacements& replaced)
     : scene_(scene),
-      code_(replace(render::embeddedKernels(render::chooseAccess(device.info(), render::arraySizes(scene))),
-                    replaced)),
+      code_(replace(render::embeddedKernels(), replaced)),
       renderer_(device, scene, optionsOf(traversal)) {}
 
 Timing DeviceRays::trace(const std::vector<BenchRay>& rays, bool any, std::vector<BenchHit>& hits) {
@@ -112,8 +111,7 @@ std::vector<BenchRay> shadowRays(const std::vector<BenchRay>& rays, const std::v
 }
 
 bool hasPackets(const gpu::Device& device, const PackedScene& scene) {
-    const gpu::Access access = render::chooseAccess(device.info(), render::arraySizes(scene));
-    return render::runsPackets(device.info()) && access == gpu::Access::TexelBuffer &&
+    return render::runsPackets(device.info()) &&
            render::chooseTraversal(render::Traversal::Packet, device.info(), scene).packets;
 }
 

@@ -10,10 +10,9 @@ void cross(inout Traversal traversal, uint kind, float t, float u, float v, uint
         bool exchanged = FEATURE_INSTANCES && traversal.mirrored && kind == kKindTriangle;
         uint place = (kPathRows + (FEATURE_INSTANCES ? 1u : 0u)) * dispatch.capacity +
                      2u * (traversal.list.x + traversal.crossed);
-        STORE4(pathRows, place,
-               uvec4(floatBitsToUint(t), floatBitsToUint(exchanged ? v : u),
-                     floatBitsToUint(exchanged ? u : v), primitive));
-        STORE4(pathRows, place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
+        storePathRow(place, uvec4(floatBitsToUint(t), floatBitsToUint(exchanged ? v : u),
+                                  floatBitsToUint(exchanged ? u : v), primitive));
+        storePathRow(place + 1u, uvec4(FEATURE_INSTANCES ? traversal.instance : kNone, 0u, 0u, 0u));
     }
 #endif
     ++traversal.crossed;

@@ -1,16 +1,18 @@
-// Access to the arrays of a scene and to the path state. By default each array is a storage texel buffer with
-// a binding of its own. With GLINT_ARRAYS_TOGETHER one storage buffer holds all arrays but the samples, for
-// devices with few bindings or small texel buffers (src/render/scene_buffers.h).
+// Access to the arrays of a scene and to the path state. Each array is a storage texel buffer with a binding
+// of its own, or, if ARRAYS_TOGETHER, one storage buffer holds all arrays but the samples, for devices with
+// few bindings or small texel buffers (src/render/scene_buffers.h). The host removes the variables of the
+// other way before the driver sees the kernel (src/gpu/specialize.h).
 #ifndef GLINT_STORAGE_GLSL
 #define GLINT_STORAGE_GLSL
 
 #include "shared/dispatch.h"
 
-#ifdef GLINT_ARRAYS_TOGETHER
+layout(constant_id = GLINT_ARRAYS_TOGETHER) const bool ARRAYS_TOGETHER = false;
+
 // Word `binding` of the buffer is the first row of that binding's array.
 layout(set = 0, binding = 2, std430) readonly restrict buffer ArraysBlock { uvec4 arrays[]; };
 layout(set = 0, binding = 3, std430) readonly restrict buffer SamplesBlock { uvec4 sampleRows[]; };
-uvec4 loadOf(uint array, uint index) {
+uvec4 loadTogether(uint array, uint index) {
     uvec4 row;
     if (array == kSamplesBinding)
         row = sampleRows[index];
@@ -18,23 +20,20 @@ uvec4 loadOf(uint array, uint index) {
         row = arrays[arrays[array >> 2][array & 3u] + index];
     return row;
 }
-#define GLINT_READ_ARRAY(BINDING, name) const uint name = uint(BINDING);
-#define GLINT_READ_WRITE_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, std430) restrict buffer name##_block { uvec4 name[]; };
-#define LOAD4(name, index) loadOf(name, index)
-#define LOAD_PATHS(index) pathRows[index]
-#define STORE4(name, index, value) name[index] = value
-#else
-#define GLINT_READ_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name;
-#define GLINT_READ_WRITE_ARRAY(BINDING, name) \
-    layout(set = 0, binding = BINDING, rgba32ui) restrict uniform uimageBuffer name;
+
 // The host takes no texel buffer of more than 2^27 texels. With the mask LLVM need not sign-extend the eight
 // offsets, which saves eight of 44 instructions.
-#define LOAD4(name, index) imageLoad(name, int((index)&0x07ffffffu))
-#define LOAD_PATHS(index) LOAD4(pathRows, index)
-#define STORE4(name, index, value) imageStore(name, int(index), value)
-#endif
+#define GLINT_READ_ARRAY(BINDING, name)                                                               \
+    layout(set = 0, binding = BINDING, rgba32ui) readonly restrict uniform uimageBuffer name##Texels; \
+    uvec4 name##Row(uint index) {                                                                     \
+        uvec4 row;                                                                                    \
+        if (ARRAYS_TOGETHER)                                                                          \
+            row = loadTogether(uint(BINDING), index);                                                 \
+        else                                                                                          \
+            row = imageLoad(name##Texels, int(index & 0x07ffffffu));                                  \
+        return row;                                                                                   \
+    }
+#define LOAD4(name, index) name##Row(index)
 
 // ---- Structs from their row lists ----
 
@@ -97,10 +96,25 @@ GLINT_SCENE_ARRAYS(GLINT_LOADER)
 // ---- Path state and counters ----
 
 layout(set = 0, binding = 0, std430) restrict buffer CounterBlock { uint counters[kCounterCount]; };
-GLINT_READ_WRITE_ARRAY(1, pathRows)
+layout(set = 0, binding = 1, rgba32ui) restrict uniform uimageBuffer pathTexels;
+layout(set = 0, binding = 1, std430) restrict buffer PathBlock { uvec4 pathBlock[]; };
 
-uvec4 loadRow(uint row, uint path) { return LOAD_PATHS(row * dispatch.capacity + path); }
-void storeRow(uint row, uint path, uvec4 value) { STORE4(pathRows, row * dispatch.capacity + path, value); }
+uvec4 loadPathRow(uint place) {
+    uvec4 row;
+    if (ARRAYS_TOGETHER)
+        row = pathBlock[place];
+    else
+        row = imageLoad(pathTexels, int(place & 0x07ffffffu));
+    return row;
+}
+void storePathRow(uint place, uvec4 value) {
+    if (ARRAYS_TOGETHER)
+        pathBlock[place] = value;
+    else
+        imageStore(pathTexels, int(place), value);
+}
+uvec4 loadRow(uint row, uint path) { return loadPathRow(row * dispatch.capacity + path); }
+void storeRow(uint row, uint path, uvec4 value) { storePathRow(row * dispatch.capacity + path, value); }
 uvec4 packRow(vec3 v, uint w) { return uvec4(floatBitsToUint(v), w); }
 
 // ---- Specialization constants ----

@@ -161,7 +161,9 @@
     X(23, optics, Optics, GLINT_OPTICS_ROWS)                              \
     X(24, wideRows, WideRow, GLINT_WIDE_ROW_ROWS)
 
-// Bindings with GLINT_ARRAYS_TOGETHER (storage.glsl): counters, path state, all other arrays, samples.
+// Specialization constant: true if one storage buffer holds all arrays but the samples (storage.glsl). The
+// bindings are then counters, path state, that buffer, samples.
+#define GLINT_ARRAYS_TOGETHER 84
 #define GLINT_FEW_BINDINGS 4
 
 #define GLINT_ONE_ARRAY(binding, array, Struct, ROWS) +1

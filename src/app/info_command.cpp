@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "gpu/device.h"
 #include "pack/scene_arrays.h"
-#include "render/scene_buffers.h"
 #include "render/traversal_choice.h"
 #include "scene/camera_frame.h"
 #include "scene/cameras.h"
@@ -53,8 +52,7 @@ std::string traversalText(const PackedScene& packed, const Request& request) {
         const gpu::DeviceInfo& device = gpu::chooseDevice(devices, "");
         const render::TraversalChoice choice =
             render::chooseTraversal(render::Traversal::Auto, device, packed, request.methods,
-                                    cameraRaysOf(request) * (1 + packed.lights.size()),
-                                    render::chooseAccess(device, render::arraySizes(packed)));
+                                    cameraRaysOf(request) * (1 + packed.lights.size()));
         return std::string(render::nameOf(choice)) + " (" + choice.reason + ")";
     } catch (const Error&) {
         return "no device to choose for";

@@ -17,7 +17,6 @@
 #include "pack/scene_arrays.h"
 #include "reference/render.h"
 #include "reference/sampling.h"
-#include "render/scene_buffers.h"
 #include "shared/dispatch.h"
 
 namespace glint::bench {
@@ -238,12 +237,9 @@ std::vector<Result> measureWalks(const Task& task, const gpu::Device& device, co
     const std::pair<render::Traversal, render::StackPlace> ways[] = {
         {Lane, Private}, {Lane, Shared},   {Packet, Private}, {Bvh4, Private},
         {Bvh4, Shared},  {Cwbvh, Private}, {Cwbvh, Shared}};
-    const bool texels = render::chooseAccess(device.info(), render::arraySizes(task.loaded.packed)) ==
-                        gpu::Access::TexelBuffer;
     std::vector<std::unique_ptr<Contestant>> contestants;
     for (const auto& [traversal, stack] : ways) {
         if (traversal == Packet && !render::runsPackets(device.info())) continue;
-        if (traversal == Packet && !texels) continue;
         if (nameOf(chooseTraversal(traversal, device.info(), task.loaded.packed, task.request.methods)) !=
             nameOf(traversal))
             continue;

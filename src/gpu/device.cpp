@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "gpu/device_state.h"
-#include "gpu/loader_call.h"
 
 namespace glint::gpu {
 namespace {
@@ -44,8 +43,7 @@ void openDevice(DeviceState& state) {
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     info.pEnabledFeatures = &features;
-    check(loaderCall("vkCreateDevice", state.instance->vk().vkCreateDevice, state.physical.handle, &info,
-                     nullptr, &state.device),
+    check(state.instance->vk().vkCreateDevice(state.physical.handle, &info, nullptr, &state.device),
           "vkCreateDevice");
     loadDeviceTable(state);
     state.vk.vkGetDeviceQueue(state.device, state.physical.queueFamily, 0, &state.queue);
@@ -64,13 +62,13 @@ std::vector<DeviceInfo> listDevices() {
 
 DeviceState::~DeviceState() {
     closeDevice();
-    if (surface != VK_NULL_HANDLE && instance && !loaderLost())
+    if (surface != VK_NULL_HANDLE && instance)
         instance->vk().vkDestroySurfaceKHR(instance->get(), surface, nullptr);
 }
 
 void DeviceState::closeDevice() {
     if (device == VK_NULL_HANDLE) return;
-    if (abandoned || loaderLost()) {
+    if (abandoned) {
         // The device lives on, so what it refers to must; reachable, so that a leak checker understands.
         struct Kept {
             std::unique_ptr<Instance> instance;

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "gpu/handle.h"
-#include "gpu/loader_call.h"
 
 namespace glint::gpu {
 namespace {
@@ -22,8 +21,7 @@ void openLoader() {
     }
     uint32_t version = VK_API_VERSION_1_0;  // whose loaders lack the function that tells it
     const char* const call = "vkEnumerateInstanceVersion";
-    if (vkEnumerateInstanceVersion != nullptr)
-        check(loaderCall(call, vkEnumerateInstanceVersion, &version), call);
+    if (vkEnumerateInstanceVersion != nullptr) check(vkEnumerateInstanceVersion(&version), call);
     if (version < VK_API_VERSION_1_1) {
         throw Error(ErrorKind::Device,
                     "the Vulkan loader knows Vulkan 1.0 only, glint needs 1.1: update libvulkan1");
@@ -33,9 +31,9 @@ void openLoader() {
 std::vector<VkExtensionProperties> instanceExtensions(const char* layer) {
     uint32_t count = 0;
     const char* const call = "vkEnumerateInstanceExtensionProperties";
-    check(loaderCall(call, vkEnumerateInstanceExtensionProperties, layer, &count, nullptr), call);
+    check(vkEnumerateInstanceExtensionProperties(layer, &count, nullptr), call);
     std::vector<VkExtensionProperties> extensions(count);
-    check(loaderCall(call, vkEnumerateInstanceExtensionProperties, layer, &count, extensions.data()), call);
+    check(vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data()), call);
     extensions.resize(count);
     return extensions;
 }
@@ -56,9 +54,9 @@ void requireAll(const std::vector<std::string>& wanted, const std::vector<VkExte
 void requireValidationLayer() {
     uint32_t count = 0;
     const char* const call = "vkEnumerateInstanceLayerProperties";
-    check(loaderCall(call, vkEnumerateInstanceLayerProperties, &count, nullptr), call);
+    check(vkEnumerateInstanceLayerProperties(&count, nullptr), call);
     std::vector<VkLayerProperties> layers(count);
-    check(loaderCall(call, vkEnumerateInstanceLayerProperties, &count, layers.data()), call);
+    check(vkEnumerateInstanceLayerProperties(&count, layers.data()), call);
     layers.resize(count);
     const bool present = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
         return std::strcmp(layer.layerName, kValidationLayer) == 0;
@@ -150,7 +148,7 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
     info.ppEnabledLayerNames = layers.data();
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
-    const VkResult result = loaderCall("vkCreateInstance", vkCreateInstance, &info, nullptr, &instance_);
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {  // the loader's word for "no driver at all"
         instance_ = VK_NULL_HANDLE;
         return;
@@ -173,7 +171,6 @@ Instance::Instance(ValidationLog* log, const std::vector<std::string>& wantedExt
 }
 
 Instance::~Instance() {
-    if (loaderLost()) return;
     if (messenger_ != VK_NULL_HANDLE) {
         const auto destroyMessenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
             vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
@@ -186,12 +183,12 @@ std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
     if (instance_ == VK_NULL_HANDLE) return {};
     uint32_t count = 0;
     const char* const call = "vkEnumeratePhysicalDevices";
-    VkResult result = loaderCall(call, vk_.vkEnumeratePhysicalDevices, instance_, &count, nullptr);
+    VkResult result = vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
     // Some drivers say so here, not at vkCreateInstance, when their hardware is absent.
     if (result == VK_ERROR_INITIALIZATION_FAILED) return {};
     check(result, call);
     std::vector<VkPhysicalDevice> devices(count);
-    check(loaderCall(call, vk_.vkEnumeratePhysicalDevices, instance_, &count, devices.data()), call);
+    check(vk_.vkEnumeratePhysicalDevices(instance_, &count, devices.data()), call);
     devices.resize(count);
     return devices;
 }

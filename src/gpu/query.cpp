@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "gpu/device_state.h"
-#include "gpu/loader_call.h"
 
 namespace glint::gpu {
 namespace {
@@ -44,9 +43,9 @@ std::vector<VkExtensionProperties> deviceExtensions(const InstanceTable& vk, VkP
     uint32_t count = 0;
     const char* const call = "vkEnumerateDeviceExtensionProperties";
     const auto enumerate = vk.vkEnumerateDeviceExtensionProperties;
-    check(loaderCall(call, enumerate, device, nullptr, &count, nullptr), call);
+    check(enumerate(device, nullptr, &count, nullptr), call);
     std::vector<VkExtensionProperties> extensions(count);
-    check(loaderCall(call, enumerate, device, nullptr, &count, extensions.data()), call);
+    check(enumerate(device, nullptr, &count, extensions.data()), call);
     extensions.resize(count);
     return extensions;
 }

@@ -218,15 +218,19 @@ class Module {
         return make(value ? OpConstantTrue : OpConstantFalse, {i[1], i[2]});
     }
 
-    // Of invocations and workgroups: memory that a driver might set aside. A number that is no id may keep
-    // one for nothing.
+    // Unused memory of invocations and workgroups would take room, unused bindings need not be in the layout.
     void keepUsedVariables() {
         std::unordered_set<uint32_t> used;
         for (const Function& function : code_.functions)
             for (const Block& block : function.blocks)
-                for (const Instruction& i : block.body) used.insert(i.begin() + 1, i.end());
+                for (const Instruction& i : block.body) {
+                    if (isKnown(i))
+                        eachId(i, [&](uint32_t id) { used.insert(id); });
+                    else
+                        used.insert(i.begin() + 1, i.end());
+                }
         std::erase_if(code_.globals, [&](const Instruction& i) {
-            return opOf(i) == OpVariable && (i[3] == kWorkgroup || i[3] == kPrivate) && !used.contains(i[2]);
+            return opOf(i) == OpVariable && i[3] != kInput && !used.contains(i[2]);
         });
     }
 
@@ -243,12 +247,13 @@ class Module {
         });
     }
 
-    // Of everything left that could be decorated.
+    // Everything left that could be decorated.
     void collectIds() {
         for (const Instruction& i : code_.globals) {
-            if (opOf(i) == OpDecorate) continue;
-            if (i.size() > 1) ids_.insert(i[1]);
-            if (i.size() > 2) ids_.insert(i[2]);
+            const uint32_t op = opOf(i);
+            if (op >= OpTypeVoid && op <= OpTypeForwardPointer) ids_.insert(i[1]);
+            if ((op >= OpConstantTrue && op <= OpSpecConstantOp) || op == OpVariable || op == OpUndef)
+                ids_.insert(i[2]);
         }
         for (const Function& function : code_.functions) {
             for (const Instruction& i : function.head) ids_.insert(i[2]);

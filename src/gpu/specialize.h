@@ -9,7 +9,7 @@ namespace glint::gpu {
 
 // The module with constants[i] for the specialization constant of id i (ids beyond keep their defaults and
 // stay specialization constants), without the branches that are then never taken, the functions that are then
-// never called, variables of invocations and workgroups that are then never used, and debug names. A driver
+// never called, variables that are then never used, and debug names. A driver
 // would find the same, but after it has translated all of it (docs/lab/building.md).
 // `spirv` must be valid; what it computes stays the same to the bit. Throws std::invalid_argument for what is
 // no SPIR-V.

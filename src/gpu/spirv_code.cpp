@@ -178,6 +178,10 @@ size_t endOfIds(const Instruction& i) {
     }
 }
 
+bool isKnown(const Instruction& i) {
+    return opOf(i) == OpSwitch || endOfIds(i) != 0;
+}
+
 void refuse(const Instruction& i) {
     throw std::domain_error("instruction " + std::to_string(opOf(i)) + " of SPIR-V is not known here");
 }

@@ -88,7 +88,7 @@ enum Op : uint32_t {
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5, kBound = 3;
 constexpr uint32_t kCapabilityGroupNonUniform = 61, kCapabilityGroupNonUniformShuffle = 65;
 constexpr uint32_t kDecorationSpecId = 1, kDecorationNoContraction = 42;
-constexpr uint32_t kWorkgroup = 4, kPrivate = 6, kFunction = 7;  // storage classes
+constexpr uint32_t kInput = 1, kWorkgroup = 4, kPrivate = 6, kFunction = 7;  // storage classes
 
 using Words = std::span<const uint32_t>;
 using Instruction = std::vector<uint32_t>;
@@ -137,6 +137,7 @@ size_t resultPlace(const Instruction& i);
 
 // One past the place of the last id among the words of an instruction; 0 for one that is not known here.
 size_t endOfIds(const Instruction& i);
+bool isKnown(const Instruction& i);
 [[noreturn]] void refuse(const Instruction& i);
 
 // Calls use(id) for each id that it uses, but for its type. Throws std::domain_error for an instruction that

@@ -1,66 +1,57 @@
 #include "render/kernels.h"
 
-#include "adapt.spv.h"
-#include "adapt_together.spv.h"
-#include "certify.spv.h"
-#include "certify_together.spv.h"
-#include "count.spv.h"
-#include "count_list.spv.h"
-#include "count_list_together.spv.h"
-#include "count_together.spv.h"
-#include "generate.spv.h"
-#include "generate_together.spv.h"
-#include "intersect.spv.h"
-#include "intersect_any.spv.h"
-#include "intersect_any_together.spv.h"
-#include "intersect_together.spv.h"
-#include "light.spv.h"
-#include "light_packet.spv.h"
-#include "light_together.spv.h"
-#include "packet_certify.spv.h"
-#include "packet_count.spv.h"
-#include "packet_intersect.spv.h"
-#include "packet_intersect_any.spv.h"
-#include "shade.spv.h"
-#include "shade_together.spv.h"
-#include "shared/dispatch.h"
-#include "whole.spv.h"
-#include "whole_together.spv.h"
+#include "kernel_modules.inc"
+#include "render/traversal_choice.h"
 
 namespace glint::render {
 
-const KernelCode& embeddedKernels(gpu::Access access) {
-    static const KernelCode texel = {generate_spv,
-                                     intersect_spv,
-                                     intersect_any_spv,
-                                     light_spv,
-                                     shade_spv,
-                                     packet_intersect_spv,
-                                     packet_intersect_any_spv,
-                                     light_packet_spv,
-                                     adapt_spv,
-                                     count_spv,
-                                     count_list_spv,
-                                     whole_spv,
-                                     packet_count_spv,
-                                     certify_spv,
-                                     packet_certify_spv};
-    static const KernelCode together = {generate_together_spv,
-                                        intersect_together_spv,
-                                        intersect_any_together_spv,
-                                        light_together_spv,
-                                        shade_together_spv,
-                                        {},
-                                        {},
-                                        {},
-                                        adapt_together_spv,
-                                        count_together_spv,
-                                        count_list_together_spv,
-                                        whole_together_spv,
-                                        {},
-                                        certify_together_spv,
-                                        {}};
-    return access == gpu::Access::TexelBuffer ? texel : together;
+namespace {
+
+struct Description {
+    const char* name;
+    const char* module;
+    uint32_t raysOfLane;
+};
+
+const Description& describe(KernelId id) {
+#define GLINT_KERNEL(id, module, shader, defines, name, rays) {name, #module, rays},
+    static constexpr Description list[] = {
+#include "render/kernels.def"
+    };
+#undef GLINT_KERNEL
+    return list[static_cast<size_t>(id)];
+}
+
+}  // namespace
+
+const KernelCode& embeddedKernels() {
+    static const KernelCode code = [] {
+        KernelCode made;
+#define GLINT_KERNEL(id, module, shader, defines, name, rays) made[KernelId::id] = module##_spv;
+#include "render/kernels.def"
+#undef GLINT_KERNEL
+        return made;
+    }();
+    return code;
+}
+
+const char* nameOf(KernelId id) {
+    return describe(id).name;
+}
+
+const char* moduleOf(KernelId id) {
+    return describe(id).module;
+}
+
+uint32_t raysOfLane(KernelId id) {
+    return describe(id).raysOfLane;
+}
+
+KernelId packetKernel(KernelId id) {
+    if (id == KernelId::Light) return KernelId::PacketLight;
+    if (id == KernelId::Count) return KernelId::PacketCount;
+    if (id == KernelId::Certify) return KernelId::PacketCertify;
+    return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 
 }  // namespace glint::render

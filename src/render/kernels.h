@@ -1,23 +1,44 @@
-// The embedded SPIR-V of the kernels.
+// The embedded SPIR-V of the kernels (kernels.def).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "gpu/compute.h"
-#include "pack/packed_scene.h"
-
 namespace glint::render {
 
-// One entry for each kernel; `any` is intersect.comp with any-hit rays. `packet...` are for packets
-// of rays (shaders/packet.glsl), `list` is count.comp that writes down what it counts.
-struct KernelCode {
-    std::span<const uint32_t> generate, intersect, intersectAny, light, shade, packetIntersect,
-        packetIntersectAny, packetLight, adapt, count, list, whole, packetCount, certify, packetCertify;
+enum class KernelId {
+#define GLINT_KERNEL(id, module, shader, defines, name, rays) id,
+#include "render/kernels.def"
+#undef GLINT_KERNEL
 };
 
-// The kernels that read each array as a texel buffer with a binding of its own, or those that read all arrays
-// but the samples from one storage buffer, which have no packets.
-const KernelCode& embeddedKernels(gpu::Access access);
+#define GLINT_KERNEL(id, module, shader, defines, name, rays) KernelId::id,
+inline constexpr std::array kKernels = {
+#include "render/kernels.def"
+};
+#undef GLINT_KERNEL
+
+// The SPIR-V of each kernel, for every scene, mode and way to load (gpu/specialize.h).
+class KernelCode {
+  public:
+    std::span<const uint32_t>& operator[](KernelId id) { return code_[static_cast<size_t>(id)]; }
+    std::span<const uint32_t> operator[](KernelId id) const { return code_[static_cast<size_t>(id)]; }
+
+  private:
+    std::array<std::span<const uint32_t>, kKernels.size()> code_;
+};
+
+const KernelCode& embeddedKernels();
+
+const char* nameOf(KernelId id);
+// The name of the kernel's SPIR-V file, without its extension.
+const char* moduleOf(KernelId id);
+
+// The kernel that does for packets what `id` does for single rays.
+KernelId packetKernel(KernelId id);
+// Paths that an invocation of the kernel takes: more than one of those for packets.
+uint32_t raysOfLane(KernelId id);
 
 }  // namespace glint::render

@@ -6,66 +6,11 @@ namespace glint::render {
 
 namespace {
 
-std::span<const uint32_t> codeOf(const KernelCode& code, KernelId id) {
-    switch (id) {
-        case KernelId::Generate:
-            return code.generate;
-        case KernelId::Intersect:
-            return code.intersect;
-        case KernelId::IntersectAny:
-            return code.intersectAny;
-        case KernelId::Light:
-            return code.light;
-        case KernelId::Shade:
-            return code.shade;
-        case KernelId::Adapt:
-            return code.adapt;
-        case KernelId::PacketIntersect:
-            return code.packetIntersect;
-        case KernelId::PacketIntersectAny:
-            return code.packetIntersectAny;
-        case KernelId::PacketLight:
-            return code.packetLight;
-        case KernelId::Count:
-            return code.count;
-        case KernelId::List:
-            return code.list;
-        case KernelId::Whole:
-            return code.whole;
-        case KernelId::PacketCount:
-            return code.packetCount;
-        case KernelId::Certify:
-            return code.certify;
-        case KernelId::PacketCertify:
-            return code.packetCertify;
-    }
-    return {};
-}
-
-const char* nameOf(KernelId id) {
-    static const char* const names[] = {"generate",
-                                        "intersect",
-                                        "intersect (any hit)",
-                                        "light",
-                                        "shade",
-                                        "intersect (packets)",
-                                        "intersect (any hit, packets)",
-                                        "light (packets)",
-                                        "adapt",
-                                        "count",
-                                        "list",
-                                        "whole path",
-                                        "packet count",
-                                        "certify",
-                                        "packet certify"};
-    return names[static_cast<int>(id)];
-}
-
 // One value for each constant id up to the last; the ids between that no list names are not in any kernel.
-constexpr uint32_t kConstantIds = 84;
+constexpr uint32_t kConstantIds = 85;
 
 std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceModes& modes, StackPlace stack,
-                                  bool convergent, const OwnArithmetic& own) {
+                                  bool convergent, const OwnArithmetic& own, gpu::Access access) {
     const struct {
         NodeFormat nodes;
         StackPlace stack;
@@ -87,6 +32,7 @@ std::vector<uint32_t> constantsOf(const SceneFeatures& features, const TraceMode
 #define GLINT_CONSTANT(ID, NAME, field) constants[ID] = own.field ? 1u : 0u;
     GLINT_ARITHMETIC(GLINT_CONSTANT)
 #undef GLINT_CONSTANT
+    constants[GLINT_ARRAYS_TOGETHER] = access == gpu::Access::StorageBuffer ? 1u : 0u;
     return constants;
 }
 
@@ -101,7 +47,7 @@ constexpr bool idsAreUnique() {
     GLINT_LANE_WALK(GLINT_CHECK)
     GLINT_ARITHMETIC(GLINT_CHECK)
 #undef GLINT_CHECK
-    return true;
+    return GLINT_ARRAYS_TOGETHER < kConstantIds && !used[GLINT_ARRAYS_TOGETHER];
 }
 static_assert(idsAreUnique());
 static_assert(shared::kTriangleBarycentric == static_cast<uint32_t>(TriangleMethod::Barycentric) &&
@@ -119,6 +65,10 @@ uint32_t bindingsOf(gpu::Access access) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> defaultConstants(gpu::Access access) {
+    return constantsOf(allFeatures(), {}, StackPlace::Private, false, {}, access);
+}
 
 SceneFeatures either(SceneFeatures features, const SceneFeatures& also) {
 #define GLINT_EITHER(ID, NAME, field) features.field |= also.field;
@@ -139,27 +89,6 @@ TraceModes modesOf(const Request& request, NodeFormat nodes) {
     modes.scattered = request.samples.scattered();
     modes.adaptive = request.samples.threshold.has_value();
     return modes;
-}
-
-uint32_t raysOfLane(KernelId id) {
-    switch (id) {
-        case KernelId::PacketIntersect:
-        case KernelId::PacketCount:
-        case KernelId::PacketCertify:
-            return kPacketRays;
-        case KernelId::PacketIntersectAny:
-        case KernelId::PacketLight:
-            return kPacketRays * kPacketTurns;
-        default:
-            return 1;
-    }
-}
-
-KernelId packetKernel(KernelId id) {
-    if (id == KernelId::Light) return KernelId::PacketLight;
-    if (id == KernelId::Count) return KernelId::PacketCount;
-    if (id == KernelId::Certify) return KernelId::PacketCertify;
-    return id == KernelId::IntersectAny ? KernelId::PacketIntersectAny : KernelId::PacketIntersect;
 }
 
 Pipelines::Pipelines(const gpu::Device& device, const KernelCode& code, gpu::Access access,
@@ -200,11 +129,11 @@ void Pipelines::add(KernelId id, const TraceModes& modes, gpu::Kernel kernel) {
 gpu::Kernel Pipelines::make(KernelId id, const TraceModes& modes) const {
     gpu::KernelOptions options;
     options.name = nameOf(id);
-    options.spirv = codeOf(code_, id);
+    options.spirv = code_[id];
     options.bindings.assign(bindingsOf(access_), access_);
     options.bindings[0] = gpu::Access::StorageBuffer;
     const bool convergent = !modes.resume && walksConverge(device_.info(), modes.nodes, stack_);
-    options.constants = constantsOf(features_, modes, stack_, convergent, own_);
+    options.constants = constantsOf(features_, modes, stack_, convergent, own_, access_);
     options.pushConstantBytes = sizeof(shared::Dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;
     return gpu::Kernel(device_, options);

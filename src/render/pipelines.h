@@ -13,29 +13,6 @@
 
 namespace glint::render {
 
-enum class KernelId {
-    Generate,
-    Intersect,
-    IntersectAny,
-    Light,
-    Shade,
-    PacketIntersect,
-    PacketIntersectAny,
-    PacketLight,
-    Adapt,
-    Count,
-    List,
-    Whole,
-    PacketCount,
-    Certify,
-    PacketCertify
-};
-
-// The kernel that does for packets what `id` does for single rays, which must trace some.
-KernelId packetKernel(KernelId id);
-// Paths that an invocation of the kernel takes: more than one of those for packets.
-uint32_t raysOfLane(KernelId id);
-
 // What a request makes of the kernels: GLINT_MODES in shaders/shared/dispatch.h, the tests of rays, and the
 // tree that rays walk by themselves.
 struct TraceModes {
@@ -54,6 +31,9 @@ SceneFeatures either(SceneFeatures features, const SceneFeatures& also);
 struct OwnArithmetic {
     bool quotients = false, roots = false;
 };
+
+// Values of all specialization constants by their ids: every feature, no mode.
+std::vector<uint32_t> defaultConstants(gpu::Access access);
 
 class Pipelines {
   public:

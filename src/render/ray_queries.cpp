@@ -91,7 +91,7 @@ struct RayQueries::State {
           features(hitFeatures(packed.features)),
           access(chooseAccess(dev.info(), arraySizes(packed))),
           inPlace(dev.info().software),
-          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed, {}, 0, access)),
+          traversal(chooseTraversal(Traversal::Auto, dev.info(), packed)),
           mayTakeFour(dev.info().llvmpipe && traversal.nodes == NodeFormat::Two &&
                       access == gpu::Access::TexelBuffer && !packed.features.instances),
           tripBudget(deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
@@ -112,7 +112,7 @@ struct RayQueries::State {
                 return *slot;
             }
             if (slots.size() < (inPlace ? 1u : 2u)) {
-                Pipelines pipelines(device, embeddedKernels(access), access, features);
+                Pipelines pipelines(device, embeddedKernels(), access, features);
                 slots.push_back(std::make_unique<Slot>(device, std::move(pipelines), access, buffers, piece,
                                                        rowCount, inPlace));
                 slots.back()->busy = true;

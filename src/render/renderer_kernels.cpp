@@ -7,8 +7,7 @@ namespace glint::render {
 
 TraversalChoice Renderer::State::traversalOf(const Methods& methods) const {
     if (methods == Methods{}) return traversal;
-    return chooseTraversal(options.traversal, device.info(), scene, methods, raysKnown(options, scene),
-                           access);
+    return chooseTraversal(options.traversal, device.info(), scene, methods, raysKnown(options, scene));
 }
 
 uint32_t Renderer::State::wholeBudget(const shared::Environment& of) const {

@@ -52,10 +52,10 @@ struct Renderer::State {
           options(opts),
           features(opts.leaveOut ? either(packed.features, opts.also) : allFeatures()),
           access(opts.access ? *opts.access : chooseAccess(dev.info(), arraySizes(packed))),
-          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed), access)),
+          traversal(chooseTraversal(opts.traversal, dev.info(), packed, {}, raysKnown(opts, packed))),
           tripBudget(opts.tripBudget ? opts.tripBudget
                                      : deriveTripBudget(dev.info(), features, packed.polygonTripsPerLeaf)),
-          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(access), access, features, opts.stack,
+          pipelines(dev, opts.kernels ? *opts.kernels : embeddedKernels(), access, features, opts.stack,
                     opts.ownArithmetic),
           submission(dev),
           environment(packed.environment),

@@ -101,16 +101,8 @@ bool fourPaysForPictures(const PackedScene& scene, uint64_t rays) {
 }
 
 TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                  const Methods& methods, gpu::Access access) {
+                                  const Methods& methods) {
     const bool able = runsPackets(device);
-    const bool texels = access == gpu::Access::TexelBuffer;  // the other kernels have no packets (kernels.h)
-    if (wanted == Traversal::Packet && able && !texels)
-        throw Error(ErrorKind::Device,
-                    "packets of rays need " + std::to_string(GLINT_BINDING_COUNT) +
-                        " texel buffers for a kernel, each as large as an array of the scene; \"" +
-                        device.name + "\" binds " + std::to_string(device.limits.maxStorageImagesPerStage) +
-                        " of " + std::to_string(device.limits.maxTexelBufferElements) +
-                        " texels: choose the traversal auto or lane");
     if (wanted == Traversal::Packet && !able) {
         throw Error(ErrorKind::Device, "packets of rays need subgroups of " +
                                            std::to_string(shared::kPacketWidth) +
@@ -119,7 +111,6 @@ TraversalChoice chooseOnProcessor(Traversal wanted, const gpu::DeviceInfo& devic
                                            " lanes: choose the traversal auto or lane");
     }
     if (!able) return {false, "the device has no subgroups of 8 lanes that can shuffle"};
-    if (!texels) return {false, "packets read texel buffers"};
     if (const std::string name = unknownToPackets(scene.features); !name.empty())
         return {false, "packets do not know " + name};
     if (methods != Methods{}) return {false, "packets know no other tests than the default ones"};
@@ -173,12 +164,12 @@ std::string_view nameOf(const TraversalChoice& choice) {
 }
 
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                const Methods& methods, uint64_t rays, gpu::Access access) {
+                                const Methods& methods, uint64_t rays) {
     if (wanted == Traversal::Lane) return {false, "as asked for"};
     if (wanted == Traversal::Bvh4 || wanted == Traversal::Cwbvh ||
         (wanted == Traversal::Auto && isGpu(device)))
         return chooseWide(wanted, scene, methods);
-    TraversalChoice choice = chooseOnProcessor(wanted, device, scene, methods, access);
+    TraversalChoice choice = chooseOnProcessor(wanted, device, scene, methods);
     const bool byThemselves = !choice.packets || goesOnAfterHits(scene.features);
     if (wanted == Traversal::Auto && device.llvmpipe && byThemselves && picturesMayTakeFour(scene, methods) &&
         fourPaysForPictures(scene, rays)) {

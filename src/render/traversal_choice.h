@@ -6,7 +6,6 @@
 
 #include "bvh/wide_tree.h"
 #include "core/enum_names.h"
-#include "gpu/compute.h"
 #include "gpu/device.h"
 #include "pack/packed_scene.h"
 #include "trace/methods.h"
@@ -102,11 +101,10 @@ bool walksConverge(const gpu::DeviceInfo& device, NodeFormat nodes, StackPlace s
 // leaks boxes that are rounded outwards would stop. Anything else is traced by lanes in the binary tree, or,
 // on llvmpipe for many rays, in one of four children a node. `rays`: all that the pictures to come will send
 // from their cameras and from there to lights, 0 if that is not known. Throws Error(Device) if packets are
-// asked for where the device cannot run them or `access` is not by texel buffers; a scene that the traversal
+// asked for where the device cannot run them; a scene that the traversal
 // asked for cannot take, or methods that it does not know, are traced by lanes.
 TraversalChoice chooseTraversal(Traversal wanted, const gpu::DeviceInfo& device, const PackedScene& scene,
-                                const Methods& methods = {}, uint64_t rays = 0,
-                                gpu::Access access = gpu::Access::TexelBuffer);
+                                const Methods& methods = {}, uint64_t rays = 0);
 
 // With so few primitives the binary tree has a handful of nodes, all in the cache.
 inline constexpr size_t kFewestForWide = 32;

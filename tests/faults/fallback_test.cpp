@@ -112,26 +112,6 @@ TEST_F(Fallback, DevicesThatDoNotOpenAreReplaced) {
     expectFallback("", "no Vulkan device");
 }
 
-// What lavapipe does where an operator new in LLVM fails. The loader's lock is left held, so each is a
-// process of its own, and all of them end.
-TEST_F(Fallback, ExceptionsThatPassTheLoaderEndNothingElse) {
-    for (const std::string call : {"vkCreateInstance", "vkEnumeratePhysicalDevices", "vkCreateDevice"}) {
-        const Child::Environment environment = {{"GLINT_FAULT", "bad_alloc:" + call + " 1"}};
-        const std::string line = call + " failed: the driver ran out of the processor's memory; try again";
-        Child failed({"render", "a.json", "-o", "out.pfm"}, environment);
-        EXPECT_EQ(failed.wait(), 4);
-        EXPECT_EQ(failed.err(), "glint: " + line + ", or use --backend cpu\n");
-        EXPECT_FALSE(std::filesystem::exists("out.pfm"));
-        Child replaced({"render", "a.json", "-o", "out.pfm", "--fallback", "cpu"}, environment);
-        EXPECT_EQ(replaced.wait(), 0);
-        EXPECT_NE(replaced.err().find(line), std::string::npos) << replaced.err();
-        EXPECT_EQ(readBytes("out.pfm"), readBytes("cpu.pfm"));
-        std::filesystem::remove("out.pfm");
-    }
-    Child told({"info", "a.json"}, {{"GLINT_FAULT", "bad_alloc:vkEnumeratePhysicalDevices 1"}});
-    EXPECT_EQ(told.wait(), 0) << told.err();
-}
-
 TEST_F(Fallback, EveryAllocationMayFail) {
     for (const std::string call : {"vkAllocateMemory", "vkCreateBuffer"})
         expectEachReplaced(call, call + " failed: VK_ERROR_OUT_OF_", 5);

@@ -1,13 +1,11 @@
 // A Vulkan layer that lets calls fail. The environment variable GLINT_FAULT names a call and which of them is
 // the first to fail, counted from 1 for each device: "vkQueueSubmit 5". Those after it fail too, as on a
-// device that is gone. What a call fails with is below; "vkWaitForFences" times out at once. With
-// "bad_alloc:" before its name, a call of the loader throws std::bad_alloc.
+// device that is gone. What a call fails with is below; "vkWaitForFences" times out at once.
 #include <vulkan/vk_layer.h>
 
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 #include <sstream>
 #include <string>
 
@@ -16,7 +14,6 @@ namespace {
 // One loader and one driver at a time: what is below this layer has one address for all.
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
-PFN_vkEnumeratePhysicalDevices nextEnumerate = nullptr;
 std::atomic<int> calls{0};
 
 // True if this call of that name is to fail. Counts the calls of the name that is asked for.
@@ -27,10 +24,6 @@ bool fails(const char* call) {
     std::string name;
     int first = 0;
     return text >> name >> first && name == call && ++calls >= first;
-}
-
-void mayThrow(const char* call) {
-    if (fails((std::string("bad_alloc:") + call).c_str())) throw std::bad_alloc();
 }
 
 template <typename Function>
@@ -51,31 +44,18 @@ Link* linkOf(const Info* info, VkStructureType type) {
 
 VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info,
                                               const VkAllocationCallbacks* allocator, VkInstance* instance) {
-    mayThrow("vkCreateInstance");
     auto* link = linkOf<VkLayerInstanceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
     if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
     nextInstanceProc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
     link->u.pLayerInfo = link->u.pLayerInfo->pNext;
     const auto create =
         reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
-    const VkResult result = create(info, allocator, instance);
-    // Later the loader would answer with the first of all layers.
-    if (result == VK_SUCCESS)
-        nextEnumerate = reinterpret_cast<PFN_vkEnumeratePhysicalDevices>(
-            nextInstanceProc(*instance, "vkEnumeratePhysicalDevices"));
-    return result;
-}
-
-VKAPI_ATTR VkResult VKAPI_CALL enumeratePhysicalDevices(VkInstance instance, uint32_t* count,
-                                                        VkPhysicalDevice* devices) {
-    mayThrow("vkEnumeratePhysicalDevices");
-    return nextEnumerate(instance, count, devices);
+    return create(info, allocator, instance);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                                             const VkAllocationCallbacks* allocator, VkDevice* device) {
     calls = 0;
-    mayThrow("vkCreateDevice");
     if (fails("vkCreateDevice")) return VK_ERROR_INITIALIZATION_FAILED;
     auto* link = linkOf<VkLayerDeviceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
     if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
@@ -146,7 +126,6 @@ PFN_vkVoidFunction ownProc(const char* name) {
     } own[] = {
         {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(deviceProc)},
         {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(createInstance)},
-        {"vkEnumeratePhysicalDevices", reinterpret_cast<PFN_vkVoidFunction>(enumeratePhysicalDevices)},
         {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(createDevice)},
         {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(queueSubmit)},
         {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(waitForFences)},

@@ -41,18 +41,14 @@ bool isAsked(uint32_t id) {
     return id == 1 || id == 5;  // spheres and point lights
 }
 
-void expectValid(const render::KernelCode& code, const std::vector<uint32_t>& constants) {
-    auto kernels = kernelsOf(code);
-    kernels.push_back(code.count);
-    kernels.push_back(code.list);
-    for (size_t i = 0; i < kernels.size(); ++i) {
-        if (kernels[i].empty()) continue;  // packets, where arrays are together
+void expectValid(const std::vector<uint32_t>& constants) {
+    const auto kernels = allKernels();
+    for (size_t i = 0; i < kernels.size(); ++i)
         EXPECT_TRUE(isValid(flatten(specialize(kernels[i], constants)))) << "kernel " << i;
-    }
 }
 
 TEST(Flatten, KernelsStayValid) {
-    expectValid(render::embeddedKernels(Access::TexelBuffer), constantsWhere(isAsked));
+    expectValid(constantsWhere(isAsked));
 }
 
 TEST(FlattenSweep, EveryKernelStaysValid) {
@@ -60,14 +56,14 @@ TEST(FlattenSweep, EveryKernelStaysValid) {
     const auto all = constantsWhere([](uint32_t) { return true; });
     const auto none = constantsWhere([](uint32_t) { return false; });
     const auto some = constantsWhere([&](uint32_t) { return dice() % 2 == 0; });
-    expectValid(render::embeddedKernels(Access::TexelBuffer), all);
-    expectValid(render::embeddedKernels(Access::TexelBuffer), none);
-    expectValid(render::embeddedKernels(Access::StorageBuffer), some);
+    expectValid(all);
+    expectValid(none);
+    expectValid(some);
 }
 
 // One function with early returns is left, of a few lines, and its arguments.
 TEST(Flatten, LeavesHardlyACallOrAVariable) {
-    const auto kernels = kernelsOf(render::embeddedKernels(Access::TexelBuffer));
+    const auto kernels = allKernels();
     for (size_t i = 0; i < kernels.size(); ++i) {
         const std::vector<uint32_t> made = specialize(kernels[i], constantsWhere(isAsked));
         const Left before = leftIn(made), after = leftIn(flatten(made));
@@ -77,8 +73,9 @@ TEST(Flatten, LeavesHardlyACallOrAVariable) {
 }
 
 TEST(Flatten, DoneTwiceChangesNothing) {
-    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
-    const std::vector<uint32_t> once = flatten(specialize(code.light, constantsWhere(isAsked)));
+    const render::KernelCode& code = render::embeddedKernels();
+    const std::vector<uint32_t> once =
+        flatten(specialize(code[render::KernelId::Light], constantsWhere(isAsked)));
     const Left first = leftIn(once), second = leftIn(flatten(once));
     EXPECT_EQ(first.instructions, second.instructions);
     EXPECT_EQ(first.marks, second.marks);
@@ -100,7 +97,7 @@ size_t unmarkedSumsIn(Words words) {
 // What must not be contracted must not be in any copy of it either.
 TEST(Flatten, KeepsMarksOfWhatItCopies) {
     const std::vector<uint32_t> made =
-        specialize(render::embeddedKernels(Access::TexelBuffer).light, constantsWhere(isAsked));
+        specialize(render::embeddedKernels()[render::KernelId::Light], constantsWhere(isAsked));
     EXPECT_GT(unmarkedSumsIn(made), 0u);
     EXPECT_EQ(unmarkedSumsIn(flatten(strictArithmetic(made))), 0u);
 }

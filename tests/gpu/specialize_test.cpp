@@ -3,8 +3,10 @@
 #include "gpu/specialize.h"
 
 #include <random>
+#include <set>
 
 #include "once.spv.h"
+#include "shared/layout.h"
 #include "specialized.h"
 
 namespace glint::gpu::specialize_test {
@@ -20,16 +22,13 @@ size_t specIdsIn(std::span<const uint32_t> words) {
 }
 
 void expectGood(const std::vector<uint32_t>& constants, const std::string& what) {
-    for (const Access access : {Access::StorageBuffer, Access::TexelBuffer}) {
-        const auto kernels = kernelsOf(render::embeddedKernels(access));
-        for (size_t i = 0; i < kernels.size(); ++i) {
-            if (kernels[i].empty()) continue;  // no packets
-            const std::vector<uint32_t> made = specialize(kernels[i], constants);
-            EXPECT_EQ(specIdsIn(made), 0u) << what << ", kernel " << i;
-            EXPECT_LE(made.size(), kernels[i].size()) << what << ", kernel " << i;
-            EXPECT_TRUE(isValid(made)) << what << ", kernel " << i;
-            EXPECT_EQ(specialize(made, constants), made) << "done twice, " << what << ", kernel " << i;
-        }
+    const auto kernels = allKernels();
+    for (size_t i = 0; i < kernels.size(); ++i) {
+        const std::vector<uint32_t> made = specialize(kernels[i], constants);
+        EXPECT_EQ(specIdsIn(made), 0u) << what << ", kernel " << i;
+        EXPECT_LE(made.size(), kernels[i].size()) << what << ", kernel " << i;
+        EXPECT_TRUE(isValid(made)) << what << ", kernel " << i;
+        EXPECT_EQ(specialize(made, constants), made) << "done twice, " << what << ", kernel " << i;
     }
 }
 
@@ -45,10 +44,10 @@ TEST(Specialize, AnyChoiceOfFeatures) {
 }
 
 TEST(Specialize, LeavesOutWhatIsNotNeeded) {
-    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
-    const auto all = specialize(code.light, constantsWhere([](uint32_t) { return true; }));
-    const auto spheres =
-        specialize(code.light, constantsWhere([](uint32_t id) { return id == 1 || id == 5; }));
+    const render::KernelCode& code = render::embeddedKernels();
+    const auto all = specialize(code[render::KernelId::Light], constantsWhere([](uint32_t) { return true; }));
+    const auto spheres = specialize(code[render::KernelId::Light],
+                                    constantsWhere([](uint32_t id) { return id == 1 || id == 5; }));
     EXPECT_LT(spheres.size(), all.size() / 2) << "spheres and point lights against everything";
 }
 
@@ -63,12 +62,12 @@ size_t workgroupVariablesIn(std::span<const uint32_t> words) {
 // A stack that no ray uses would leave room for fewer workgroups.
 TEST(Specialize, LeavesOutMemoryThatIsNotUsed) {
     constexpr uint32_t kStackPlace = 76;
-    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
-    for (const auto& kernel : kernelsOf(code))
+    const render::KernelCode& code = render::embeddedKernels();
+    for (const auto& kernel : allKernels())
         EXPECT_EQ(workgroupVariablesIn(specialize(kernel, constantsWhere([](uint32_t) { return false; }))),
                   0u);
-    const auto shared =
-        specialize(code.intersect, constantsWhere([](uint32_t id) { return id == kStackPlace; }));
+    const auto shared = specialize(code[render::KernelId::Intersect],
+                                   constantsWhere([](uint32_t id) { return id == kStackPlace; }));
     EXPECT_EQ(workgroupVariablesIn(shared), 1u);
 }
 
@@ -82,20 +81,43 @@ bool mayShuffle(std::span<const uint32_t> words) {
 // A device whose subgroups do not shuffle takes no module that says it may.
 TEST(Specialize, LeavesOutShufflesWithWhatTheyNeed) {
     constexpr uint32_t kConvergent = 83;
-    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
-    for (const auto& kernel : {code.intersect, code.intersectAny, code.light, code.whole, code.certify}) {
+    const render::KernelCode& code = render::embeddedKernels();
+    for (const auto& kernel :
+         {code[render::KernelId::Intersect], code[render::KernelId::IntersectAny],
+          code[render::KernelId::Light], code[render::KernelId::Whole], code[render::KernelId::Certify]}) {
         EXPECT_TRUE(mayShuffle(kernel));
         EXPECT_FALSE(mayShuffle(specialize(kernel, constantsWhere([](uint32_t) { return false; }))));
         EXPECT_TRUE(
             mayShuffle(specialize(kernel, constantsWhere([](uint32_t id) { return id == kConvergent; }))));
     }
-    EXPECT_TRUE(mayShuffle(specialize(code.packetIntersect, constantsWhere([](uint32_t) { return false; }))));
+    EXPECT_TRUE(mayShuffle(
+        specialize(code[render::KernelId::PacketIntersect], constantsWhere([](uint32_t) { return false; }))));
+}
+
+// Pairs of set and binding are unique among the variables that a driver sees: one way to load is left.
+TEST(Specialize, LeavesOneVariableForABinding) {
+    constexpr uint32_t kBinding = 33;
+    for (const bool together : {false, true}) {
+        for (const auto& kernel : allKernels()) {
+            const auto made = specialize(
+                kernel, constantsWhere([&](uint32_t id) { return id != GLINT_ARRAYS_TOGETHER || together; }));
+            std::set<uint32_t> bindings;
+            for (size_t at = 5; at < made.size(); at += made[at] >> 16) {
+                if ((made[at] & 0xffff) != kOpDecorate || made[at + 2] != kBinding) continue;
+                EXPECT_TRUE(bindings.insert(made[at + 3]).second) << made[at + 3];
+                if (together) {
+                    EXPECT_LT(made[at + 3], uint32_t{GLINT_FEW_BINDINGS});
+                }
+            }
+            EXPECT_GE(bindings.size(), 2u);
+        }
+    }
 }
 
 TEST(Specialize, KeepsConstantsThatItHasNoValueFor) {
-    const render::KernelCode& code = render::embeddedKernels(Access::TexelBuffer);
-    const auto made = specialize(code.light, {});
-    EXPECT_EQ(specIdsIn(made), specIdsIn(code.light));
+    const render::KernelCode& code = render::embeddedKernels();
+    const auto made = specialize(code[render::KernelId::Light], {});
+    EXPECT_EQ(specIdsIn(made), specIdsIn(code[render::KernelId::Light]));
     EXPECT_TRUE(isValid(made));
 }
 

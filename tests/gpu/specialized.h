@@ -14,10 +14,11 @@
 
 namespace glint::gpu {
 
-constexpr uint32_t kIds = 84;
-inline std::vector<std::span<const uint32_t>> kernelsOf(const render::KernelCode& code) {
-    return {code.generate,        code.intersect,          code.intersectAny, code.light, code.shade,
-            code.packetIntersect, code.packetIntersectAny, code.packetLight,  code.adapt, code.whole};
+constexpr uint32_t kIds = 85;
+inline std::vector<std::span<const uint32_t>> allKernels() {
+    std::vector<std::span<const uint32_t>> kernels;
+    for (const render::KernelId id : render::kKernels) kernels.push_back(render::embeddedKernels()[id]);
+    return kernels;
 }
 
 inline std::vector<uint32_t> constantsWhere(auto isOn) {

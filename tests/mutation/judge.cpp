@@ -41,18 +41,6 @@
 namespace glint::mutation {
 namespace {
 
-using Kernel = std::span<const uint32_t> render::KernelCode::*;
-constexpr Kernel kMembers[] = {&render::KernelCode::generate,
-                               &render::KernelCode::intersect,
-                               &render::KernelCode::intersectAny,
-                               &render::KernelCode::light,
-                               &render::KernelCode::shade,
-                               &render::KernelCode::packetIntersect,
-                               &render::KernelCode::packetIntersectAny,
-                               &render::KernelCode::packetLight,
-                               &render::KernelCode::adapt,
-                               &render::KernelCode::whole};
-
 // A program that a case runs, and a fingerprint of what its kernel holds for the case.
 struct Run {
     std::shared_ptr<const gpu::Program> program;
@@ -127,7 +115,8 @@ class Judge {
     // Whether whole.comp is broken, and draws the case without data: with kernels of the caller's, it never
     // does by itself. It is never broken beside others, whose defects it would tell too easily.
     bool drawsWholePaths(const Trial& trial, const render::KernelCode& broken) const {
-        if (broken.whole.data() == sound_.code().whole.data()) return false;
+        constexpr auto kWhole = render::KernelId::Whole;
+        if (broken[kWhole].data() == sound_.code()[kWhole].data()) return false;
         const PackedScene& scene = trial.scene.packed;
         const uint32_t trips = render::wholeTripBudget(device_.info(), scene.features,
                                                        scene.polygonTripsPerLeaf, scene.environment);
@@ -211,8 +200,8 @@ class Judge {
     // What stands in `broken` for a sound kernel; empty if that does.
     std::span<const uint32_t> replacementOf(const std::vector<uint32_t>& kernel,
                                             const render::KernelCode& broken) const {
-        for (const auto member : kMembers) {
-            const std::span<const uint32_t> sound = sound_.code().*member, other = broken.*member;
+        for (const render::KernelId id : render::kKernels) {
+            const std::span<const uint32_t> sound = sound_.code()[id], other = broken[id];
             if (std::equal(sound.begin(), sound.end(), kernel.begin(), kernel.end()))
                 return other.data() == sound.data() ? std::span<const uint32_t>() : other;
         }

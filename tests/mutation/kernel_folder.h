@@ -32,22 +32,14 @@ class Replacements {
     std::list<std::vector<uint32_t>> words_;
 };
 
-// The embedded kernels for `access`, but those that the folder has: intersect.spv, intersect_any.spv ...
+// The embedded kernels, except those in the folder: intersect.spv, intersect_any.spv ...
 class KernelFolder {
   public:
-    explicit KernelFolder(const std::filesystem::path& folder, gpu::Access access = gpu::Access::TexelBuffer)
-        : KernelFolder(folder, render::embeddedKernels(access)) {}
-    KernelFolder(const std::filesystem::path& folder, const render::KernelCode& embedded) : code_(embedded) {
-        replace(folder / "generate.spv", code_.generate);
-        replace(folder / "intersect.spv", code_.intersect);
-        replace(folder / "intersect_any.spv", code_.intersectAny);
-        replace(folder / "light.spv", code_.light);
-        replace(folder / "shade.spv", code_.shade);
-        replace(folder / "packet_intersect.spv", code_.packetIntersect);
-        replace(folder / "packet_intersect_any.spv", code_.packetIntersectAny);
-        replace(folder / "light_packet.spv", code_.packetLight);
-        replace(folder / "adapt.spv", code_.adapt);
-        replace(folder / "whole.spv", code_.whole);
+    explicit KernelFolder(const std::filesystem::path& folder,
+                          const render::KernelCode& embedded = render::embeddedKernels())
+        : code_(embedded) {
+        for (const render::KernelId id : render::kKernels)
+            replaced_.replace(folder / (std::string(moduleOf(id)) + ".spv"), code_[id]);
     }
     KernelFolder(const KernelFolder&) = delete;
     KernelFolder& operator=(const KernelFolder&) = delete;
@@ -55,10 +47,6 @@ class KernelFolder {
     const render::KernelCode& code() const { return code_; }
 
   private:
-    void replace(const std::filesystem::path& file, std::span<const uint32_t>& kernel) {
-        replaced_.replace(file, kernel);
-    }
-
     render::KernelCode code_;
     Replacements replaced_;
 };

@@ -302,8 +302,8 @@ class Suite:
 
     def check(self):
         """Whether the tests run on the kernels that they are given: on one that is none they must fail."""
-        (self.kernels / "texel").mkdir(parents=True)
-        (self.kernels / "texel" / "shade.spv").write_bytes(bytes(64))
+        self.kernels.mkdir(parents=True)
+        (self.kernels / "shade.spv").write_bytes(bytes(64))
         (self.kernels / "primitive_probe.spv").write_bytes(bytes(64))
         if not failed_test(self.arguments.program, "AnalyticTest.*:SliverTest.*:Specialize.LeavesOutMem*", self.kernels, self.arguments.seconds):
             raise RuntimeError("the tests do not run on other kernels than the program's own")
@@ -313,7 +313,7 @@ class Suite:
         shutil.rmtree(self.kernels, ignore_errors=True)
         self.compiler.break_file(site)
         kernels = [k for k in KERNELS if site.file in self.compiler.files[k]]
-        self.compiler.compile_all(kernels, self.kernels / "texel")
+        self.compiler.compile_all(kernels, self.kernels)
         self.compiler.compile_probes(site.file, self.kernels)
         self.compiler.mend(site)
         tests = failed_test(self.arguments.program, self.arguments.filter, self.kernels, self.arguments.seconds)
@@ -325,7 +325,7 @@ class Suite:
                 continue
             if case not in self.sound:
                 self.sound[case] = self.judge.ask("hash", self.compiler.folder / "none", case)["hash"]
-            if self.judge.ask("hash", self.kernels / "texel", case).get("hash") != self.sound[case]:
+            if self.judge.ask("hash", self.kernels, case).get("hash") != self.sound[case]:
                 return True
         return False
 

@@ -129,6 +129,7 @@ std::vector<uint32_t> LoaderTest::run(const shared::Dispatch& dispatch, size_t c
     gpu::KernelOptions options;
     options.name = "loader probe";
     options.spirv = loader_probe_spv;
+    options.constants = defaultConstants(Access::TexelBuffer);
     options.bindings.assign(buffers_.size(), Access::TexelBuffer);
     options.bindings.front() = options.bindings.back() = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(dispatch);

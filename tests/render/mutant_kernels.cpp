@@ -7,7 +7,11 @@
 namespace glint::render::test {
 
 KernelCode mutantKernels(const std::string& name) {
-    KernelCode code = embeddedKernels(gpu::Access::TexelBuffer);
+    KernelCode code = embeddedKernels();
+    const auto set = [&](const std::string& module, std::span<const uint32_t> words) {
+        for (const KernelId id : kKernels)
+            if (module == moduleOf(id)) code[id] = words;
+    };
 #include "mutant_cases.inc"
     throw std::out_of_range("no mutant \"" + name + "\" in mutants.cmake");
 }

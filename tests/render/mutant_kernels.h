@@ -7,7 +7,7 @@
 
 namespace glint::render::test {
 
-// The renderer's kernels for texel buffers, some of them with the defect. Throws std::out_of_range for an
+// The renderer's kernels, some of them with the defect. Throws std::out_of_range for an
 // unknown name.
 KernelCode mutantKernels(const std::string& name);
 

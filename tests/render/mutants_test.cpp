@@ -89,7 +89,7 @@ class MutantTest : public RenderTest, public testing::WithParamInterface<Defect>
 };
 
 TEST_P(MutantTest, IsFound) {
-    const verify::Report sound = run(embeddedKernels(gpu::Access::TexelBuffer));
+    const verify::Report sound = run(embeddedKernels());
     EXPECT_TRUE(sound.passed()) << sound.unexplained << " unexplained";
     const verify::Report broken = run(mutantKernels(GetParam().mutant));
     EXPECT_FALSE(broken.passed());
@@ -257,7 +257,7 @@ TEST_F(VerdictTest, TheVerdictAloneIsTheSame) {
     for (const bool sound : {true, false}) {
         Options options;
         options.access = gpu::Access::TexelBuffer;
-        options.kernels = sound ? &embeddedKernels(gpu::Access::TexelBuffer) : &broken;
+        options.kernels = sound ? &embeddedKernels() : &broken;
         options.traversal = Traversal::Lane;
         Renderer renderer(device(), c.packed, options);
         const verify::Report whole = verified(renderer, c), alone = verified(renderer, c, true);

@@ -72,16 +72,6 @@ TEST(TraversalRule, PacketsAreRefusedWhereTheDeviceCannot) {
     }
 }
 
-// The kernels that read one storage buffer have no packets.
-TEST(TraversalRule, PacketsNeedTexelBuffers) {
-    const gpu::DeviceInfo device = deviceOf(true, 8, true);
-    const auto choose = [&](Traversal wanted) {
-        return chooseTraversal(wanted, device, sceneOf(1000), {}, 0, gpu::Access::StorageBuffer);
-    };
-    EXPECT_FALSE(choose(Traversal::Auto).packets);
-    EXPECT_THROW(choose(Traversal::Packet), Error);
-}
-
 // packet_any.glsl: a packet makes no more than 200 trips beyond its budget, one for each of 24 groups, and
 // one to look for the next; before, each of a lane's rays meets all planes.
 TEST(TraversalRule, PacketsInTurnStayBelowTheDriversTrips) {
@@ -147,6 +137,13 @@ TEST_P(PacketSceneTest, DrawsWhatLanesDraw) {
         EXPECT_TRUE(
             sameBits(draw(device(), c, with(Traversal::Packet)), draw(device(), c, with(Traversal::Lane))));
     }
+}
+
+TEST_P(PacketSceneTest, DrawsTheSameThroughOneStorageBuffer) {
+    const Case c = fileCase(GetParam(), 64, 48);
+    Options storage = with(Traversal::Packet);
+    storage.access = gpu::Access::StorageBuffer;
+    EXPECT_TRUE(sameBits(draw(device(), c, storage), draw(device(), c, with(Traversal::Lane))));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PacketSceneTest, testing::ValuesIn(sceneNames()),

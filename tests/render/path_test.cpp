@@ -88,7 +88,7 @@ std::vector<Probed> PathTest::probe(const Slice& slice, const PackedSamples& sam
     options.bindings.assign(GLINT_BINDING_COUNT + 1, Access::TexelBuffer);
     options.bindings.front() = options.bindings.back() = Access::StorageBuffer;
     // Of all features and modes mirrors alone, so that there are lists.
-    options.constants.assign(80, 0u);
+    options.constants.assign(GLINT_ARRAYS_TOGETHER + 1, 0u);
     options.constants[mirrorsConstant()] = 1;
     options.pushConstantBytes = sizeof(dispatch);
     options.workgroupSizeX = shared::kWorkgroupSize;

@@ -400,8 +400,7 @@ class WalkMutantTest : public RenderTest {
 // A stack of six words, in either place: whoever needs more is started again, and loses nothing.
 TEST_F(WalkMutantTest, SmallStack) {
     const RayCase crowd = crowdedCase(3000, 2000, 29);
-    const std::vector<RayHit> expected =
-        hitsOf(crowd, Traversal::Lane, embeddedKernels(gpu::Access::TexelBuffer));
+    const std::vector<RayHit> expected = hitsOf(crowd, Traversal::Lane, embeddedKernels());
     for (const StackPlace stack : {StackPlace::Private, StackPlace::Shared}) {
         const KernelCode small = mutantKernels(stack == StackPlace::Private ? "small_stack" : "small_group");
         for (const Traversal traversal : {Traversal::Bvh4, Traversal::Cwbvh}) {
@@ -416,7 +415,7 @@ TEST_F(WalkMutantTest, SmallStack) {
 // Defects of each format are seen: what is compared above walks the nodes that it says.
 TEST_F(WalkMutantTest, DefectsShow) {
     const RayCase crowd = crowdedCase(3000, 2000, 31);
-    const KernelCode sound = embeddedKernels(gpu::Access::TexelBuffer);
+    const KernelCode sound = embeddedKernels();
     const std::vector<RayHit> expected = hitsOf(crowd, Traversal::Lane, sound);
     const struct {
         const char* mutant;

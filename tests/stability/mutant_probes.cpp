@@ -5,7 +5,6 @@
 #include "../mutation/kernel_folder.h"
 #include "mutant_probe_includes.inc"
 #include "primitive_probe.spv.h"
-#include "primitive_probe_together.spv.h"
 
 namespace glint::stability {
 
@@ -23,8 +22,7 @@ std::span<const uint32_t> soundProbe() {
 
 }  // namespace
 
-std::span<const uint32_t> probeCode(const std::string& name, gpu::Access access) {
-    if (name.empty() && access == gpu::Access::StorageBuffer) return primitive_probe_together_spv;
+std::span<const uint32_t> probeCode(const std::string& name) {
 #include "mutant_probe_cases.inc"
     static const std::span<const uint32_t> sound = soundProbe();
     return sound;

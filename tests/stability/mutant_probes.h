@@ -5,12 +5,9 @@
 #include <span>
 #include <string>
 
-#include "gpu/compute.h"
-
 namespace glint::stability {
 
-// An empty name, or that of a mutant that leaves the probe alone: the sound one. Of mutants there is code for
-// texel buffers alone.
-std::span<const uint32_t> probeCode(const std::string& mutant, gpu::Access access);
+// An empty name, or that of a mutant that leaves the probe alone: the sound one.
+std::span<const uint32_t> probeCode(const std::string& mutant);
 
 }  // namespace glint::stability

@@ -7,7 +7,7 @@
 
 #include "mutant_probes.h"
 #include "pack/area_vector.h"
-#include "render/renderer.h"
+#include "render/pipelines.h"
 #include "shared/dispatch.h"
 #include "support/packed_scene_maker.h"
 
@@ -76,7 +76,8 @@ std::vector<Answer> run(const Subject& subject, const std::vector<FloatRay>& ray
     options.name = "primitive probe";
     const Access access = accessOf(subject, sizesOf(arrays, rays.size()));
     const bool together = access == Access::StorageBuffer;
-    options.spirv = probeCode(subject.mutant, access);
+    options.spirv = probeCode(subject.mutant);
+    options.constants = render::defaultConstants(access);
     options.bindings.assign(together ? GLINT_FEW_BINDINGS : GLINT_BINDING_COUNT, access);
     options.bindings[0] = Access::StorageBuffer;
     options.pushConstantBytes = sizeof(shared::Dispatch);

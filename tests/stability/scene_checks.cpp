@@ -24,7 +24,7 @@ class SubjectRenderer {
   public:
     SubjectRenderer(const Subject& subject, const PackedScene& scene)
         : access_(accessOf(subject, render::arraySizes(scene))),
-          code_(subject.mutant.empty() ? render::embeddedKernels(access_)
+          code_(subject.mutant.empty() ? render::embeddedKernels()
                                        : render::test::mutantKernels(subject.mutant)),
           mutant_(!subject.mutant.empty()),
           renderer_(*subject.device, scene, options()) {}
