@@ -69,8 +69,9 @@ void printPixel(const verify::DifferingPixel& pixel, bool manySamples, const glm
     std::snprintf(line, sizeof(line), ": difference %.6g, %s", pixel.difference,
                   std::string(nameOf(pixel.reason)).c_str());
     out << line;
-    if (pixel.reason != verify::Reason::Unexplained) {
-        std::snprintf(line, sizeof(line), " (rays moved by %.3g x 2^-24)", pixel.ulps);
+    if (pixel.reason != verify::Reason::Unexplained && pixel.reason != verify::Reason::Undecided) {
+        std::snprintf(line, sizeof(line), " (%u open decisions, rays moved by at most %.3g x 2^-24)",
+                      pixel.openDecisions, pixel.ulps);
         out << line;
     }
     out << '\n';
@@ -120,6 +121,8 @@ nlohmann::json pixelsJson(const verify::Report& report) {
                           {"sample", pixel.sample},
                           {"reason", std::string(nameOf(pixel.reason))},
                           {"difference", pixel.difference},
+                          {"openDecisions", pixel.openDecisions},
+                          {"units", pixel.ulps},
                           {"device", seenJson(seenBy(pixel))},
                           {"reference", seenJson(seenBy("", pixel.reference, glm::dvec3(0)))}});
     return pixels;
@@ -144,6 +147,10 @@ std::string verdict(const verify::Report& report) {
         return "FAILED: the packed scene shows what the scene does not, for no reason that rounding explains";
     if (report.ties > report.allowedTies())
         return "FAILED: more pixels tie than the reference predicts, though rounding explains each";
+    if (report.edges + report.roundings <= report.allowedOthers() &&
+        report.edges + report.roundings + report.undecided > report.allowedOthers())
+        return "FAILED: more pixels are undecided than may differ: their paths take too many steps to "
+               "examine";
     if (report.edges + report.roundings > report.allowedOthers())
         return "FAILED: too many pixels differ, though rounding explains each: the method loses digits here";
     if (report.representation && !report.representation->passed())
@@ -159,14 +166,14 @@ void printReport(const std::string& scene, const verify::Report& report, const v
     char line[400];
     std::snprintf(line, sizeof(line),
                   "    %llu pixels; beyond their predicted error: %llu edge, %llu rounding (at most %llu), "
-                  "%llu tie (at most %llu), %llu unexplained\n"
+                  "%llu tie (at most %llu), %llu undecided, %llu unexplained\n"
                   "    of %llu pixels the reference sees %.3g otherwise for rays moved by 2^-24, %llu by 32 "
                   "times that\n"
                   "    RMSE %.3g; where the paths agree: RMSE %.3g, max %.3g\n",
                   number(report.pixels), number(report.edges), number(report.roundings),
                   number(report.allowedOthers()), number(report.ties), number(report.allowedTies()),
-                  number(report.unexplained), number(s.tried), s.changedByOne(), number(s.changedWidely),
-                  report.rmse, report.rmseSamePath, report.maxSamePath);
+                  number(report.undecided), number(report.unexplained), number(s.tried), s.changedByOne(),
+                  number(s.changedWidely), report.rmse, report.rmseSamePath, report.maxSamePath);
     out << line;
     if (report.plainDiffers > 0)
         out << "    without layers " << report.plainDiffers << " pixels have other bits than with them\n";
@@ -209,6 +216,7 @@ nlohmann::json reportJson(const std::string& scene, const verify::Report& report
           {"tie", report.ties},
           {"allowed", report.allowedOthers()},
           {"allowedTies", report.allowedTies()},
+          {"undecided", report.undecided},
           {"unexplained", report.unexplained}}},
         {"plainDiffers", report.plainDiffers},
         {"filmDiffers", report.filmDiffers},

@@ -1,7 +1,7 @@
 // Random movements of the size of rounding, see struct Jitter.
 #pragma once
 
-#include <utility>
+#include <algorithm>
 
 #include "reference/tracer.h"
 
@@ -23,21 +23,13 @@ class RayMover {
   public:
     explicit RayMover(const Jitter& jitter)
         : state_(jitter.seed),
-          nearbyState_(jitter.nearbySeed),
           step_(jitter.ulps * 0x1p-24),
-          nearby_(jitter.nearby),
           formulas_(jitter.formulas),
-          laterSeed_(jitter.laterSeed),
           units_(jitter.clears ? jitter.ulps : 0) {}
-
-    // The camera ray has met what it meets.
-    void goOn() {
-        if (laterSeed_ != 0) state_ = std::exchange(laterSeed_, 0);
-    }
 
     void move(Ray& ray, double scale) {
         if (step_ == 0) return;
-        if (formulas_) ray.noise = {state_, nearbyState_, step_, nearby_};
+        if (formulas_) ray.noise = {state_, step_};
         for (int i = 0; i < 3; ++i) ray.origin[i] += step_ * scale * next();
         turn(ray.direction, ray.directionScale);
     }
@@ -56,22 +48,22 @@ class RayMover {
     double tieWidth() const { return 16 * step_; }
     double shift(double scale) { return step_ == 0 ? 0 : step_ * scale * next(); }
     bool coin() { return uniform(state_) < 0; }
+    // One of `count`.
+    size_t pick(size_t count) {
+        const double place = (uniform(state_) + 1) / 2;
+        return std::min(count - 1, static_cast<size_t>(place * static_cast<double>(count)));
+    }
     // Something that has gone through `roundings`.
     double sway(double value, double roundings) {
         return step_ == 0 ? value : value * (1 + roundings * step_ * next());
     }
 
   private:
-    // In [-1, 1), uniform but for what is nearby.
-    double next() {
-        const double moved = uniform(state_);
-        return nearby_ == 0 ? moved : moved + nearby_ * uniform(nearbyState_);
-    }
+    double next() { return uniform(state_); }
 
-    uint64_t state_, nearbyState_;
-    double step_, nearby_;
+    uint64_t state_;
+    double step_;
     bool formulas_;
-    uint64_t laterSeed_;
     double units_;  // of clearances
 };
 

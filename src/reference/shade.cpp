@@ -15,6 +15,7 @@
 #include "reference/ray_mover.h"
 #include "reference/rounding.h"
 #include "reference/scatter.h"
+#include "reference/step.h"
 #include "reference/tracer.h"
 #include "shared/shading.h"
 
@@ -30,21 +31,9 @@ class PathTracer {
         : tracer_(tracer), scene_(scene), mover_(jitter), keepPath_(keepPath) {}
 
     PixelRecord run(const Ray& cameraRay);
-    std::optional<Hit> firstHit(const Ray& cameraRay);
+    Step step(Branch branch);
 
   private:
-    // A ray of the tree and what is known of its way.
-    struct Branch {
-        Ray ray;
-        Source source;
-        dvec3 throughput{1};
-        dvec3 slack{0};  // of the throughput, see rounding.h
-        RayClass kind = RayClass::Primary;
-        uint32_t depth = 0;    // rays before it
-        uint32_t waiting = 0;  // branches that are followed only after all that comes of this one
-        Media media;
-    };
-
     // Light, and what rounding may add to it, see rounding.h.
     struct Light {
         dvec3 radiance{0}, error{0};
@@ -69,9 +58,12 @@ class PathTracer {
     Light shadeLights(const Interaction& at, bool first);
     std::optional<Light> shadeLight(const Interaction& at, size_t index, bool first);
     std::optional<Passed> lightThrough(const Ray& ray, const Interaction& at, bool directional);
-    void follow(Branch branch);
-    void followBranches(const Branch& branch, const Interaction& at, const dvec3& throughput,
-                        const dvec3& slack);
+    void follow(const Branch& branch);
+    // Adds the light of one ray's hit, and returns the rays that leave it.
+    std::vector<Branch> visit(const Branch& branch);
+    std::vector<Branch> branchesOf(const Branch& branch, const Interaction& at, const dvec3& throughput,
+                                   const dvec3& slack);
+    void finishRounding();
     void dropOne(std::vector<Branch>& next);
     bool isFollowed(const Branch& next);
     double contribution(const Branch& next) const;
@@ -117,8 +109,9 @@ std::optional<Hit> PathTracer::closest(const Ray& ray, const Source& source, Ray
     Ray narrow = ray;
     narrow.tMin = std::max(ray.tMin, hit->t * (1 - mover_.tieWidth()));
     narrow.tMax = std::min(ray.tMax, hit->t * (1 + mover_.tieWidth()));
-    const std::optional<Hit> other = tracer_.closest(narrow, sourceOf(*hit));
-    return other && !isSameSurface(scene_, *hit, *other) ? other : hit;
+    std::vector<Hit> others = tracer_.allHits(narrow, sourceOf(*hit));
+    std::erase_if(others, [&](const Hit& other) { return isSameSurface(scene_, *hit, other); });
+    return others.empty() ? hit : others[mover_.pick(others.size())];
 }
 
 Interaction PathTracer::interactionAt(const Ray& ray, const Hit& hit, const Surface& surface,
@@ -318,8 +311,8 @@ void PathTracer::dropOne(std::vector<Branch>& next) {
 }
 
 // The one on the outer side comes first.
-void PathTracer::followBranches(const Branch& branch, const Interaction& at, const dvec3& throughput,
-                                const dvec3& slack) {
+std::vector<Branch> PathTracer::branchesOf(const Branch& branch, const Interaction& at,
+                                           const dvec3& throughput, const dvec3& slack) {
     const Scattering s = scatteringAt(scene_, at);
     std::vector<Branch> next;
     const auto add = [&](RayClass kind, const dvec3& weight, const dvec3& direction, const Media& media) {
@@ -333,6 +326,10 @@ void PathTracer::followBranches(const Branch& branch, const Interaction& at, con
         b.ray = rayFrom(at, direction, std::numeric_limits<double>::infinity());
         b.source = at.source;
         b.media = media;
+        b.start = at.position;
+        b.out = glm::dot(direction, at.n) < 0 ? -at.n : at.n;
+        b.clearance = at.clearance;
+        b.scale = std::max(at.originScale, at.scale);
         next.push_back(b);
     };
     if (s.reflects) add(RayClass::Mirrored, s.reflectedWeight, s.reflected, at.crossing.before);
@@ -344,18 +341,21 @@ void PathTracer::followBranches(const Branch& branch, const Interaction& at, con
         else
             ++next[0].waiting;
     }
-    for (Branch& b : next) {
+    return next;
+}
+
+void PathTracer::follow(const Branch& branch) {
+    for (const Branch& b : visit(branch)) {
         ++record_.bounces;
-        follow(std::move(b));
+        follow(b);
     }
 }
 
-void PathTracer::follow(Branch branch) {
+std::vector<Branch> PathTracer::visit(const Branch& branch) {
     const rows::Environment& environment = tracer_.environment();
     const Ray& ray = branch.ray;
     const bool first = record_.bounces == 0;
     const std::optional<Hit> hit = closest(ray, branch.source, branch.kind);
-    mover_.goOn();
     if (hit) decide(*hit);
     record_.pathHash = (record_.pathHash ^ (hit ? hit->id + 1 : 0)) * shared::kHashPrime;
     if (keepPath_)
@@ -366,7 +366,7 @@ void PathTracer::follow(Branch branch) {
         const dvec3 left = transmittance(scene_, rulingMedium(scene_, branch.media), endless);
         const dvec3 seen = surroundings(scene_, tracer_.environment(), ray.direction, mapShift());
         addLight(branch.throughput * left, branch.slack * left, {seen, kProductRoundings * seen});
-        return;
+        return {};
     }
     const Surface surface = tracer_.surfaceAt(ray, *hit);
     if (keepPath_) record_.path.back().surface = surface;
@@ -393,7 +393,7 @@ void PathTracer::follow(Branch branch) {
         light.error += kProductRoundings * ambient;
         addLight(throughput, slack, light);
     }
-    followBranches(branch, at, throughput, slack);
+    return branchesOf(branch, at, throughput, slack);
 }
 
 void PathTracer::addLight(const dvec3& throughput, const dvec3& slack, const Light& light) {
@@ -410,20 +410,33 @@ Ray PathTracer::moved(const Ray& cameraRay) {
     return ray;
 }
 
-std::optional<Hit> PathTracer::firstHit(const Ray& cameraRay) {
-    return closest(moved(cameraRay), {}, RayClass::Primary);
-}
-
 PixelRecord PathTracer::run(const Ray& cameraRay) {
     Branch branch;
     branch.ray = moved(cameraRay);
     branch.media = mediaAtEye(tracer_.environment());
     record_.pathHash = shared::kHashStart;
-    follow(std::move(branch));
-    // Each contribution is added with a rounding of the sum so far.
+    follow(branch);
+    finishRounding();
+    return std::move(record_);
+}
+
+// Each contribution is added with a rounding of the sum so far.
+void PathTracer::finishRounding() {
     record_.rounding += static_cast<double>(contributions_) * record_.color;
     record_.rounding *= kFloatUnit;
-    return std::move(record_);
+}
+
+Step PathTracer::step(Branch branch) {
+    Ray& ray = branch.ray;
+    mover_.move(ray, std::max({greatestCoordinate(ray.origin), ray.originScale, branch.scale}));
+    const double height = glm::dot(ray.origin - branch.start, branch.out);
+    if (height < 0) ray.origin -= 2 * height * branch.out;
+    record_.pathHash = shared::kHashStart;
+    Step step;
+    step.next = visit(branch);
+    finishRounding();
+    step.record = std::move(record_);
+    return step;
 }
 
 }  // namespace
@@ -432,8 +445,15 @@ PixelRecord Tracer::trace(const Ray& cameraRay, const Jitter& jitter, bool keepP
     return PathTracer(*this, scene_, jitter, keepPath).run(cameraRay);
 }
 
-std::optional<Hit> Tracer::firstHit(const Ray& cameraRay, const Jitter& jitter) const {
-    return PathTracer(*this, scene_, jitter, false).firstHit(cameraRay);
+Step Tracer::step(const Branch& branch, const Jitter& jitter) const {
+    return PathTracer(*this, scene_, jitter, false).step(branch);
+}
+
+Branch Tracer::firstBranch(const Ray& cameraRay) const {
+    Branch branch;
+    branch.ray = cameraRay;
+    branch.media = mediaAtEye(environment_);
+    return branch;
 }
 
 }  // namespace glint::reference

@@ -102,16 +102,14 @@ namespace {
 // And s, the middle of the chord, by gamma_8 |w| / |d|.
 constexpr double kSquareRoundings = 30, kMiddleRoundings = 8;
 
-// Up to as many of so many roundings as the ray's noise has units, by the sphere: of rays that differ by
-// nearby noise alone nearly the same.
+// Up to as many of so many roundings as the ray's noise has units, by the sphere.
 struct Loss {
     double square, middle;
 
     Loss(const FormulaNoise& noise, uint32_t sphere) {
-        uint64_t state = noise.seed ^ sphere, nearbyState = noise.nearbySeed ^ sphere;
-        const auto next = [&] { return uniform(state) + noise.nearby * uniform(nearbyState); };
-        square = std::min(noise.step, kSquareRoundings * 0x1p-24) * next();
-        middle = std::min(noise.step, kMiddleRoundings * 0x1p-24) * next();
+        uint64_t state = noise.seed ^ sphere;
+        square = std::min(noise.step, kSquareRoundings * 0x1p-24) * uniform(state);
+        middle = std::min(noise.step, kMiddleRoundings * 0x1p-24) * uniform(state);
     }
 };
 

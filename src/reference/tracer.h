@@ -21,8 +21,8 @@ namespace glint::reference {
 // What a textbook's test of spheres may lose of a ray by its own formula, at random (textbook.cpp); nothing
 // for step 0.
 struct FormulaNoise {
-    uint64_t seed = 0, nearbySeed = 0;
-    double step = 0, nearby = 0;
+    uint64_t seed = 0;
+    double step = 0;
 };
 
 // Points origin + t direction with tMin < t <= tMax (t = 0 is excluded). The direction need not be unit
@@ -84,21 +84,16 @@ struct Surface {
 // ray times Ray::directionScale. So is the unit direction to a spot light before it is compared with the
 // cone, and each contribution before it is compared with the least that is followed. Texture coordinates
 // move by up to `ulps` * 2^-24 * max(1, Surface::uvScale), points looked up in a solid checker as origins do.
-// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t within 16 *
-// `ulps`
-// * 2^-24 * t, either may be taken.
-// `nearby`: each movement is changed by up to this part of the greatest, at random by `nearbySeed`.
+// seed 0 and ulps 0: no jitter. Deterministic for a seed. Where two primitives lie at the same t
+// within 16 * `ulps` * 2^-24 * t, either may be taken.
 // `formulas`: besides, a textbook's tests of spheres lose up to `ulps` units of what they sum, and no more
-// than fp32 does (FormulaNoise). `laterSeed`, if not 0: of all that comes after the camera ray's first hit.
+// than fp32 does (FormulaNoise).
 // `clears`: besides, rays begin `ulps` times as far from the surface that they leave as the device's do
 // (error_box.h). Of the errors that their point may have that is the sum, which rounding hardly ever makes.
 struct Jitter {
     uint64_t seed = 0;
     double ulps = 0;
-    uint64_t nearbySeed = 0;
-    double nearby = 0;
     bool formulas = false;
-    uint64_t laterSeed = 0;
     bool clears = false;
 };
 
@@ -162,6 +157,9 @@ struct PixelRecord {
     std::vector<Bounce> path;
 };
 
+struct Branch;  // step.h
+struct Step;
+
 class Tracer {
   public:
     // Of the rounded scene, whose arrays are widened here: one tracer for many rays. The scene must outlive
@@ -205,8 +203,10 @@ class Tracer {
     // Follows a camera ray through at most environment.maxDepth reflections and refractions in a row.
     // keepPath fills PixelRecord::path.
     PixelRecord trace(const Ray& cameraRay, const Jitter& jitter = {}, bool keepPath = false) const;
-    // The first hit of that path alone.
-    std::optional<Hit> firstHit(const Ray& cameraRay, const Jitter& jitter) const;
+    // Follows one ray without the rays that leave its hit. A moved ray stays on its side of the surface that
+    // it leaves.
+    Step step(const Branch& branch, const Jitter& jitter = {}) const;
+    Branch firstBranch(const Ray& cameraRay) const;
 
   private:
     std::shared_ptr<const Model> model_;

@@ -158,6 +158,7 @@ bool Renderer::State::renderSample(const Slice& slice, shared::Dispatch dispatch
         const bool packets = choice.packets && dispatch.bounce == 0;
         traceBounce(modes, dispatch, groups, packets);
         if (cancelled()) return false;
+        if (recorder) recorder->add(paths, device, slice);
         if (!castShadows(modes, dispatch, groups, packets, cancelled)) return false;
         record(KernelId::Shade, modes, dispatch, groups);
         submit(&KernelTimes::shade);
@@ -352,6 +353,22 @@ Picture Renderer::render(const shared::Camera& camera, const Request& request) {
         s.rayCounts.mirrored -= s.rayCounts.refracted - counted.refracted;
     }
     return picture;
+}
+
+std::vector<Trail> Renderer::trails(const shared::Camera& camera, Request request,
+                                    const std::vector<glm::ivec2>& pixels) {
+    if (pixels.empty()) return {};
+    Region& region = request.region;
+    region = {pixels[0].x, pixels[0].y, pixels[0].x + 1, pixels[0].y + 1};
+    for (const glm::ivec2& p : pixels)
+        region = {std::min(region.x0, p.x), std::min(region.y0, p.y), std::max(region.x1, p.x + 1),
+                  std::max(region.y1, p.y + 1)};
+    request.data = true;
+    TrailRecorder recorder(pixels);
+    state_->recorder = &recorder;
+    render(camera, request);
+    state_->recorder = nullptr;
+    return recorder.take();
 }
 
 const PackedScene& Renderer::scene() const {

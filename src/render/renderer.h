@@ -20,6 +20,7 @@
 #include "trace/picture.h"
 #include "trace/ray_batch.h"
 #include "trace/request.h"
+#include "trace/trail.h"
 
 namespace glint::render {
 
@@ -106,6 +107,11 @@ class Renderer {
     // std::invalid_argument for a parallel camera if the pipeline leaves it out: neither the scene's features
     // nor Options::also have it.
     Picture render(const shared::Camera& camera, const Request& request);
+
+    // The rays of `pixels`, of a request of one sample with data: renders the image again, and reads the rays
+    // back bounce by bounce.
+    std::vector<Trail> trails(const shared::Camera& camera, Request request,
+                              const std::vector<glm::ivec2>& pixels);
 
     // What the rays of a batch hit, in pieces of bounded memory. Rays are rounded to fp32 relative to the
     // scene's origin.

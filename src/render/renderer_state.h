@@ -14,6 +14,7 @@
 #include "render/pipelines.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
+#include "render/trails.h"
 
 namespace glint::render {
 
@@ -43,6 +44,7 @@ struct Renderer::State {
     shared::Environment environment;    // as it is on the device
     std::vector<shared::Light> lights;  // the same
     uint32_t sliceTiles = 256;          // of the next slice, of the next picture too
+    TrailRecorder* recorder = nullptr;  // of the image at hand, or null
     // Of the submissions of the slice at hand.
     double longestInSlice = 0;
 

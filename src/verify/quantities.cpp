@@ -102,6 +102,10 @@ Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& reco
     return f;
 }
 
+double normalTurn(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray) {
+    return reachOf(scene, record, ray).turn;
+}
+
 // The clearance is a sum of magnitudes, none of which rounding can cancel: of each the device has all but the
 // last digits, 2^-12 of it are 4096 units. What goes with the point is off by gamma_16 of what the point is
 // off by, and what goes with the normal, or a quadric's gradient, by what that is turned by: where a ray

@@ -21,6 +21,9 @@ Quantities quantitiesOf(const glm::vec3& color, const PixelData& data);
 Quantities floorsOf(const PackedScene& scene, const reference::PixelRecord& record,
                     const reference::Ray& ray);
 
+// Units of 2^-24 by which fp32 may turn the normal of the hit.
+double normalTurn(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray);
+
 // Whether rays that leave the first hit begin as far from it as rounding demands.
 bool beginsClear(const PackedScene& scene, const reference::PixelRecord& record, const reference::Ray& ray,
                  const PixelData& device);

@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "reference/truth/truth.h"
 #include "verify/ceiling.h"
-#include "verify/explain.h"
+#include "verify/certificate.h"
 #include "verify/verify.h"
 
 namespace glint::verify {
@@ -136,21 +136,18 @@ void RepresentationCheck::draw(uint64_t seed, double units, std::vector<Doubt*>&
     std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
 }
 
-// Behind many bounces a handful of moved scenes does not take the path in question: then the truth's rays are
-// moved, by no more than rounding moves them (explain.h), which a point of a rounded surface is one of.
-void RepresentationCheck::searchOn(Doubt& doubt, bool persistently) const {
-    const reference::Ray ray = rayOf(truth_, camera_, doubt);
-    DifferingPixel pixel;
-    pixel.reference = truth_.trace(ray, {}, true);
-    const reference::PixelRecord rounded = rounded_.trace(rayOf(rounded_, roundedCamera_, doubt));
-    pixel.device.pathHash = rounded.pathHash;
-    if (rounded.hit) {
-        pixel.device.depth = rounded.hit->t;
-        pixel.device.object = rounded.surface->object;
-        pixel.device.primitive = rounded.surface->primitive;
-    }
-    explain(truth_, ray, packed_, doubt.rounded, pixel, persistently);
-    if (pixel.reason != Reason::Unexplained) doubt.state = Doubt::State::Explained;
+// Behind many bounces a handful of moved scenes does not take the path in question: then the truth must give
+// each ray's hit and light for roundings of that ray.
+void RepresentationCheck::searchOn(Doubt& doubt) const {
+    const reference::PixelRecord rounded = rounded_.trace(rayOf(rounded_, roundedCamera_, doubt), {}, true);
+    const Trail trail = trailOf(rounded);
+    SeenPath seen;
+    seen.trail = &trail;
+    seen.first = doubt.rounded;
+    seen.fromDevice = false;
+    const Certificate certificate =
+        certify(truth_, packed_, rayOf(truth_, camera_, doubt), seen, kMostStepsOfPixel);
+    if (certificate.verdict == Certificate::Verdict::Holds) doubt.state = Doubt::State::Explained;
 }
 
 // What rays tell of how much hangs on rounding, numbers may exceed: of facets a hundredth of the scene in
@@ -211,13 +208,9 @@ void RepresentationCheck::search(std::vector<Doubt*>& open,
         drawUpTo(std::max(kMovedScenes, 3 * drawn));
     } while (areTooMany(open.size()) && 2 * open.size() <= before && drawn < kLastScenes);
     if (!areTooMany(open.size())) {
-        parallelFor(open.size(), [&](size_t i) { searchOn(*open[i], false); });
+        parallelFor(open.size(), [&](size_t i) { searchOn(*open[i]); });
         std::erase_if(open, [](const Doubt* doubt) { return doubt->state != Doubt::State::Open; });
         drawUpTo(kLastScenes);
-        for (Doubt* doubt : open) {
-            if (doubt->state == Doubt::State::Open) searchOn(*doubt, true);
-            if (doubt->state == Doubt::State::Open) break;
-        }
     }
 }
 

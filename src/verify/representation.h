@@ -92,7 +92,7 @@ class RepresentationCheck {
     }
     double changedShare() const;
     void draw(uint64_t seed, double units, std::vector<Doubt*>& open) const;
-    void searchOn(Doubt& doubt, bool persistently) const;
+    void searchOn(Doubt& doubt) const;
     // areTooMany: of a count of pixels in doubt, whether rounding has not changed so many.
     void search(std::vector<Doubt*>& open, const std::function<bool(size_t)>& areTooMany) const;
     RepresentedPixel pixelOf(const Doubt& doubt) const;

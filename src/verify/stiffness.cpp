@@ -55,7 +55,7 @@ namespace {
 
 // Counts of a row of pixels.
 struct RowCounts {
-    uint64_t changed = 0, changedWidely = 0, ties = 0;
+    uint64_t changed = 0, changedWidely = 0, ties = 0, tiesWidely = 0;
 };
 
 // Whether any ray leaves a surface.
@@ -82,7 +82,9 @@ double moveOne(const reference::Tracer& tracer, const reference::Ray& ray, uint6
         counts.changed += !tie && isOtherwise(still, moved);
     }
     const reference::PixelRecord moved = tracer.trace(ray, {seed, kWideUnits});
-    counts.changedWidely += !isTie(still, moved) && isOtherwise(still, moved);
+    const bool tie = isTie(still, moved);
+    counts.tiesWidely += tie;
+    counts.changedWidely += !tie && isOtherwise(still, moved);
     return change;
 }
 
@@ -111,13 +113,17 @@ double Sensitivity::changedShare() const {
 
 double Sensitivity::tieShare() const {
     // Under jitter a coin decides, so half of the pixels that tie are counted.
-    return ties == 0 ? 0 : std::min(2 * greatestMean(ties) / static_cast<double>(tried), 1.0);
+    if (ties + tiesWidely == 0) return 0;
+    const double atOne = ties == 0 ? 0 : 2 * greatestMean(ties);
+    const double edges = kShareOfPrediction * greatestMean(tiesWidely) / kWideUnits;
+    return std::min((atOne + edges) / static_cast<double>(tried), 1.0);
 }
 
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, int seeds) {
+                          int height, const PackedSamples& samples, int seeds, size_t mostPixels) {
     const double pixels = static_cast<double>(width) * height;
-    const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxKappaPixels))));
+    const int step =
+        std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(mostPixels)))));
     const size_t columns = static_cast<size_t>((width + step - 1) / step);
     const size_t rows = static_cast<size_t>((height + step - 1) / step);
     std::vector<float> changes(columns * rows);
@@ -143,6 +149,7 @@ Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera&
         result.changed += row.changed;
         result.changedWidely += row.changedWidely;
         result.ties += row.ties;
+        result.tiesWidely += row.tiesWidely;
     }
     // The count of pixels beyond the percentile scatters by sqrt(n 0.99 0.01): 3.1 times that up.
     const double n = static_cast<double>(changes.size());

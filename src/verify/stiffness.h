@@ -30,6 +30,8 @@ struct Sensitivity {
     // arithmetic. Where first hits tie, `ties` at one unit and nothing else. Identical surfaces do not tie
     // (Jitter): the device has to follow the rule for equal t.
     uint64_t changed = 0, changedWidely = 0, ties = 0;
+    // Ties for the move of kWideUnits: mostly at edges of neighbouring faces.
+    uint64_t tiesWidely = 0;
 
     double changedByOne() const { return static_cast<double>(changed) / static_cast<double>(moves); }
     // The share of pixels that a move of one unit changes: an upper limit with kConfidence. Edges are as wide
@@ -39,6 +41,9 @@ struct Sensitivity {
     double tieShare() const;
 };
 inline constexpr double kWideUnits = 32;
+// How many times as many pixels the device may see otherwise as the reference does when each of its rays is
+// moved by up to one unit of 2^-24. Measured: 0.6 to 1 times as many (docs/design/verification.md).
+inline constexpr double kShareOfPrediction = 2;
 // A pixel of cell number `cell` of step x step pixels, at random.
 glm::ivec2 placeInCell(size_t cell, int step);
 
@@ -47,7 +52,8 @@ bool isOtherwise(const reference::PixelRecord& still, const reference::PixelReco
 
 // Of the pixels' samples in turns.
 Sensitivity sensitivityOf(const reference::Tracer& tracer, const shared::Camera& camera, int width,
-                          int height, const PackedSamples& samples, int seeds = 3);
+                          int height, const PackedSamples& samples, int seeds = 3,
+                          size_t mostPixels = kMaxKappaPixels);
 // Through the pixels' middles.
 double conditionNumber(const reference::Tracer& tracer, const shared::Camera& camera, int width, int height,
                        int seeds = 4);

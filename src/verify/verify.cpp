@@ -1,9 +1,9 @@
 #include "verify/verify.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <span>
@@ -12,7 +12,7 @@
 #include "reference/sampling.h"
 #include "verify/account.h"
 #include "verify/ceiling.h"
-#include "verify/explain.h"
+#include "verify/certificate.h"
 #include "verify/film.h"
 
 namespace glint::verify {
@@ -24,7 +24,7 @@ struct RowSums {
     explicit RowSums(double radianceBound) : account(radianceBound) {}
     Account account;
     double squares = 0, squaresSamePath = 0, maxSamePath = 0;
-    uint64_t samePath = 0, idsDiffer = 0;
+    uint64_t samePath = 0, idsDiffer = 0, rays = 0;
     std::vector<DifferingPixel> differing;
     std::vector<glm::vec3> device, reference;  // colours by pixel
     std::vector<float> differences;            // by pixel, infinite where the device's colour is not finite
@@ -32,6 +32,23 @@ struct RowSums {
 };
 
 constexpr float kDifferenceGain = 64;
+
+// Steps of the reference that certificates of a sample may take: as many times its own, and some for small
+// images.
+constexpr uint64_t kStepsOfRay = 3, kLeastSteps = 1'000'000;
+// Pixels whose trails are held at a time, and that are certified between two looks at the steps left.
+constexpr size_t kTrailsAtOnce = 16'384, kCertifiedAtOnce = 64;
+
+// Two first hits on different primitives at one t. The bound on |t - t'|: each t is good to about gamma_16
+// (Woop's t with its weights' errors, PBRT sec. 6.8.7), relative to the largest t involved.
+bool isTie(const DifferingPixel& pixel) {
+    if (!pixel.reference.hit || !pixel.reference.surface || pixel.device.object == PixelData::kNoIndex)
+        return false;
+    const bool same = pixel.reference.surface->object == pixel.device.object &&
+                      pixel.reference.surface->primitive == pixel.device.primitive;
+    const double t = pixel.reference.hit->t;
+    return !same && std::abs(t - pixel.device.depth) <= 2 * 16 * kFloatUnit * std::max(t, pixel.device.depth);
+}
 
 class Comparison {
   public:
@@ -47,30 +64,36 @@ class Comparison {
           sample_(sample),
           representation_(representation) {}
 
-    // Searches on for what explains a pixel of this sample.
-    void explainPersistently(DifferingPixel& pixel) const {
+    // Decides about a pixel of this sample that is in doubt. True if it is within its predicted error after
+    // all: each ray of the reference's own path is predicted.
+    bool certifyPixel(DifferingPixel& pixel, const Trail& trail, uint64_t& steps) const {
         const reference::FilmSample s = filmSampleAt(pixel.x, pixel.y);
-        const reference::Ray ray = rayThrough(pixel.x, pixel.y, s);
-        // What is right but for where rays begin no move of a ray explains.
-        if (isCovered(pixel.x, pixel.y, s.weight) &&
-            !isPredictedHit(ray, pixel.reference, pixel.device,
-                            quantitiesOf(pixel.deviceColor, pixel.device)))
-            explainIfPossible(ray, pixel, true);
+        SeenPath seen;
+        seen.trail = &trail;
+        seen.first = quantitiesOf(pixel.deviceColor, pixel.device);
+        seen.weight = s.weight;
+        const Certificate certificate =
+            certify(tracer_, scene_, rayThrough(pixel.x, pixel.y, s), seen, steps);
+        steps = certificate.steps;
+        pixel.ulps = certificate.units;
+        pixel.openDecisions = certificate.openDecisions;
+        if (certificate.verdict == Certificate::Verdict::Fails) return false;
+        if (certificate.verdict == Certificate::Verdict::Undecided) {
+            pixel.reason = Reason::Undecided;
+            return false;
+        }
+        const bool samePath = pixel.device.pathHash == pixel.reference.pathHash;
+        pixel.reason = isTie(pixel) ? Reason::Tie : samePath ? Reason::Rounding : Reason::Edge;
+        return samePath && certificate.openDecisions == 0;
     }
 
     double radianceBound() const { return static_cast<double>(tracer_.environment().radianceBound); }
     // Where no ray follows another the device has no code for mirrors, and counts none that are left out.
     bool countsBranches() const { return tracer_.environment().maxDepth > 0; }
 
-    // unexplained: of all rows so far. The others need not be looked at once there are more than `enough`.
-    RowSums row(int y, std::atomic<uint64_t>& unexplained, uint64_t enough) const {
+    RowSums row(int y) const {
         RowSums sums(radianceBound());
-        for (int x = 0; x < options_.width && unexplained <= enough; ++x) {
-            const size_t before = sums.differing.size();
-            comparePixel(x, y, sums);
-            if (sums.differing.size() > before && sums.differing.back().reason == Reason::Unexplained)
-                ++unexplained;
-        }
+        for (int x = 0; x < options_.width; ++x) comparePixel(x, y, sums);
         return sums;
     }
 
@@ -87,6 +110,7 @@ class Comparison {
         const reference::FilmSample s = filmSampleAt(x, y);
         const reference::Ray ray = rayThrough(x, y, s);
         const reference::PixelRecord expected = tracer_.trace(ray);
+        sums.rays += expected.bounces + 1;
         if (representation_ != nullptr) representation_->compare(x, y, sample_, s, expected);
         const PixelData& data = device_.at(x, y);
         const glm::vec3 weighted(device_.color.at(x, y, 0), device_.color.at(x, y, 1),
@@ -126,17 +150,11 @@ class Comparison {
         pixel.difference = difference;
         pixel.deviceColor = color;
         pixel.device = data;
-        pixel.reference = tracer_.trace(ray, {}, true);
+        pixel.reference = expected;
+        // What is right but for where rays begin no rounding of a ray explains, nor another name of a hit.
+        pixel.inDoubt = covered && finite && !predicted && (!samePath || isSameHit(data, expected));
         sums.idsDiffer += samePath ? 0 : 1;
-        if (covered && !predicted) explainIfPossible(ray, pixel, false);
         sums.differing.push_back(std::move(pixel));
-    }
-
-    void explainIfPossible(const reference::Ray& ray, DifferingPixel& pixel, bool persistently) const {
-        const PixelData& data = pixel.device;
-        if (!std::isfinite(pixel.difference)) return;
-        if (data.pathHash == pixel.reference.pathHash && !isSameHit(data, pixel.reference)) return;
-        explain(tracer_, ray, scene_, quantitiesOf(pixel.deviceColor, data), pixel, persistently);
     }
 
     bool isPredictedHit(const reference::Ray& ray, const reference::PixelRecord& expected,
@@ -173,7 +191,8 @@ class Comparison {
 };
 
 void paint(Image& image, const DifferingPixel& pixel) {
-    static const float colors[4][3] = {{0.1f, 0.3f, 1}, {1, 0.8f, 0}, {0.1f, 0.8f, 0.2f}, {1, 0, 0}};
+    static const float colors[5][3] = {
+        {0.1f, 0.3f, 1}, {1, 0.8f, 0}, {0.1f, 0.8f, 0.2f}, {0.8f, 0, 0.8f}, {1, 0, 0}};
     for (int c = 0; c < 3; ++c) image.at(pixel.x, pixel.y, c) = colors[static_cast<int>(pixel.reason)][c];
 }
 
@@ -192,12 +211,15 @@ uint64_t& countOf(Report& report, Reason reason) {
             return report.edges;
         case Reason::Rounding:
             return report.roundings;
+        case Reason::Undecided:
+            return report.undecided;
         case Reason::Unexplained:
             break;
     }
     return report.unexplained;
 }
 
+// The pixels that differ are counted once they are certified.
 void addRow(RowSums& row, int y, Report& report, size_t sample) {
     for (int x = 0; sample == 0 && x < static_cast<int>(row.differences.size()); ++x) {
         const float grey = std::min(row.differences[x] * kDifferenceGain, 1.0f);
@@ -207,41 +229,74 @@ void addRow(RowSums& row, int y, Report& report, size_t sample) {
             report.reference.at(x, y, c) = row.reference[x][c];
         }
     }
-    for (DifferingPixel& pixel : row.differing) {
-        ++countOf(report, pixel.reason);
-        if (sample == 0) paint(report.difference, pixel);
-        report.worst.push_back(std::move(pixel));
-    }
     report.idsDiffer += row.idsDiffer;
     report.rmse += row.squares;
     report.rmseSamePath += row.squaresSamePath;
     report.maxSamePath = std::max(report.maxSamePath, row.maxSamePath);
 }
 
-// Where no more pixels are unexplained than rounding may have changed, a longer search decides; the first
-// pixels that withstand it convict the device, and end it. So many are searched for at once, on any machine.
-void searchOn(const Comparison& comparison, Report& report, size_t sample) {
-    constexpr size_t kAtOnce = 16;
-    if (report.unexplained > report.allowedOthers()) return;
-    std::vector<DifferingPixel*> doubtful;
-    for (DifferingPixel& pixel : report.worst)
-        if (pixel.sample == sample && pixel.reason == Reason::Unexplained) doubtful.push_back(&pixel);
-    bool convicted = false;
-    for (size_t first = 0; first < doubtful.size() && !convicted; first += kAtOnce) {
-        const std::span<DifferingPixel*> some =
-            std::span(doubtful).subspan(first, std::min(kAtOnce, doubtful.size() - first));
-        parallelFor(some.size(), [&](size_t i) { comparison.explainPersistently(*some[i]); });
-        for (const DifferingPixel* pixel : some) {
-            if (pixel->reason == Reason::Unexplained) {
-                convicted = true;
+// Certifies the pixels in doubt, in order, as long as there are steps left; drops those that turn out to lie
+// within their predicted error. Deterministic: the steps left are looked at between batches.
+class DoubtCheck {
+  public:
+    using Trails = std::function<std::vector<Trail>(const std::vector<glm::ivec2>&)>;
+
+    DoubtCheck(const Comparison& comparison, const Options& options, const Report& report, uint64_t steps)
+        : comparison_(comparison), options_(options), report_(report), stepsLeft_(steps) {}
+
+    void run(std::vector<DifferingPixel>& differing, const Trails& trailsOf) {
+        std::vector<DifferingPixel*> doubts;
+        for (DifferingPixel& pixel : differing)
+            if (pixel.inDoubt) doubts.push_back(&pixel);
+        for (size_t first = 0; first < doubts.size(); first += kTrailsAtOnce) {
+            const size_t count = std::min(kTrailsAtOnce, doubts.size() - first);
+            certifyAll(std::span(doubts).subspan(first, count), trailsOf);
+        }
+        std::erase_if(differing, [](const DifferingPixel& pixel) { return pixel.inDoubt; });
+    }
+
+  private:
+    void certifyAll(std::span<DifferingPixel*> doubts, const Trails& trailsOf) {
+        std::vector<glm::ivec2> places;
+        for (const DifferingPixel* pixel : doubts) places.emplace_back(pixel->x, pixel->y);
+        if (isOver()) {
+            leave(doubts);
+            return;
+        }
+        const std::vector<Trail> trails = trailsOf(places);
+        for (size_t first = 0; first < doubts.size(); first += kCertifiedAtOnce) {
+            const size_t count = std::min(kCertifiedAtOnce, doubts.size() - first);
+            const auto some = doubts.subspan(first, count);
+            if (isOver()) {
+                leave(some);
                 continue;
             }
-            --report.unexplained;
-            ++countOf(report, pixel->reason);
-            if (sample == 0) paint(report.difference, *pixel);
+            std::vector<uint64_t> steps(count, std::min(stepsLeft_, kMostStepsOfPixel));
+            parallelFor(count, [&](size_t i) {
+                DifferingPixel& pixel = *some[i];
+                pixel.inDoubt = comparison_.certifyPixel(pixel, trails[first + i], steps[i]);
+            });
+            for (const uint64_t taken : steps) stepsLeft_ -= std::min(stepsLeft_, taken);
+            for (const DifferingPixel* pixel : some) unexplained_ += pixel->reason == Reason::Unexplained;
         }
     }
-}
+    bool isOver() const {
+        return stepsLeft_ == 0 || (options_.cancelled && options_.cancelled()) ||
+               (options_.verdictAlone && unexplained_ > report_.allowedOthers());
+    }
+    static void leave(std::span<DifferingPixel*> doubts) {
+        for (DifferingPixel* pixel : doubts) {
+            pixel->inDoubt = false;
+            pixel->reason = Reason::Undecided;
+        }
+    }
+
+    const Comparison& comparison_;
+    const Options& options_;
+    const Report& report_;
+    uint64_t stepsLeft_;
+    uint64_t unexplained_ = 0;
+};
 
 void keepWorst(Report& report, size_t count) {
     const size_t kept = std::min(count, report.worst.size());
@@ -275,17 +330,14 @@ struct Gathered {
 
 // False if it was interrupted.
 bool addSample(const Comparison& comparison, const Picture& device, const Options& options, uint32_t sample,
-               Report& report, Gathered& all) {
+               const DoubtCheck::Trails& trailsOf, Report& report, Gathered& all) {
     const auto isInterrupted = [&] { return !device.complete || (options.cancelled && options.cancelled()); };
     std::vector<RowSums> rows(options.height, RowSums(comparison.radianceBound()));
     std::mutex mutex;
     size_t finished = size_t{sample} * options.height;
-    std::atomic<uint64_t> unexplained = report.unexplained;
-    const uint64_t enough =
-        options.verdictAlone ? report.allowedOthers() : std::numeric_limits<uint64_t>::max();
     parallelFor(static_cast<size_t>(options.height), [&](size_t y) {
         if (isInterrupted()) return;
-        rows[y] = comparison.row(static_cast<int>(y), unexplained, enough);
+        rows[y] = comparison.row(static_cast<int>(y));
         const std::lock_guard lock(mutex);
         ++finished;
         if (options.progress)
@@ -293,18 +345,27 @@ bool addSample(const Comparison& comparison, const Picture& device, const Option
                              (static_cast<double>(options.height) * options.samples.round));
     });
     if (isInterrupted()) return false;
-    const bool convicted = report.unexplained > 0;
     Account account(comparison.radianceBound());
+    uint64_t rays = 0;
+    std::vector<DifferingPixel> differing;
     for (int y = 0; y < options.height; ++y) {
         account.add(rows[y].account);
         addRow(rows[y], y, report, sample);
         all.differences.insert(all.differences.end(), rows[y].differences.begin(), rows[y].differences.end());
         all.floors.insert(all.floors.end(), rows[y].floors.begin(), rows[y].floors.end());
         all.samePath += rows[y].samePath;
+        rays += rows[y].rays;
+        std::move(rows[y].differing.begin(), rows[y].differing.end(), std::back_inserter(differing));
+    }
+    DoubtCheck(comparison, options, report, kStepsOfRay * rays + kLeastSteps).run(differing, trailsOf);
+    if (isInterrupted()) return false;
+    for (DifferingPixel& pixel : differing) {
+        ++countOf(report, pixel.reason);
+        if (sample == 0) paint(report.difference, pixel);
+        report.worst.push_back(std::move(pixel));
     }
     if (comparison.countsBranches() && !account.agrees(device.losses, report.allowedOthers()))
         ++report.lossesDiffer;
-    if (!convicted) searchOn(comparison, report, sample);
     keepWorst(report, options.worstCount);
     return true;
 }
@@ -367,7 +428,10 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         const Picture device = renderer.render(camera, request);
         const Comparison comparison(scene, camera, options, device, samples, sample, tracer,
                                     representation ? &*representation : nullptr);
-        if (!addSample(comparison, device, options, sample, report, all)) {
+        const auto trailsOf = [&](const std::vector<glm::ivec2>& pixels) {
+            return renderer.trails(camera, request, pixels);
+        };
+        if (!addSample(comparison, device, options, sample, trailsOf, report, all)) {
             report.interrupted = true;
             return report;
         }
@@ -382,6 +446,12 @@ Report verify(render::Renderer& renderer, const PackedScene& scene, const shared
         report.filmDiffers = filmDifferences(renderer, camera, request, film, report);
         if (report.interrupted) return report;
     }
+    // A few thousand pixels tell little of what seldom happens: before they fail an image, ask more.
+    const bool tooMany = report.ties > report.allowedTies() ||
+                         report.edges + report.roundings + report.undecided > report.allowedOthers();
+    if (tooMany && report.unexplained == 0)
+        report.sensitivity =
+            sensitivityOf(tracer, camera, options.width, options.height, samples, 3, 16 * kMaxKappaPixels);
     if (representation) report.representation = representation->judge(report.sensitivity, options.worstCount);
     report.p99 = percentile99(std::move(all.differences));
     report.floorP99 = percentile99(std::move(all.floors));

@@ -41,7 +41,7 @@ const char* const kCleanLines =
 TEST(VerifyReport, Ok) {
     EXPECT_EQ(reportText(cleanReport()),
               std::string("a.json: ok\n    1000 pixels; beyond their predicted error: 0 edge, 0 rounding (at "
-                          "most 8), 0 tie (at most 8), 0 unexplained\n") +
+                          "most 8), 0 tie (at most 8), 0 undecided, 0 unexplained\n") +
                   kCleanLines);
 }
 
@@ -113,8 +113,8 @@ TEST(VerifyReport, UnexplainedPixelShowsBothSides) {
     EXPECT_EQ(
         reportText(report),
         "a.json: FAILED: pixels differ for no reason that rounding explains\n"
-        "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding (at most 8), 0 tie (at most 8), 1 "
-        "unexplained\n" +
+        "    1000 pixels; beyond their predicted error: 0 edge, 0 rounding (at most 8), 0 tie (at most 8), 0 "
+        "undecided, 1 unexplained\n" +
             std::string(kCleanLines) +
             "    pixel 12,34: difference 0.5, unexplained\n"
             "      device     color (0.25 0.5 0.75)  object 3 primitive 7 t 2.5 at (101 2 3)  bounces 2 path "
@@ -129,6 +129,7 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
     verify::DifferingPixel pixel;
     pixel.reason = verify::Reason::Edge;
     pixel.ulps = 2;
+    pixel.openDecisions = 3;
     pixel.sample = 3;
     pixel.difference = 1;
     pixel.reference.hit = reference::Hit{};
@@ -139,7 +140,8 @@ TEST(VerifyReport, ExplainedPixelNamesJitterAndSample) {
     verify::Options options;
     options.samples = PackedSamples::fixed(std::vector<glm::dvec2>(4));
     const std::string text = reportText(report, options);
-    EXPECT_NE(text.find("    pixel 0,0 sample 3: difference 1, edge (rays moved by 2 x 2^-24)\n"),
+    EXPECT_NE(text.find("    pixel 0,0 sample 3: difference 1, edge (3 open decisions, rays moved by at most "
+                        "2 x 2^-24)\n"),
               std::string::npos)
         << text;
     EXPECT_NE(text.find("reference  color (0 0 0)  object 0 primitive 0 t 4 at (101 2 3)"), std::string::npos)

@@ -1,0 +1,350 @@
+#include "verify/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "reference/scatter.h"
+#include "verify/stiffness.h"
+
+namespace glint::verify {
+
+namespace {
+
+using glm::dvec3;
+using reference::Branch;
+using reference::Jitter;
+using reference::Step;
+
+constexpr uint64_t kResponseMoves = 16;
+// Moves of a step in turns, as parts of kStepUnits: narrow gaps need small ones.
+constexpr double kSizes[] = {1, 0.25, 1.0 / 34};
+constexpr int kMovesAtOnce = 48, kTurns = 32;
+// Of a class of at least so many members the box may be missed by its own size, of fewer by 4 times.
+constexpr size_t kEnoughMembers = 8;
+
+// Bounds of numbers, and the rounding that may be added to each.
+struct Box {
+    std::vector<double> lo, hi, floors;
+
+    void include(const Box& other) {
+        for (size_t i = 0; i < lo.size(); ++i) {
+            lo[i] = std::min(lo[i], other.lo[i]);
+            hi[i] = std::max(hi[i], other.hi[i]);
+            floors[i] = std::max(floors[i], other.floors[i]);
+        }
+    }
+    void add(double value, double floor) {
+        lo.push_back(value);
+        hi.push_back(value);
+        floors.push_back(floor);
+    }
+    void add(const dvec3& value, const dvec3& floor) {
+        for (int i = 0; i < 3; ++i) add(value[i], floor[i]);
+    }
+    bool contains(size_t at, double value, double stretch) const {
+        const double room = floors[at] + stretch * (hi[at] - lo[at]);
+        return value >= lo[at] - room && value <= hi[at] + room;
+    }
+    bool contains(size_t at, const dvec3& value, double stretch) const {
+        return contains(at, value.x, stretch) && contains(at + 1, value.y, stretch) &&
+               contains(at + 2, value.z, stretch);
+    }
+};
+
+// Outcomes of one step that decide alike.
+struct Outcome {
+    Step step;  // of the first member
+    uint64_t key = 0;
+    Box box;  // Quantities, then origin, direction and throughput of each further ray
+    size_t members = 1;
+    double stretch = 0;
+    double units = 0;
+};
+
+uint64_t keyOf(const Step& step) {
+    const auto& record = step.record;
+    uint64_t key = record.hit ? record.hit->id + 1 : 0;
+    const auto mix = [&](uint64_t word) { key = (key ^ word) * 0x100000001b3u; };
+    mix(record.decisions);
+    mix(record.lost.cut.count + 4 * record.lost.depth.count + 16 * record.lost.room.count);
+    for (const Branch& b : step.next) mix(static_cast<uint64_t>(b.kind) + 1);
+    return key;
+}
+
+class Certifier {
+  public:
+    Certifier(const reference::Tracer& tracer, const PackedScene& scene, const SeenPath& seen,
+              uint64_t mostSteps)
+        : tracer_(tracer), scene_(scene), seen_(seen), trail_(*seen.trail), mostSteps_(mostSteps) {}
+
+    Certificate run(const reference::Ray& cameraRay) {
+        Branch camera = tracer_.firstBranch(cameraRay);
+        pending_.push_back({camera, nullptr, 0});
+        const bool holds = follow();
+        result_.verdict = holds                         ? Certificate::Verdict::Holds
+                          : result_.steps >= mostSteps_ ? Certificate::Verdict::Undecided
+                                                        : Certificate::Verdict::Fails;
+        return result_;
+    }
+
+  private:
+    // A ray to come, the step that made it, and its number among that step's.
+    struct Pending {
+        Branch branch;
+        std::shared_ptr<Outcome> from;
+        size_t number;
+        Branch parent = {};
+    };
+
+    Step stepOf(const Branch& branch, const Jitter& jitter) {
+        ++result_.steps;
+        return tracer_.step(branch, jitter);
+    }
+    Box boxOf(const Branch& branch, const Step& step) const;
+    // The whole rest of the path, from the ray at cursor_ on.
+    bool follow();
+    bool startsAs(Pending& pending, const TrailRay& ray);
+    bool startsWithin(const Pending& pending, const TrailRay& ray) const;
+    bool explore(Branch branch, const TrailRay& ray);
+    // given: the still step has the device's hit and light.
+    bool exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given);
+    bool takesHit(const Step& step, const TrailRay& ray) const {
+        const auto& hit = step.record.hit;
+        return hit.has_value() == ray.hit && (!ray.hit || hit->id == ray.id);
+    }
+    bool matches(const Outcome& outcome, const TrailRay& ray) const;
+    bool widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched);
+    bool advance(const Branch& branch, const std::shared_ptr<Outcome>& outcome);
+    dvec3 lightOf(size_t ray) const;
+    bool exhausted() const { return failed_ || result_.steps >= mostSteps_; }
+
+    const reference::Tracer& tracer_;
+    const PackedScene& scene_;
+    const SeenPath& seen_;
+    const Trail& trail_;
+    uint64_t mostSteps_;
+    Certificate result_;
+    size_t cursor_ = 0;
+    std::vector<Pending> pending_;  // the next ray last
+    bool failed_ = false;           // no rounding of a step gives what the device has of it
+};
+
+// The light that ray `ray` of the trail adds, without the sample's weight.
+dvec3 Certifier::lightOf(size_t ray) const {
+    const dvec3 all(seen_.first[0], seen_.first[1], seen_.first[2]);
+    const dvec3 after = ray + 1 < trail_.size() ? trail_[ray + 1].sum / seen_.weight : all;
+    return after - trail_[ray].sum / seen_.weight;
+}
+
+Box Certifier::boxOf(const Branch& branch, const Step& step) const {
+    const auto& record = step.record;
+    const Quantities q = quantitiesOf(record, scene_.origin);
+    Quantities floors = floorsOf(scene_, record, branch.ray);
+    // Differences of sums: each addition rounds the sum so far.
+    const double sums = 8.0 * static_cast<double>(tracer_.lights().size() + 2) * kFloatUnit;
+    const dvec3 before = trail_[cursor_].sum / seen_.weight;
+    for (size_t i = 0; i < 3; ++i)
+        floors[i] += sums * (std::abs(before[static_cast<int>(i)]) + std::abs(seen_.first[i]));
+    Box box;
+    for (size_t i = 0; i < kQuantities; ++i) box.add(q[i], floors[i]);
+    if (step.next.empty()) return box;
+    const double turn = 4 * normalTurn(scene_, record, branch.ray) * kFloatUnit;
+    for (const Branch& next : step.next) {
+        const double way = kStepUnits * kFloatUnit * next.scale + 2 * next.clearance;
+        box.add(next.ray.origin, dvec3(way));
+        box.add(glm::normalize(next.ray.direction), dvec3(turn));
+        box.add(next.throughput, kFloatUnit * (next.slack + 8.0 * next.throughput));
+    }
+    return box;
+}
+
+bool Certifier::startsWithin(const Pending& pending, const TrailRay& ray) const {
+    if (!pending.from) {
+        const auto& camera = pending.branch.ray;
+        const double way =
+            8 * kFloatUnit * std::max(reference::greatestCoordinate(camera.origin), camera.originScale);
+        return reference::greatestCoordinate(ray.origin - camera.origin) <= way &&
+               reference::greatestCoordinate(glm::normalize(ray.direction) -
+                                             glm::normalize(camera.direction)) <=
+                   16 * kFloatUnit * camera.directionScale;
+    }
+    const Outcome& from = *pending.from;
+    const size_t at = kQuantities + 9 * pending.number;
+    return from.box.contains(at, ray.origin, from.stretch) &&
+           from.box.contains(at + 3, glm::normalize(ray.direction), from.stretch) &&
+           from.box.contains(at + 6, ray.throughput / seen_.weight, from.stretch);
+}
+
+bool Certifier::startsAs(Pending& pending, const TrailRay& ray) {
+    if (!seen_.fromDevice || startsWithin(pending, ray)) return true;
+    if (!pending.from || pending.from->stretch > 0) return false;
+    widen(pending.parent, *pending.from, nullptr);
+    return startsWithin(pending, ray);
+}
+
+// Adds the response to moves of one unit that decide alike. untilMatched: ends once that ray's hit and light
+// lie within.
+bool Certifier::widen(const Branch& branch, Outcome& still, const TrailRay* untilMatched) {
+    const bool instance = still.step.record.meetsInstance;
+    still.stretch = kResponseGain * (instance ? 1 + scene_.instanceGain : 1);
+    for (uint64_t seed = 1; seed <= 2 * kResponseMoves; ++seed) {
+        const Step step = stepOf(branch, {.seed = seed, .ulps = 1});
+        if (keyOf(step) != still.key) continue;
+        still.box.include(boxOf(branch, step));
+        ++still.members;
+        if (untilMatched && matches(still, *untilMatched)) return true;
+    }
+    return false;
+}
+
+bool Certifier::matches(const Outcome& outcome, const TrailRay& ray) const {
+    const bool first = cursor_ == 0;
+    Quantities device = seen_.first;
+    const dvec3 light = lightOf(cursor_);
+    for (int i = 0; i < 3; ++i) device[static_cast<size_t>(i)] = light[i];
+    if (!first && ray.hit) device[kColorQuantities] = ray.t;
+    const size_t count = first ? kQuantities : kColorQuantities + (ray.hit ? 1 : 0);
+    for (size_t i = 0; i < count; ++i)
+        if (!outcome.box.contains(i, device[i], outcome.stretch)) return false;
+    return true;
+}
+
+bool Certifier::advance(const Branch& branch, const std::shared_ptr<Outcome>& outcome) {
+    const size_t waiting = pending_.size();
+    for (size_t i = outcome->step.next.size(); i-- > 0;)
+        pending_.push_back({outcome->step.next[i], outcome, i, branch});
+    ++cursor_;
+    if (follow()) return true;
+    --cursor_;
+    pending_.resize(waiting);
+    return false;
+}
+
+bool Certifier::follow() {
+    if (pending_.empty()) return cursor_ == trail_.size();
+    if (cursor_ == trail_.size() || exhausted()) return false;
+    Pending& next = pending_.back();
+    const TrailRay& ray = trail_[cursor_];
+    if (!startsAs(next, ray)) return false;
+    const Pending kept = next;
+    Branch branch = kept.branch;
+    branch.ray.origin = ray.origin;
+    branch.ray.direction = ray.direction;
+    if (seen_.fromDevice) branch.throughput = ray.throughput / seen_.weight;
+    branch.slack = dvec3(0);
+    pending_.pop_back();
+    if (explore(std::move(branch), ray)) return true;
+    pending_.push_back(kept);
+    return false;
+}
+
+bool Certifier::explore(Branch branch, const TrailRay& ray) {
+    Step step = stepOf(branch, {});
+    if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
+    auto still = std::make_shared<Outcome>();
+    still->key = keyOf(step);
+    still->box = boxOf(branch, step);
+    still->step = std::move(step);
+    const bool given = takesHit(still->step, ray) && (matches(*still, ray) || widen(branch, *still, &ray));
+    if (given && advance(branch, still)) return true;
+    return !exhausted() && exploreMoved(std::move(branch), ray, *still, given);
+}
+
+// Roundings of this step that decide otherwise than the reference, or move the answer farther than its
+// response to one unit tells.
+bool Certifier::exploreMoved(Branch branch, const TrailRay& ray, const Outcome& still, bool given) {
+    std::vector<std::shared_ptr<Outcome>> outcomes;
+    std::vector<size_t> tried;
+    uint64_t seed = 0;
+    const double gain = scene_.instances.empty() ? 1 : 1 + scene_.instanceGain;
+    for (int turn = 0; turn < kTurns && !exhausted(); ++turn) {
+        // Every other turn by what an instance's transform may add.
+        const bool wide = gain > 1 && turn % 2 == 1;
+        for (int i = 0; i < kMovesAtOnce; ++i) {
+            const double units = kStepUnits * kSizes[i % 3] * (wide ? gain : 1);
+            Step step = stepOf(branch, {.seed = ++seed, .ulps = units, .formulas = true});
+            if (!takesHit(step, ray)) continue;
+            if (wide && !step.record.meetsInstance && !still.step.record.meetsInstance) continue;
+            if (step.record.surface) branch.scale = std::max(branch.scale, step.record.surface->scale);
+            const uint64_t key = keyOf(step);
+            const auto at = std::find_if(outcomes.begin(), outcomes.end(),
+                                         [&](const auto& outcome) { return outcome->key == key; });
+            if (at != outcomes.end()) {
+                (*at)->box.include(boxOf(branch, step));
+                ++(*at)->members;
+                (*at)->units = std::min((*at)->units, units);
+                continue;
+            }
+            auto outcome = std::make_shared<Outcome>();
+            outcome->key = key;
+            outcome->box = boxOf(branch, step);
+            outcome->step = std::move(step);
+            outcome->units = units;
+            outcomes.push_back(outcome);
+            tried.push_back(0);
+        }
+        for (size_t i = 0; i < outcomes.size() && !exhausted(); ++i) {
+            Outcome& outcome = *outcomes[i];
+            if (outcome.members == tried[i]) continue;
+            outcome.stretch = outcome.members >= kEnoughMembers ? 1 : outcome.members > 1 ? 4 : 0;
+            if (!matches(outcome, ray)) continue;
+            given = true;
+            tried[i] = outcome.members;
+            const double before = result_.units;
+            result_.units = std::max(result_.units, outcome.units);
+            ++result_.openDecisions;
+            if (advance(branch, outcomes[i])) return true;
+            --result_.openDecisions;
+            result_.units = before;
+        }
+        // A light and a hit that rounding gives, whose further rays it does not: the next ray has told.
+        if (given && turn >= 3) break;
+    }
+    failed_ = failed_ || !given;
+    return false;
+}
+
+}  // namespace
+
+bool isPredicted(const reference::Tracer& tracer, const reference::Ray& cameraRay,
+                 const reference::PixelRecord& still, const PackedScene& scene, const Quantities& device) {
+    const Quantities floors = floorsOf(scene, still, cameraRay);
+    Hull hull(quantitiesOf(still, scene.origin));
+    if (hull.contains(device, floors, 0)) return true;
+    const double gain = kResponseGain * (still.meetsInstance ? 1 + scene.instanceGain : 1);
+    for (uint64_t seed = 1; seed <= kResponseMoves; ++seed) {
+        const reference::PixelRecord moved = tracer.trace(cameraRay, {.seed = seed, .ulps = 1});
+        if (moved.decisions != still.decisions) continue;
+        hull.include(quantitiesOf(moved, scene.origin));
+        if (hull.contains(device, floors, gain)) return true;
+    }
+    return false;
+}
+
+Trail trailOf(const reference::PixelRecord& record) {
+    Trail trail;
+    dvec3 sum(0);
+    for (const reference::Bounce& bounce : record.path) {
+        TrailRay ray;
+        ray.origin = bounce.ray.origin;
+        ray.direction = bounce.ray.direction;
+        ray.hit = bounce.hit.has_value();
+        if (bounce.hit) {
+            ray.t = bounce.hit->t;
+            ray.id = bounce.hit->id;
+        }
+        ray.sum = sum;
+        sum += bounce.light;
+        trail.push_back(ray);
+    }
+    return trail;
+}
+
+Certificate certify(const reference::Tracer& tracer, const PackedScene& scene,
+                    const reference::Ray& cameraRay, const SeenPath& seen, uint64_t mostSteps) {
+    return Certifier(tracer, scene, seen, mostSteps).run(cameraRay);
+}
+
+}  // namespace glint::verify
