@@ -110,7 +110,7 @@ void CameraControl::mendPlane() {
 }
 
 std::string CameraControl::nextProjection() {
-    // As large at the target's distance as before.
+    // Keeps the size at the target's distance as before.
     const double half = parallel() ? halfHeight() : halfHeight() * distance();
     const bool oblique = camera_.planeNormal.has_value() != parallel();  // of the next one
     camera_.window.reset();

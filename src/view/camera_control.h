@@ -8,7 +8,7 @@
 
 namespace glint::view {
 
-// What a camera can be aimed at.
+// A sphere to aim a camera at.
 struct Ball {
     glm::dvec3 center{0};
     double radius = 1;
@@ -76,7 +76,7 @@ class CameraControl {
 };
 
 bool sameCamera(const Camera& a, const Camera& b);
-// Whether rays start on a disc: parallel ones never do.
+// True if camera rays start on a disc; parallel rays never do.
 inline bool hasLens(const Camera& camera) {
     return camera.lensRadius > 0 && camera.projection == Projection::Perspective;
 }

@@ -16,10 +16,6 @@ namespace glint::view {
 
 namespace {
 
-constexpr double kKeyTurn = 0.0873;  // 5 degrees
-constexpr double kDollyStep = 0.9;
-constexpr double kFovStep = 1.1;
-
 template <NamedEnum E>
 E nextOf(E value) {
     return static_cast<E>((static_cast<size_t>(value) + 1) % kEnumNames<E>.size());
@@ -42,136 +38,134 @@ void Commands::fail(const std::string& what) {
     host_.err << "glint: " << what << '\n';
 }
 
+namespace {
+
+constexpr double kKeyTurn = 0.0873;  // 5 degrees
+constexpr double kDollyStep = 0.9;
+constexpr double kFovStep = 1.1;
+
+void turn(Model& m, double x, double y) {
+    m.flying ? m.control.look(x, y) : m.control.orbit(x, y);
+}
+
+void changeLayer(Model& m, int step) {
+    m.settings.layer = static_cast<ViewLayer>((static_cast<int>(m.settings.layer) + step) % kViewLayers);
+}
+
+void closeAll(Model& m) {
+    m.helpVisible = m.saveAsVisible = m.saveSceneVisible = m.openVisible = false;
+    m.sceneError.clear();
+    m.warnings.clear();
+    m.toasts.clear();
+    m.comparison.mode = CompareMode::Off;
+    m.forgetView(true);
+}
+
+// Commands that change the model alone.
+struct ModelCommand {
+    Action action;
+    void (*run)(Model& m);
+};
+constexpr ModelCommand kModelCommands[] = {
+    {Action::Help, [](Model& m) { toggle(m.helpVisible); }},
+    {Action::HidePanel, [](Model& m) { toggle(m.panelVisible); }},
+    {Action::DockPanel,
+     [](Model& m) {
+         m.docked = !m.docked || !m.panelVisible;
+         m.panelVisible = true;
+     }},
+    {Action::Close, closeAll},
+    {Action::NextLayer, [](Model& m) { changeLayer(m, 1); }},
+    {Action::PreviousLayer, [](Model& m) { changeLayer(m, kViewLayers - 1); }},
+    {Action::ExposureDown, [](Model& m) { m.display.exposure = steppedExposure(m.display.exposure, -0.5); }},
+    {Action::ExposureUp, [](Model& m) { m.display.exposure = steppedExposure(m.display.exposure, 0.5); }},
+    {Action::ToneMapping,
+     [](Model& m) {
+         m.display.toneMap = nextOf(m.display.toneMap);
+         m.say("tone map: " + std::string(nameOf(m.display.toneMap)));
+     }},
+    {Action::Inspect, [](Model& m) { toggle(m.inspects); }},
+    {Action::ToggleFly, [](Model& m) { toggle(m.flying); }},
+    {Action::SaveAs, [](Model& m) { toggle(m.saveAsVisible); }},
+    {Action::SaveScene, [](Model& m) { toggle(m.saveSceneVisible); }},
+    {Action::Open, [](Model& m) { toggle(m.openVisible); }},
+    {Action::Reset, [](Model& m) { m.control.reset(); }},
+    {Action::Projection, [](Model& m) { m.say("camera: " + m.control.nextProjection()); }},
+    {Action::NarrowView, [](Model& m) { m.control.zoom(1 / kFovStep); }},
+    {Action::WidenView, [](Model& m) { m.control.zoom(kFovStep); }},
+    {Action::TurnLeft, [](Model& m) { turn(m, -kKeyTurn, 0); }},
+    {Action::TurnRight, [](Model& m) { turn(m, kKeyTurn, 0); }},
+    {Action::TurnUp, [](Model& m) { turn(m, 0, -kKeyTurn); }},
+    {Action::TurnDown, [](Model& m) { turn(m, 0, kKeyTurn); }},
+    {Action::Nearer, [](Model& m) { m.control.dolly(kDollyStep); }},
+    {Action::Farther, [](Model& m) { m.control.dolly(1 / kDollyStep); }},
+};
+
+}  // namespace
+
 void Commands::perform(Action action) {
     m_.dirty = 3;
-    if (performCamera(action)) {
-        m_.touch();
-        return;
-    }
-    if (performView(action) || performTime(action) || performComparison(action)) return;
-    performFile(action);
-}
-
-bool Commands::performView(Action action) {
-    switch (action) {
-        case Action::Help:
-            toggle(m_.helpVisible);
-            return true;
-        case Action::HidePanel:
-            toggle(m_.panelVisible);
-            return true;
-        case Action::DockPanel:
-            m_.docked = !m_.docked || !m_.panelVisible;
-            m_.panelVisible = true;
-            return true;
-        case Action::Close:
-            m_.helpVisible = m_.saveAsVisible = m_.saveSceneVisible = m_.openVisible = false;
-            m_.sceneError.clear();
-            m_.toasts.clear();
-            m_.comparison.mode = CompareMode::Off;
-            m_.forgetView(true);
-            return true;
-        case Action::NextLayer:
-        case Action::PreviousLayer: {
-            const int step = action == Action::NextLayer ? 1 : kViewLayers - 1;
-            m_.settings.layer =
-                static_cast<ViewLayer>((static_cast<int>(m_.settings.layer) + step) % kViewLayers);
-            takeSettings();
-            return true;
+    for (const ModelCommand& command : kModelCommands)
+        if (command.action == action) {
+            command.run(m_);
+            return takeSettings();
         }
-        case Action::ExposureDown:
-        case Action::ExposureUp:
-            m_.display.exposure =
-                steppedExposure(m_.display.exposure, action == Action::ExposureUp ? 0.5 : -0.5);
-            return true;
-        case Action::ToneMapping:
-            m_.display.toneMap = nextOf(m_.display.toneMap);
-            m_.say("tone map: " + std::string(nameOf(m_.display.toneMap)));
-            return true;
-        case Action::Inspect:
-            toggle(m_.inspects);
-            return true;
-        case Action::Fullscreen:
-            host_.toggleFullscreen();
-            return true;
-        case Action::ToggleFly:
-            toggle(m_.flying);
-            return true;
-        case Action::Quit:
-            askToClose();
-            return true;
-        default:
-            return false;
+    if (action >= Action::ViewFront && action <= Action::ViewBottom) {
+        const int side = static_cast<int>(action) - static_cast<int>(Action::ViewFront);
+        m_.control.view(static_cast<Side>(side), boundsOf(*m_.scene));
+    } else if (action >= Action::PlayPause && action <= Action::LastFrame) {
+        performTime(action);
+    } else if (action >= Action::SavePng && action <= Action::RenderExr) {
+        saveNumbered(action);
+    } else {
+        performOther(action);
     }
 }
 
-// ---- camera ----
-
-bool Commands::performCamera(Action action) {
-    const auto turn = [&](double x, double y) { m_.flying ? m_.control.look(x, y) : m_.control.orbit(x, y); };
+// The rest: what needs the device, files or the host.
+void Commands::performOther(Action action) {
     switch (action) {
-        case Action::ViewFront:
-        case Action::ViewRight:
-        case Action::ViewBack:
-        case Action::ViewLeft:
-        case Action::ViewTop:
-        case Action::ViewBottom:
-            m_.control.view(static_cast<Side>(static_cast<int>(action) - static_cast<int>(Action::ViewFront)),
-                            boundsOf(*m_.scene));
-            return true;
-        case Action::Reset:
-            m_.control.reset();
-            return true;
-        case Action::Projection:
-            m_.say("camera: " + m_.control.nextProjection());
-            return true;
+        case Action::Quit:
+            return askToClose();
+        case Action::Fullscreen:
+            return host_.toggleFullscreen();
         case Action::FramePicked:
-            framePicked();
-            return true;
-        case Action::NarrowView:
-            m_.control.zoom(1 / kFovStep);
-            return true;
-        case Action::WidenView:
-            m_.control.zoom(kFovStep);
-            return true;
-        case Action::TurnLeft:
-            turn(-kKeyTurn, 0);
-            return true;
-        case Action::TurnRight:
-            turn(kKeyTurn, 0);
-            return true;
-        case Action::TurnUp:
-            turn(0, -kKeyTurn);
-            return true;
-        case Action::TurnDown:
-            turn(0, kKeyTurn);
-            return true;
-        case Action::Nearer:
-            m_.control.dolly(kDollyStep);
-            return true;
-        case Action::Farther:
-            m_.control.dolly(1 / kDollyStep);
-            return true;
-        case Action::Undo:
-            travel(m_.history.undo(), "nothing to undo");
-            return true;
-        case Action::Redo:
-            travel(m_.history.redo(), "nothing to redo");
-            return true;
-        case Action::Bookmark:
-            keepCamera();
-            return true;
-        case Action::NextBookmark:
-            goToCamera(m_.camera + 1);
-            return true;
-        case Action::GoToCamera:
-            goToCamera(m_.camera);
-            return true;
+            return framePicked();
         case Action::FocusPicked:
             if (m_.pick) focusAt(m_.pick->x, m_.pick->y);
-            return true;
+            return;
+        case Action::Undo:
+            return travel(m_.history.undo(), "nothing to undo");
+        case Action::Redo:
+            return travel(m_.history.redo(), "nothing to redo");
+        case Action::Bookmark:
+            return keepCamera();
+        case Action::NextBookmark:
+            return goToCamera(m_.camera + 1);
+        case Action::GoToCamera:
+            return goToCamera(m_.camera);
+        case Action::PrintCamera:
+            return copyJson();
+        case Action::WriteCameras:
+            return writeCameras();
+        case Action::WriteScene:
+            return writeScene();
+        case Action::SaveNamed:
+            return saveNamed();
+        case Action::OpenNamed:
+            return drop({m_.openName.data()});
+        case Action::Reload:
+            return startLoading();
+        case Action::Verify:
+            return startVerifying();
+        case Action::Keep:
+            return keepPicture();
+        case Action::TraceReference:
+            return startReference();
+        case Action::CompareMode:
+            return nextComparison();
         default:
-            return false;
+            return;
     }
 }
 
@@ -314,8 +308,7 @@ void Commands::writeScene() {
 
 // ---- animation ----
 
-bool Commands::performTime(Action action) {
-    if (action < Action::PlayPause || action > Action::LastFrame) return false;
+void Commands::performTime(Action action) {
     Timeline& t = m_.timeline;
     if (!t.any()) {
         m_.say("this scene has no animation");
@@ -326,7 +319,6 @@ bool Commands::performTime(Action action) {
     } else {
         t.goTo(action == Action::FirstFrame ? t.first() : t.last());
     }
-    return true;
 }
 
 // ---- the rest ----

@@ -1,4 +1,4 @@
-// What the user can ask of the window, by key, button, mouse or dropped file. Needs a device, but no window.
+// The commands of the window, by key, button, mouse or dropped file. They need a device, but no window.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace glint::view {
 
-// What commands need of the window around them.
+// Services of the window for commands.
 struct Host {
     std::ostream& out;  // results: CSV of a pick, JSON, names of files
     std::ostream& err;  // errors of files and jobs
@@ -69,11 +69,8 @@ class Commands {
         std::shared_ptr<Moments> moments;
         Moment shown;
     };
-    bool performView(Action action);
-    bool performCamera(Action action);
-    bool performTime(Action action);
-    bool performFile(Action action);
-    bool performComparison(Action action);
+    void performTime(Action action);
+    void performOther(Action action);
     void fail(const std::string& what);
 
     void travel(const std::optional<Undoable>& state, const char* otherwise);
@@ -99,6 +96,7 @@ class Commands {
     void startVerifying();
     void startReference();
     void keepPicture();
+    void nextComparison();
     void compareWith(const std::filesystem::path& image);
     void takeVerdict(VerifyResult result);
 
@@ -118,7 +116,7 @@ class Commands {
     uint64_t reloads_ = 0;
     std::string lastError_, lostPicture_;
 
-    // What Model::picture shows.
+    // The state that Model::picture shows.
     struct Shown {
         uint64_t version = ~uint64_t{0};
         Display display;

@@ -68,7 +68,7 @@ void Commands::open(const std::filesystem::path& scene) {
     startLoading();
 }
 
-// Of the same file as before, or of another one.
+// Shows a scene that was loaded, of the same file as before or of another one.
 void Commands::useScene(Loaded loaded) {
     const bool another = std::exchange(opensAnother_, false);
     if (another) {
@@ -247,46 +247,6 @@ void Commands::close() {
 
 // ---- files ----
 
-bool Commands::performFile(Action action) {
-    switch (action) {
-        case Action::SavePng:
-        case Action::SaveExr:
-        case Action::RenderPng:
-        case Action::RenderExr:
-            saveNumbered(action);
-            return true;
-        case Action::SaveAs:
-            m_.saveAsVisible = !m_.saveAsVisible;
-            return true;
-        case Action::SaveNamed:
-            saveNamed();
-            return true;
-        case Action::Open:
-            m_.openVisible = !m_.openVisible;
-            return true;
-        case Action::OpenNamed:
-            drop({m_.openName.data()});
-            return true;
-        case Action::SaveScene:
-            m_.saveSceneVisible = !m_.saveSceneVisible;
-            return true;
-        case Action::WriteScene:
-            writeScene();
-            return true;
-        case Action::WriteCameras:
-            writeCameras();
-            return true;
-        case Action::PrintCamera:
-            copyJson();
-            return true;
-        case Action::Reload:
-            startLoading();
-            return true;
-        default:
-            return false;
-    }
-}
-
 void Commands::saveNumbered(Action action) {
     const bool exr = action == Action::SaveExr || action == Action::RenderExr;
     const bool seen = action == Action::SavePng || action == Action::SaveExr;
@@ -342,35 +302,18 @@ void Commands::drop(const std::vector<std::string>& files) {
 
 // ---- comparison ----
 
-bool Commands::performComparison(Action action) {
-    switch (action) {
-        case Action::Verify:
-            startVerifying();
-            return true;
-        case Action::Keep:
-            keepPicture();
-            return true;
-        case Action::TraceReference:
-            startReference();
-            return true;
-        case Action::CompareMode: {
-            Comparison& c = m_.comparison;
-            if (!c.any()) {
-                m_.say("K keeps an image to compare with; or drop a file here", ToastKind::Error);
-                return true;
-            }
-            c.mode =
-                static_cast<CompareMode>((static_cast<size_t>(c.mode) + 1) % kEnumNames<CompareMode>.size());
-            follow(Hint::Compare);
-            std::string text = "compare: " + std::string(nameOf(c.mode));
-            if (c.mode == CompareMode::Wipe) text += ", left of the line";
-            if (c.mode != CompareMode::Off) text += ": " + c.name + "; B: next";
-            m_.say(text);
-            return true;
-        }
-        default:
-            return false;
+void Commands::nextComparison() {
+    Comparison& c = m_.comparison;
+    if (!c.any()) {
+        m_.say("K keeps an image to compare with; or drop a file here", ToastKind::Error);
+        return;
     }
+    c.mode = static_cast<CompareMode>((static_cast<size_t>(c.mode) + 1) % kEnumNames<CompareMode>.size());
+    follow(Hint::Compare);
+    std::string text = "compare: " + std::string(nameOf(c.mode));
+    if (c.mode == CompareMode::Wipe) text += ", left of the line";
+    if (c.mode != CompareMode::Off) text += ": " + c.name + "; B: next";
+    m_.say(text);
 }
 
 void Commands::startVerifying() {

@@ -149,7 +149,7 @@ uint32_t shown(const glm::vec3& color, ToneMap toneMap) {
     return packColor(srgbByte(mapped.x), srgbByte(mapped.y), srgbByte(mapped.z));
 }
 
-// With alpha 1 where there is none.
+// Adds alpha 1 if there is none.
 Picture pictureOf(const Image& image) {
     Picture picture;
     picture.region = {0, 0, image.width, image.height};
@@ -209,23 +209,16 @@ void stretch(const Canvas& source, Canvas& target, bool smooth) {
     if (source.pixels.empty()) return;
     const std::vector<Tap> columns = tapsOf(source.width, target.width, smooth);
     const std::vector<Tap> rows = tapsOf(source.height, target.height, smooth);
-    const size_t chunks = static_cast<size_t>((target.height + kRowsAtOnce - 1) / kRowsAtOnce);
-    parallelFor(chunks, [&](size_t chunk) {
-        const int begin = static_cast<int>(chunk) * kRowsAtOnce;
-        for (int y = begin; y < std::min(begin + kRowsAtOnce, target.height); ++y) {
-            const Tap& down = rows[static_cast<size_t>(y)];
-            const uint32_t* upper = source.row(down.first);
-            const uint32_t* lower = source.row(down.second);
-            uint32_t* out = target.row(y);
-            for (int x = 0; x < target.width; ++x) {
-                const Tap& t = columns[static_cast<size_t>(x)];
-                if (!smooth) {
-                    out[x] = upper[t.first];
-                    continue;
-                }
-                out[x] = mix(mix(upper[t.first], upper[t.second], t.weight),
-                             mix(lower[t.first], lower[t.second], t.weight), down.weight);
-            }
+    forRows(target.height, [&](int y) {
+        const Tap& down = rows[static_cast<size_t>(y)];
+        const uint32_t* upper = source.row(down.first);
+        const uint32_t* lower = source.row(down.second);
+        uint32_t* out = target.row(y);
+        for (int x = 0; x < target.width; ++x) {
+            const Tap& t = columns[static_cast<size_t>(x)];
+            out[x] = smooth ? mix(mix(upper[t.first], upper[t.second], t.weight),
+                                  mix(lower[t.first], lower[t.second], t.weight), down.weight)
+                            : upper[t.first];
         }
     });
 }

@@ -1,4 +1,4 @@
-// From an image to the pixels of the screen: tone maps, layers, stretching, comparison with another image.
+// Turns images into pixels of the screen: tone maps, layers, stretching, comparison with another image.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +14,25 @@
 
 namespace glint::view {
 
-// What happens to linear RGB, after the exposure and before the sRGB curve.
+// Maps linear RGB to the screen, after the exposure and before the sRGB curve.
 enum class ToneMap { Linear, Reinhard, Aces, False };
 constexpr auto entriesOf(ToneMap) {
     return std::to_array<EnumEntry<ToneMap>>(
         {{ToneMap::Linear, "linear", "as it is, cut off at 1: the bytes of `glint render`"},
          {ToneMap::Reinhard, "reinhard", "luminance L becomes L / (1 + L): nothing is cut off"},
          {ToneMap::Aces, "aces", "a film's curve: dark shadows, soft highlights"},
-         {ToneMap::False, "false", "false colour: luminance in stops, with a legend; so too the depth"}});
+         {ToneMap::False, "false", "false color: luminance in stops, with a legend; so too the depth"}});
 }
 
-// Of a picture's colours, or of data that is shown as grey or heat.
+// Exposure and tone map of colors; the tone map also chooses grey or heat colors for data.
 struct Display {
-    double exposure = 0;  // stops, of colour alone
+    double exposure = 0;  // stops, of color alone
     ToneMap toneMap = ToneMap::Linear;
     bool operator==(const Display&) const = default;
 };
 
 inline constexpr double kMostExposure = 10;  // stops, either way: 2^10 is 1024 times as bright
-// The stops that false colour shows, about a luminance of 1: blue and darker to red and brighter.
+// The stops that false color shows, about a luminance of 1: blue and darker to red and brighter.
 inline constexpr double kFalseStops = 8;
 
 // Rec. 709.
@@ -45,7 +45,7 @@ inline double luminance(const glm::dvec3& color) {
 // Tone Mapping Curve", 2016, his fit of the ACES RRT and ODT, on each channel.
 glm::dvec3 toneMapped(const glm::dvec3& color, ToneMap toneMap);
 
-// Where false colour puts a luminance, 0 blue to 1 red.
+// Place of a luminance in false color: 0 blue to 1 red.
 double falseColorOf(double luminance);
 
 // Blue, cyan, green, yellow, red for 0 to 1, as the screen's own numbers, 0..1.
@@ -71,7 +71,7 @@ constexpr uint32_t packColor(uint32_t r, uint32_t g, uint32_t b) {
 }
 
 // Fills `target` with `source` stretched to its size; smooth: bilinear, else each pixel takes the nearest.
-// Of equal sizes, a plain copy.
+// Copies if the sizes are equal.
 void stretch(const Canvas& source, Canvas& target, bool smooth);
 
 // The canvas as a linear image of 3 channels, so that writing it as PNG gives its bytes again.
@@ -79,7 +79,7 @@ Image toImage(const Canvas& canvas);
 
 // In the order of the panel and of the key L.
 enum class ViewLayer { Color, Depth, Normal, Uv, Object, Primitive, Material, Bounces, Cost };
-// Named as `glint render --aov` names them; the help says what their colours mean.
+// Named as `glint render --aov` names them; the help says what their colors mean.
 constexpr auto entriesOf(ViewLayer) {
     return std::to_array<EnumEntry<ViewLayer>>(
         {{ViewLayer::Color, "color", "radiance"},
@@ -87,11 +87,11 @@ constexpr auto entriesOf(ViewLayer) {
           "distance from the eye: white is nearest, dark grey the farthest twentieth, black nothing"},
          {ViewLayer::Normal, "normal", "outward shading normal: x, y, z as red, green, blue"},
          {ViewLayer::Uv, "uv", "barycentric u, v of a triangle, or texture coordinates, as red, green"},
-         {ViewLayer::Object, "object", "one colour for each object"},
-         {ViewLayer::Primitive, "primitive", "one colour for each face"},
-         {ViewLayer::Material, "material", "one colour for each material"},
-         {ViewLayer::Bounces, "bounces", "reflections followed: blue none, red the most in the picture"},
-         {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the picture"}});
+         {ViewLayer::Object, "object", "one color for each object"},
+         {ViewLayer::Primitive, "primitive", "one color for each face"},
+         {ViewLayer::Material, "material", "one color for each material"},
+         {ViewLayer::Bounces, "bounces", "reflections followed: blue none, red the most in the image"},
+         {ViewLayer::Cost, "cost", "boxes and primitives tested: blue few, red the most in the image"}});
 }
 inline constexpr int kViewLayers = static_cast<int>(kEnumNames<ViewLayer>.size());
 
@@ -100,7 +100,7 @@ inline bool needsData(ViewLayer layer) {
     return layer != ViewLayer::Color;
 }
 
-// What a layer's colours span: one range for all of a picture, whatever parts it is shown in.
+// Range of values that a layer's colors span; one range for the whole image, in whatever parts it is shown.
 struct LayerRange {
     double lo = 0, hi = 1;
 };
@@ -108,34 +108,34 @@ struct LayerRange {
 // Depth: from the nearest to the farthest but a twentieth; Bounces, Cost: from 0 to the most; else nothing.
 LayerRange rangeOf(const Picture& picture, ViewLayer layer);
 
-// Whether colours stand for numbers of a range, which a legend should show.
+// True if colors stand for numbers of a range, so that a legend is needed.
 inline bool hasLegend(ViewLayer layer, const Display& display) {
     return layer == ViewLayer::Bounces || layer == ViewLayer::Cost || layer == ViewLayer::Depth ||
            (layer == ViewLayer::Color && display.toneMap == ToneMap::False);
 }
 
-// By default Color gives the bytes that a PNG of the picture holds.
+// With the default display, Color gives the bytes of a PNG of the image.
 Canvas colorize(const Picture& picture, ViewLayer layer, const Display& display, const LayerRange& range);
 
 enum class CompareMode { Off, Wipe, Difference, Flicker };
 constexpr auto entriesOf(CompareMode) {
     return std::to_array<EnumEntry<CompareMode>>(
-        {{CompareMode::Off, "off", "the other picture is not shown"},
+        {{CompareMode::Off, "off", "the other image is not shown"},
          {CompareMode::Wipe, "wipe", "the other one left of a line, which the mouse drags"},
-         {CompareMode::Difference, "difference", "|A - B| of the linear colours, brightened"},
+         {CompareMode::Difference, "difference", "|A - B| of the linear colors, brightened"},
          {CompareMode::Flicker, "flicker", "one after the other, twice a second"}});
 }
 
-// Of `B`, the other picture.
+// The other image, and how it is shown.
 struct Comparison {
     std::string name;             // what it is: "reference", "kept", a file's name
-    std::optional<Image> linear;  // its colours, 3 or 4 channels, linear
-    Canvas canvas;                // what was seen, if it was no colour
+    std::optional<Image> linear;  // its colors, 3 or 4 channels, linear
+    Canvas canvas;                // what was seen, if it was no color
     CompareMode mode = CompareMode::Off;
     double wipe = 0.5;  // the line's place, 0..1 of the width
     double gain = 16;   // of the difference
     std::optional<ImageDifference>
-        figures;        // as `glint diff` prints them; without: not of one size, or no colours
+        figures;        // as `glint diff` prints them; without: not of one size, or no colors
     std::string fault;  // why there are none
 
     bool any() const { return linear.has_value() || !canvas.pixels.empty(); }
@@ -143,10 +143,10 @@ struct Comparison {
     int height() const { return linear ? linear->height : canvas.height; }
 };
 
-// Compares `a` (linear colours; null: not there yet) with the other picture, and fills figures or fault.
+// Compares `a` (linear colors; null: not there yet) with the other image, and fills figures or fault.
 void measure(Comparison& comparison, const Image* a);
 
-// Puts the other picture into `shown`, the window's own. `flash`: of flicker, whether it is the other one's
+// Puts the other image into `shown`, the window's own. `flash`: of flicker, whether it is the other one's
 // turn; `a`: as for measure.
 void compose(const Comparison& comparison, const Image* a, const Display& display, bool flash, Canvas& shown);
 

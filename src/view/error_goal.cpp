@@ -8,7 +8,7 @@ namespace glint::view {
 
 namespace {
 
-// As `glint render --error` does: a grid tells nothing of its error.
+// --error does not work with the grid sampler; `glint render --error` replaces it too.
 ImageSettings withoutGrid(ImageSettings image) {
     if (image.sampler == Sampler::Grid) image.sampler = Sampler::LowDiscrepancy;
     return image;

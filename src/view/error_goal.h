@@ -9,7 +9,7 @@
 
 namespace glint::view {
 
-// What the panel shows of it.
+// Progress of the goal, for the panel.
 struct GoalFacts {
     // Looks so far: samples of a pixel, and what the error was known not to exceed by then.
     struct Look {
@@ -37,7 +37,7 @@ class ErrorGoal {
     bool looks() const;
     void look(double rounding);
 
-    // Of both replicates, all that were taken.
+    // All samples of both replicates.
     PackedSamples taken() const;
     const GoalFacts& facts() const { return facts_; }
     bool over() const { return facts_.stop.has_value(); }
@@ -53,7 +53,7 @@ class ErrorGoal {
     GoalFacts facts_;
 };
 
-// As the panel says it: "error <= 0.012, 24 samples; until 0.003".
+// One line for the panel: "error <= 0.012, 24 samples; until 0.003".
 std::string inWords(const GoalFacts& facts, const ErrorSetting& setting);
 
 }  // namespace glint::view

@@ -8,7 +8,7 @@
 
 namespace glint::view {
 
-// Where programs keep what they remember (XDG Base Directory Specification 0.8): the file `name` in glint's
+// Path of a file of remembered state (XDG Base Directory Specification 0.8): the file `name` in glint's
 // folder in $XDG_STATE_HOME, or else in ~/.local/state. Empty if neither is an absolute path.
 std::filesystem::path stateFile(const std::string& name);
 

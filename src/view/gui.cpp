@@ -70,7 +70,7 @@ float edge(const ImVec2& a, const ImVec2& b, const ImVec2& p) {
     return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
 }
 
-// Of two triangles with a common edge, exactly one owns the pixels on it: else they would be blended twice.
+// Exactly one of two triangles owns the pixels on a common edge; otherwise they would be blended twice.
 bool ownsEdge(const ImVec2& a, const ImVec2& b) {
     return a.y > b.y || (a.y == b.y && a.x < b.x);
 }

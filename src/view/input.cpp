@@ -16,7 +16,7 @@ constexpr double kWipePixels = 6;  // from the wipe's line, within which a press
 
 }  // namespace
 
-// Of several movements of the mouse, only the last one counts.
+// Keeps only the last of several movements of the mouse.
 void Input::push(const Event& event) {
     if (event.type == Event::Type::Cursor && !queue_.empty() && queue_.back().type == Event::Type::Cursor)
         queue_.back() = event;

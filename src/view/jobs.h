@@ -78,7 +78,7 @@ struct SeenRequest {
     std::filesystem::path file;  // .exr: every layer, colour as radiance; else what is seen
     ViewLayer layer = ViewLayer::Color;
     Display display;
-    // What is there already; the rest is traced, one sample in the middle of each pixel.
+    // Present results; missing ones are traced with one sample in the middle of each pixel.
     std::optional<Canvas> canvas;  // as seen
     Picture picture;               // colour if samples > 0, data if hasData
     int samples = 0;

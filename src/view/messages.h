@@ -1,4 +1,4 @@
-// What the window says: messages that go away by themselves, and the first steps of a new user.
+// Messages of the window: those that go away by themselves, and the first steps of a new user.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class Toasts {
     // Seconds until the next one goes; negative: there is none.
     double next(double now) const;
 
-    static constexpr double kSeconds = 5;  // to read a line of text and look back at the picture
+    static constexpr double kSeconds = 5;  // to read a line of text and look back at the image
     static constexpr size_t kMost = 4;
 
   private:
@@ -41,8 +41,8 @@ constexpr auto entriesOf(Hint) {
     return std::to_array<EnumEntry<Hint>>(
         {{Hint::Turn, "turn", "Drag: turn around. Wheel: nearer."},
          {Hint::Pick, "pick", "Click: what is there, and where its light comes from."},
-         {Hint::Save, "save", "S: save the picture."},
-         {Hint::Compare, "compare", "K: keep the picture. Change something, then B: compare."}});
+         {Hint::Save, "save", "S: save the image."},
+         {Hint::Compare, "compare", "K: keep the image. Change something, then B: compare."}});
 }
 
 class Hints {

@@ -1,4 +1,4 @@
-// What the window shows and what the user can change in it: everything but the window, the panel and the
+// The state of the window: scene, edits, image, messages, controls. No part of it knows the window or the
 // keys. Commands (commands.h) change it; it needs a device, but neither GLFW nor Dear ImGui.
 #pragma once
 
@@ -78,7 +78,7 @@ struct Model {
     Hints hints;
     RecentFiles recent;
     std::vector<std::string> warnings;  // of the scene's files, until Esc
-    // Of jobs beside the window, 0..1; negative: not running.
+    // Progress of jobs beside the window, 0..1; negative: not running.
     double saveProgress = -1, verifyProgress = -1, referenceProgress = -1;
     bool isLoading = false, isClosing = false;
 

@@ -112,6 +112,7 @@ bool colorEdit(Gui& gui, const char* label, glm::dvec3& value, const char* help,
             for (int i = 0; i < 3; ++i) value[i] *= strength / std::max(greatest, 1e-9);
             changed = true;
         }
+        gui.noteControl("picker");
         ImGui::EndPopup();
     }
     ImGui::PopID();
@@ -200,7 +201,7 @@ void drawStatus(const Model& m) {
 
 constexpr float kPanelLines = 16.5f;  // the panel's width in heights of a line
 
-// Over the picture, at most so high: movable, and closed by its heading's triangle.
+// Over the image, at most so high: movable, and closed by its heading's triangle.
 bool beginOverlay(float width, float height) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
@@ -217,7 +218,7 @@ bool beginOverlay(float width, float height) {
     return open;
 }
 
-// Beside the picture.
+// Beside the image.
 bool beginDocked(float width, float height) {
     ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_Always);
     ImGui::SetNextWindowSize(ImVec2(width, std::max(height, 1.0f)), ImGuiCond_Always);
@@ -259,7 +260,8 @@ int dockWidth(const Gui& gui, int window) {
 }
 
 void drawPanel(Gui& gui, Model& model) {
-    if (model.helpVisible) {  // alone: it takes the whole window
+    if (model.helpVisible) {  // without what lies over the image
+        if (model.left > 0) drawMain(gui, model);
         drawHelp(gui, model);
         drawProgress(gui, model);
         return;

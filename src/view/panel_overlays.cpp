@@ -1,4 +1,4 @@
-// What stands over the picture beside the panel.
+// Windows over the image: keys, pick, inspector, messages, legend, marks.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,7 +12,7 @@ namespace {
 constexpr ImU32 kEyeRay = IM_COL32(255, 255, 255, 220), kReflectedRay = IM_COL32(255, 170, 60, 220),
                 kTransmittedRay = IM_COL32(90, 200, 255, 220), kOutline = IM_COL32(0, 0, 0, 160);
 
-// Of what says something and takes nothing: the mouse works on the picture beneath.
+// For boxes without controls: the mouse works on the image beneath.
 constexpr ImGuiWindowFlags kUnderMouse = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoInputs;
 
 struct HelpLine {
@@ -73,7 +73,7 @@ void drawRayTree(const Pick& pick) {
     }
 }
 
-// The pixels about the mouse, each as a square of one colour.
+// The pixels about the mouse, each as a square of one color.
 void drawMagnifier(const Model& m, const PixelFacts& pixel) {
     const int across = m.zoom | 1;
     const float side = std::floor(11 * ImGui::GetFontSize() / static_cast<float>(across));
@@ -177,7 +177,7 @@ void drawInspector(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
     if (beginCorner(m.left, "inspector (I closes)", ImVec2(1, 1), 18 * line)) {
         if (!m.pixel) {
-            wrapped("Move the mouse over the picture.", kDim);
+            wrapped("Move the mouse over the image.", kDim);
         } else {
             const PixelFacts& p = *m.pixel;
             drawMagnifier(m, p);
@@ -228,7 +228,7 @@ void drawMessages(Gui& gui, const Model& m) {
     ImGui::End();
 }
 
-// Where neither the panel nor a pick lies, unless the window is small.
+// In the corner that neither the panel nor a pick uses.
 void drawHints(Gui& gui, Model& m) {
     const float line = ImGui::GetFontSize();
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
@@ -307,7 +307,7 @@ void drawLegend(Gui& gui, const Model& m) {
     ImGui::End();
 }
 
-// The picked pixel and its tree of rays, in the picture itself.
+// The picked pixel and its tree of rays, in the image itself.
 void drawMarks(const Model& m) {
     if (!m.pick.has_value()) return;
     const Pick& pick = *m.pick;

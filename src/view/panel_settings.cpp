@@ -1,4 +1,4 @@
-// The panel's groups that change the picture.
+// The panel's groups that change the image.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,7 +9,7 @@
 namespace glint::view {
 
 void drawView(Gui& gui, Model& m) {
-    choice(gui, "layer", m.settings.layer, "what the colours stand for (L: next)");
+    choice(gui, "layer", m.settings.layer, "what the colors stand for (L: next)");
     slider(gui, "exposure", m.display.exposure, -kMostExposure, kMostExposure, "%+.1f stops",
            "brighter or darker, in powers of two (- and +)");
     choice(gui, "tone map", m.display.toneMap, "from radiance to the screen (T: next)");
@@ -22,7 +22,7 @@ void drawView(Gui& gui, Model& m) {
     ImGui::SameLine();
     checkbox(gui, "inspect", m.inspects, "what is under the mouse, in numbers (I)");
     ImGui::SameLine();
-    checkbox(gui, "dock", m.docked, "the panel beside the picture, or over it (Shift+H)");
+    checkbox(gui, "dock", m.docked, "the panel beside the image, or over it (Shift+H)");
     if (m.flying) slider(gui, "speed", m.flySpeed, 0.05, 20, "x %.2f", "of flying", true);
     if (!resetButton(gui, "view", !(m.display == Display{}) || m.flySpeed != 1)) return;
     m.display = {};
@@ -38,7 +38,7 @@ void drawLens(Gui& gui, Model& m) {
     slider(gui, "radius", radius, 0, 0.2 * boundsOf(*m.scene).radius, "%.4g",
            "of the lens; 0 is a pinhole: all is sharp");
     slider(gui, "focus", focus, 0, 10 * boundsOf(*m.scene).radius, "%.5g",
-           "distance that is sharp; 0: the camera's target. Ctrl+click on the picture sets it", true);
+           "distance that is sharp; 0: the camera's target. Ctrl+click on the image sets it", true);
     if (radius != camera.lensRadius || focus != camera.focusDistance) m.control.setLens(radius, focus);
     wrapped("Ctrl+click on the image focuses there.", kDim);
 }
@@ -47,24 +47,23 @@ namespace {
 
 constexpr double kFirstError = 0.01, kLeastError = 1e-4, kMostError = 0.1;
 
-// How long the picture at rest gathers samples: so many, or until its error is small enough.
+// How long the image at rest gathers samples: so many, or until its error is small enough.
 void drawLimit(Gui& gui, Model& m) {
     ErrorSetting& until = m.settings.until;
     if (until.error > 0)
         slider(gui, "error", until.error, kLeastError, kMostError, "%.2g",
-               "root mean square over the picture of what it may be off, with 95 % confidence or what "
+               "root mean square over the image of what it may be off, with 95 % confidence or what "
                "--confidence says; as glint render --error",
                true);
     else
-        slider(gui, "samples", m.settings.sampleLimit, 1, 1024, "of the picture in the window, at rest",
-               true);
+        slider(gui, "samples", m.settings.sampleLimit, 1, 1024, "of the image in the window, at rest", true);
 }
 
 void drawUntil(Gui& gui, Model& m) {
     ErrorSetting& until = m.settings.until;
     bool byError = until.error > 0;
     if (checkbox(gui, "until error", byError,
-                 "samples are taken until the picture's error is small enough, not so many"))
+                 "samples are taken until the image's error is small enough, not so many"))
         until.error = byError ? kFirstError : 0;
     if (byError)
         checkbox(gui, "within depth", until.withinDepth,
@@ -92,7 +91,7 @@ void drawTracing(Gui& gui, Model& m) {
            "how rays are tried against triangles; watertight is right, the others show why");
     choice(gui, "spheres", s.methods.spheres,
            "how rays are tried against spheres; robust is right, the others show why");
-    choice(gui, "traversal", m.traversal, "how rays walk the tree; the pictures are the same, bit for bit");
+    choice(gui, "traversal", m.traversal, "how rays walk the tree; the images are the same, bit for bit");
     double target = 1e3 * m.targetSeconds;
     if (slider(gui, "aim", target, 8, 200, "%.0f ms a frame", "while the camera moves: less is coarser"))
         m.targetSeconds = 1e-3 * target;
@@ -114,10 +113,10 @@ void drawTracing(Gui& gui, Model& m) {
 }
 
 void drawSampling(Gui& gui, Model& m) {
-    if (!group(gui, "sampling", false, "of rendered pictures (Alt+S); filter and seed of the window's too"))
+    if (!group(gui, "sampling", false, "of rendered images (Alt+S); filter and seed of the window's too"))
         return;
     SamplingSettings& s = m.settings.sampling;
-    slider(gui, "per pixel", s.samplesPerPixel, 1, 1024, "samples of a rendered picture", true);
+    slider(gui, "per pixel", s.samplesPerPixel, 1, 1024, "samples of a rendered image", true);
     choice(gui, "sampler", s.sampler, "where the samples of a pixel lie");
     if (choice(gui, "filter", s.filter, "how samples are weighted into pixels"))
         s.filterRadius = defaultRadius(s.filter);
@@ -223,7 +222,7 @@ void drawMaterials(Gui& gui, Model& m) {
     for (Color* part : {&material.mirror, &material.transmission}) *part = glm::clamp(*part, 0.0, 1.0);
     if (material.transmission != Color(0))
         slider(gui, "ior", material.ior, 0.5, 4, "%.3f", "index of refraction: water 1.333, glass 1.5");
-    choice(gui, "glass shadows", m.edits.transmissiveShadows, "coloured by what the light passes, or full");
+    choice(gui, "glass shadows", m.edits.transmissiveShadows, "colored by what the light passes, or full");
     if (resetButton(gui, "materials", !same(m.edits, m.fileEdits))) m.edits = m.fileEdits;
     if (m.hasJsonFile() && m.edited() && button(gui, "save scene", "lights and materials, into a scene file"))
         m.wish = Action::SaveScene;

@@ -18,7 +18,7 @@ void openFile(Model& m, const std::filesystem::path& file) {
     m.wish = Action::OpenNamed;
 }
 
-// By name; the folder is in the tooltip.
+// Lists names; the folder is in the tooltip.
 void drawRecent(Gui& gui, Model& m) {
     for (size_t i = 1; i < m.recent.list().size(); ++i) {
         const std::filesystem::path& file = m.recent.list()[i];
@@ -38,7 +38,7 @@ double milliseconds(double seconds) {
 }  // namespace
 
 void drawFiles(Gui& gui, Model& m) {
-    if (!group(gui, "save and open", false, "pictures to files, other scenes into the window")) return;
+    if (!group(gui, "save and open", false, "images to files, other scenes into the window")) return;
     wish(m, button(gui, "PNG", "save what is seen (S)"), Action::SavePng);
     ImGui::SameLine();
     wish(m, button(gui, "EXR", "save what is seen, with every layer (Shift+S)"), Action::SaveExr);
@@ -48,7 +48,7 @@ void drawFiles(Gui& gui, Model& m) {
          Action::RenderPng);
     ImGui::SameLine();
     wish(m, button(gui, "render EXR", "the same, with every layer (Alt+Shift+S)"), Action::RenderExr);
-    if (button(gui, "open", "another scene, or a picture to compare with (Ctrl+O); or drop it here"))
+    if (button(gui, "open", "another scene, or a image to compare with (Ctrl+O); or drop it here"))
         m.openVisible = true;
     drawRecent(gui, m);
 }
@@ -65,7 +65,7 @@ void drawOpen(Gui& gui, Model& m) {
         ImGui::SetNextItemWidth(-4 * line);
         const bool entered = ImGui::InputTextWithHint("##open", "path", m.openName.data(), m.openName.size(),
                                                       ImGuiInputTextFlags_EnterReturnsTrue);
-        tip(gui, "open path", "a scene to look at, or a picture to compare with");
+        tip(gui, "open path", "a scene to look at, or a image to compare with");
         ImGui::SameLine();
         if ((ImGui::Button("open##path") || entered) && m.openName[0] != 0) openFile(m, m.openName.data());
         std::filesystem::path next;
@@ -200,22 +200,22 @@ void drawCameras(Gui& gui, Model& m) {
 }
 
 void drawCompare(Gui& gui, Model& m) {
-    if (!group(gui, "compare", false, "this picture with another one")) return;
+    if (!group(gui, "compare", false, "this image with another one")) return;
     Comparison& c = m.comparison;
-    wish(m, button(gui, "keep", "this picture, to compare others with (K)"), Action::Keep);
+    wish(m, button(gui, "keep", "this image, to compare others with (K)"), Action::Keep);
     ImGui::SameLine();
     wish(m, button(gui, "reference", "the same samples by the tracer in double precision, on the processor"),
          Action::TraceReference);
     ImGui::SameLine();
     wish(m, button(gui, "verify", "is every pixel what the reference says? (V)"), Action::Verify);
     if (!c.any()) {
-        wrapped("Keep a picture, trace the reference, or drop a picture file here.", kDim);
+        wrapped("Keep a image, trace the reference, or drop a image file here.", kDim);
         return;
     }
     text("with: " + c.name);
     choice(gui, "mode", c.mode, "how the two are shown (B: next)");
     if (c.mode == CompareMode::Wipe)
-        slider(gui, "wipe", c.wipe, 0, 1, "%.2f", "left of here is the other picture; drag its line");
+        slider(gui, "wipe", c.wipe, 0, 1, "%.2f", "left of here is the other image; drag its line");
     if (c.mode == CompareMode::Difference)
         slider(gui, "gain", c.gain, 1, 4096, "x %.0f", "of the difference", true);
     if (c.mode == CompareMode::Off) return;
@@ -223,7 +223,7 @@ void drawCompare(Gui& gui, Model& m) {
         ImGui::Text("RMSE %.4g, PSNR %.1f dB", c.figures->rmse, c.figures->psnr);
         ImGui::Text("greatest %.4g, bias %.2g", c.figures->max, c.figures->mean);
     } else {
-        wrapped(c.fault.empty() ? "measured once the picture is finished" : c.fault, kDim);
+        wrapped(c.fault.empty() ? "measured once the image is finished" : c.fault, kDim);
     }
 }
 

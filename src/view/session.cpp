@@ -19,7 +19,7 @@ constexpr double kNewest = 0.6;
 constexpr double kFirstScale = 0.5;
 // Sizes in steps of 1/16, so that the picture does not swim with every frame.
 constexpr double kSteps = 16;
-// Without anything else in the way, rendering still gets this part of a frame.
+// Least part of a frame for rendering, however long presenting takes.
 constexpr double kLeastShare = 0.3;
 
 constexpr double kSliceSeconds = 0.03;  // those of `glint render` are longer
@@ -315,7 +315,7 @@ void Session::askForRounding() {
     });
 }
 
-// Without any reflection there is no account of what is missing either.
+// At depth 0 the losses of mirrors are not counted.
 bool Session::countsMirrors() const {
     const auto reflects = [](const Material& m) {
         return m.mirror != Color(0) || m.transmission != Color(0);

@@ -69,7 +69,7 @@ class Session {
     void wantData(bool wanted) { wantsData_ = wanted; }
     void setView(const Camera& camera, int width, int height);
 
-    // What the panel's settings are to a tracer.
+    // The settings as a tracer takes them.
     Tracing tracing() const;
     shared::Camera packedCamera() const;
     // What pictures of the view and what is shown of them take at most, of a device that is the processor
@@ -93,10 +93,10 @@ class Session {
     bool hasData() const { return hasData_; }  // of every pixel, for all layers but Color
     int samples() const { return samples_; }   // complete ones, of the full picture
     double progress() const;                   // of the sample at hand, 0..1
-    // Of the error that the settings ask for; null before the picture at rest, and if they ask for none.
+    // Progress towards the error of the settings; null before the image at rest, or without such a goal.
     const GoalFacts* goal() const { return goal_ ? &goal_->facts() : nullptr; }
 
-    // What there is to show, of the view's size. `version` grows whenever that changes.
+    // The image to show, of the view's size. `version` grows whenever that changes.
     Canvas canvas(const Display& display) const;
     LayerRange range() const;  // that its colours stand for
     uint64_t version() const { return version_; }
@@ -109,7 +109,7 @@ class Session {
     const FrameFacts& facts() const { return facts_; }
     const render::StageTimes& times() const { return renderer_.times(); }
 
-    // What `glint trace --pixel x,y` answers for a picture of the view's size.
+    // The answer of `glint trace --pixel x,y` for a picture of the view's size.
     PixelData pixel(int x, int y);
 
   private:

@@ -224,7 +224,7 @@ Json lightsOf(const std::vector<LightSetting>& settings, const Scene& scene) {
     return json;
 }
 
-// Without an "ambient", the format takes "diffuse" for it; so both are written if one has changed.
+// A missing "ambient" means "diffuse" in a scene file, so a changed diffuse color comes with its ambient one.
 Json materialsOf(const std::vector<Material>& materials, const std::vector<Material>& before) {
     Json json;
     for (size_t i = 0; i < std::min(materials.size(), before.size()); ++i) {

@@ -1,4 +1,4 @@
-// What the panel changes (settings that tracing depends on, edits that need the scene packed again), and its
+// Changes by the panel (settings that tracing depends on, edits that need the scene packed again), and its
 // undo.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace glint::view {
 struct LightSetting {
     bool on = true;
     float dim = 1;  // times the intensity
-    // As in scene.h; a kind of light has some of them.
+    // Fields as in scene.h; each kind of light has some of them.
     glm::dvec3 position{0}, direction{0, -1, 0};
     Color intensity{1};
     double angle = 30, penumbra = 0;
@@ -44,7 +44,7 @@ struct SamplingSettings {
     ImageSettings image(int width, int height) const;
 };
 
-// Until when the window takes samples: an error in place of a number (docs/design/error-targets.md).
+// Stops sampling at an error instead of a number of samples (docs/design/error-targets.md).
 struct ErrorSetting {
     double error = 0;  // linear radiance, root mean square over the picture; 0: a number of samples
     double confidence = 0.95;
@@ -65,7 +65,7 @@ struct PictureSettings {
     ErrorSetting until;
     bool operator==(const PictureSettings&) const = default;
 
-    // As the file has them.
+    // The settings of the file.
     static PictureSettings of(const Scene& scene);
     uint32_t depth() const { return reflections ? static_cast<uint32_t>(maxDepth) : 0u; }
     // After the file has changed: what was as in `before` is now as in `now`; what the user has moved stays.

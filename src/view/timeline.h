@@ -9,17 +9,17 @@ namespace glint::view {
 
 class Timeline {
   public:
-    // Of the scene that is shown now; without a span nothing moves. The moment stays, and so does a rate that
-    // the user has chosen.
+    // Takes the span of the scene that is shown; without a span nothing moves. The moment stays, and so does
+    // a rate that the user has chosen.
     void follow(const std::optional<AnimationSpan>& span);
     bool any() const { return span_.has_value(); }
 
     // The moment that is wanted, in seconds; empty: the scene as its file says it.
     std::optional<double> time() const { return time_; }
     void setTime(std::optional<double> time);  // stops there
-    // As `glint render --frames` counts them; that next to the moment.
+    // The frame nearest to the moment, counted as by `glint render --frames`.
     int frame() const;
-    // From the first keyframe to the last one.
+    // Frames of the first and the last keyframe.
     int first() const;
     int last() const;
 

@@ -21,13 +21,13 @@ struct ViewScene {
     std::filesystem::path path;
     Scene scene;
     PackedScene packed;  // as loaded: every light on
-    // What the panel may switch on though the scene does without: mirrors, if a material reflects, cameras
-    // with parallel rays, and a lens.
+    // Features that the panel may switch on though the scene does without: mirrors, if a material reflects,
+    // cameras with parallel rays, and a lens.
     SceneFeatures also;
     bool hasGlass = false;  // a material transmits light
 };
 
-// With what the command line says instead of the file.
+// Applies the values that the command line gives.
 Scene withOverrides(Scene scene, const Loading& loading);
 
 // `memory`: of trees, may be null; see pack/tree_memory.h.
@@ -52,9 +52,9 @@ class Moments {
     // Reads the file. Throws Error(Scene) as loadScene does.
     Moments(const std::filesystem::path& path, const Loading& loading, std::optional<double> time);
 
-    // As it is now, and as it is then with those of `edits` that differ from the file as it was, `before`.
-    // What has not moved keeps its tree, and if nothing but the camera has, nothing is packed. Throws
-    // Error(Scene) where the animation comes to what is no scene; then the moment before stays.
+    // The scene as it is now, or at a time, with those of `edits` that differ from the file as it was,
+    // `before`. Geometry that has not moved keeps its tree; if only the camera moves, nothing is packed.
+    // Throws Error(Scene) where the animation comes to what is no scene; then the moment before stays.
     Moment show();
     Moment show(std::optional<double> time, const SceneEdits& edits, const SceneEdits& before);
 

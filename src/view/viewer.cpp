@@ -20,11 +20,16 @@ constexpr double kBreathSeconds = 0.005;    // while a frame is not due yet
 constexpr double kPollSeconds = 0.25;       // between looks at files and jobs
 constexpr size_t kFrameTimes = 120;
 constexpr PixelSize kLeastSize{1280, 800};
+constexpr double kPanelWidth = 245;  // docked, at scale 1
 
-// The image has the scene's proportions; the docked panel lies beside it.
+// Without a size from the user: at least kLeastSize, and wide enough that the image beside the panel shows
+// all that an image of the scene's proportions shows, if the screen allows.
 PixelSize sizeOf(const Options& options, const Scene& scene) {
     if (options.width > 0) return {options.width, options.height};
-    return {std::max(scene.image.width, kLeastSize.width), std::max(scene.image.height, kLeastSize.height)};
+    const int height = std::max(scene.image.height, kLeastSize.height);
+    const double aspect = static_cast<double>(scene.image.width) / scene.image.height;
+    const double panel = kPanelWidth * std::max(options.scale, 1.0);
+    return {std::max(static_cast<int>(height * aspect + panel), kLeastSize.width), height};
 }
 
 }  // namespace
@@ -187,7 +192,7 @@ void Viewer::drawFrame() {
     takePanel();
 }
 
-// What the user has changed in the panel.
+// Applies changes made in the panel.
 void Viewer::takePanel() {
     commands_.takeSettings();
     if (model_.display != std::exchange(shown_, model_.display)) model_.dirty = std::max(model_.dirty, 1);

@@ -28,7 +28,7 @@ class Window {
 
     gpu::WindowSystem system();
 
-    // What has happened since the last call. wait(): sleeps until something does, wake() is called, or
+    // Events since the last call. wait(): sleeps until something does, wake() is called, or
     // `seconds` are over.
     std::vector<Event> poll();
     void wait(double seconds);
@@ -45,7 +45,7 @@ class Window {
     // The whole screen, or a window again as large as before.
     void setFullscreen(bool fullscreen);
     bool fullscreen() const;
-    // Where a pixel of the picture is on the screen, in the window system's units.
+    // Place of a pixel of the window on the screen, in the window system's units.
     PixelSize onScreen(double x, double y) const;
 
     std::vector<Event> events;  // filled by GLFW's callbacks

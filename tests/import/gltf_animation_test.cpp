@@ -162,5 +162,18 @@ TEST_F(GltfAnimation, FaultsMoveNothingAndAreSaid) {
     EXPECT_EQ(two.moveTo(1), Change::Scene);
 }
 
+// As joints of a skin, which is ignored.
+TEST_F(GltfAnimation, NodesThatShowNothingAreNoAnimation) {
+    Maker maker;
+    const size_t times = maker.floats({0, 2}, "SCALAR"), places = maker.floats({0, 0, 0, 1, 0, 0}, "VEC3");
+    std::string text = maker.file(sampler(times, places), channel(0, 4, "translation"));
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        text.replace(text.find(from), from.size(), to);
+    };
+    replace("[0, 2, 3]", "[0, 2, 3, 4]");
+    replace("\"light\": 0}}}]", "\"light\": 0}}}, {\"name\": \"joint\"}]");
+    EXPECT_EQ(warningOf(text), "the animation moves nothing that is shown");
+}
+
 }  // namespace
 }  // namespace glint::test::gltf_animation_test

@@ -32,6 +32,7 @@ class Driver {
     void startIdling(double seconds);
     void waitFrames(int frames);
     std::string stateOf(const ScriptCommand& command) const;
+    std::string stateOfImage(const ScriptCommand& command) const;
     std::string cameraNames() const;
     Gui::Place placeOf(const ScriptCommand& command, const std::string& word) const;
     [[noreturn]] static void fail(const ScriptCommand& command, const std::string& what);

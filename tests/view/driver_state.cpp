@@ -88,6 +88,12 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
         return names.empty() ? "none" : names;
     }
     if (what == "layer") return std::string(nameOf(viewer_.model().settings.layer));
+    return stateOfImage(command);
+}
+
+std::string Driver::stateOfImage(const ScriptCommand& command) const {
+    const std::string& what = command.arguments[0];
+    const Camera& camera = viewer_.model().control.camera();
     if (what == "lens") return text("%.6g", camera.lensRadius);
     if (what == "limit") return std::to_string(viewer_.model().settings.sampleLimit);
     if (what == "panel") return onOffText(viewer_.model().panelVisible);
@@ -113,6 +119,11 @@ std::string Driver::stateOf(const ScriptCommand& command) const {
     if (what == "depth") return std::to_string(viewer_.model().settings.maxDepth);
     if (what == "verdict")
         return viewer_.model().verdict.empty() ? "none" : viewer_.model().verdictPassed ? "passed" : "failed";
+    if (what == "waiting") {
+        const std::string waiting = viewer_.model().waitingComparison();
+        return waiting.empty() ? "none" : waiting;
+    }
+    if (what == "warnings") return std::to_string(viewer_.model().warnings.size());
     if (what == "toast") {
         std::string all;
         for (const Toast& toast : viewer_.model().toasts.shown())

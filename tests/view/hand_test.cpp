@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/image_io.h"
+#include "core/quantize.h"
 #include "support.h"
 #include "view/camera_control.h"
 #include "view/jobs.h"
@@ -165,6 +166,28 @@ TEST_F(Hand, UndoAndRedoOfTheCamera) {
     EXPECT_EQ(c.at(3), c.at(1));
     EXPECT_EQ(c.at(4), c.at(0));
     EXPECT_EQ(c.at(5), c.at(1));
+}
+
+// A color typed as the screen shows it; undo takes it back and leaves the camera.
+TEST_F(Hand, UndoAndRedoOfAColor) {
+    size_ = "640x760";
+    const Ran ran = view(
+        "set samples 1\nwait 4\nhand key Left\nwait 2\nprint camera\nhand mousemove @diffuse_hex click "
+        "--repeat 2 "
+        "1\nhand key ctrl+a\nhand key numbersign key 2 key 0 key c key 0 key 4 key 0 key Return\nsettle\n"
+        "hand key c\nhand key ctrl+z\nsettle\nprint camera\nhand key c\nhand key ctrl+y\nsettle\nhand key "
+        "c\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    std::vector<std::string> materials;
+    std::istringstream lines(ran.out);
+    for (std::string line; std::getline(lines, line);)
+        if (line.rfind("\"materials\": ", 0) == 0) materials.push_back(line.substr(13));
+    ASSERT_EQ(materials.size(), 2u) << ran.out;
+    EXPECT_EQ(materials[0], materials[1]);
+    const nlohmann::json one = nlohmann::json::parse(materials[0])["one"];
+    EXPECT_NEAR(one["diffuse"][1], linearFromSrgb(0xc0 / 255.0), 1e-6);
+    EXPECT_EQ(one["ambient"], one["diffuse"]);
+    EXPECT_EQ(cameras(ran).at(0), cameras(ran).at(1));
 }
 
 TEST_F(Hand, BookmarksComeBack) {

@@ -60,5 +60,14 @@ TEST(Pace, AWindowWithoutPixelsIsNoFault) {
     EXPECT_LE(pace.scale(0), 1);
 }
 
+// A ray that ends in glass is black, so rays are followed through an object however coarse the image is.
+TEST(Pace, FollowsRaysThroughGlass) {
+    Pace pace(0.03);
+    pace.measured(1e5, 10, 0);
+    EXPECT_EQ(pace.depth(5, 1e6), 1);
+    EXPECT_EQ(pace.depth(5, 1e6, true), Pace::kGlassDepth);
+    EXPECT_EQ(pace.depth(2, 1e6, true), 2);
+}
+
 }  // namespace
 }  // namespace glint::view::pace_test

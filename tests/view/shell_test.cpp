@@ -115,6 +115,14 @@ TEST_F(Shell, APictureEqualsItself) {
     EXPECT_EQ(pixelOf(wipe, 60, 90), pixelOf(before, 60, 90));
 }
 
+TEST_F(Shell, AComparisonSaysWhatItWaitsFor) {
+    const Ran ran = view(
+        "set samples 1\nkey H\nsettle\nkey K\nset samples 100000\nkey B\nexpect waiting none\nkey B\nprint "
+        "waiting\nset samples 1\nsettle\nwait 2\nexpect waiting none\n");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(printed(ran, "waiting").at(0).rfind("difference: waiting for the last sample (", 0), 0u);
+}
+
 TEST_F(Shell, ADroppedPictureIsComparedWith) {
     scene_["background"] = {0.9, 0.1, 0.1};
     writeText("red.json", scene_.dump());

@@ -26,6 +26,37 @@ TEST_F(Window, OpensDrawsAndCloses) {
     EXPECT_EQ(ran.err, "");
 }
 
+TEST_F(Window, OpensLargeWithThePanelBesideTheImage) {
+    const Ran ran = runView({"scene.json"}, parseScript("wait 3\nexpect-size 1280 800\n"
+                                                        "print picture\n",
+                                                        "script.txt"));
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    int width = 0, height = 0;
+    ASSERT_EQ(std::sscanf(printed(ran, "picture").at(0).c_str(), "%d %d", &width, &height), 2);
+    EXPECT_LT(width, 1280);
+    EXPECT_GT(width, 640);
+    EXPECT_EQ(height, 800);
+}
+
+TEST_F(Window, WarningsOfLoadingStayUntilEsc) {
+    writeText("scene.json",
+              R"({"camera": {"eye": [0, 0, 5]}, "lights": [{"type": "point", "position": [0, 5, 5]}],
+        "meshes": {"m": {"file": "m.obj"}}, "objects": [{"type": "mesh", "mesh": "m"}]})");
+    writeText("m.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const Ran ran = view("wait 3\nexpect warnings 1\nkey Esc\nexpect warnings 0\n");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_NE(ran.err.find("none.mtl"), std::string::npos) << ran.err;
+}
+
+TEST_F(Window, EscClosesAPicker) {
+    size_ = "640x760";
+    const Ran ran = view(
+        "set samples 1\nwait 4\npress diffuse\nwait 3\nprint control picker\nkey Esc\nwait 3\n"
+        "print control picker\n");
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_NE(ran.err.find("script.txt:8: print: no control 'picker'"), std::string::npos) << ran.err;
+}
+
 TEST_F(Window, ClosesByItsKey) {
     const Ran ran = view("stay\nkey ctrl+q\n");
     EXPECT_EQ(ran.code, 0) << ran.err;
@@ -221,7 +252,7 @@ TEST_F(Window, RestsAtNoCost) {
 }
 
 TEST_F(Window, VerifiesTheView) {
-    const Ran ran = view("orbit 20 10\nverify\n");
+    const Ran ran = view("orbit 20 10\nverify\nexpect verdict passed\nexpect difference off\n");
     EXPECT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.out.find("verify passed: 43200 pixels"), std::string::npos) << ran.out;
 }
