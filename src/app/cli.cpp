@@ -54,7 +54,14 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
             std::this_thread::sleep_for(std::chrono::seconds(2));
             return static_cast<int>(code);
         }
-        err << "glint: " << printable(message) << std::endl;
+        // Several errors of a scene stand below each other, indented; any other line break is a character of
+        // a name.
+        err << "glint: ";
+        for (size_t at = 0, end = 0; at <= message.size(); at = end + 3) {
+            end = std::min(message.find("\n  ", at), message.size());
+            err << (at == 0 ? "" : "  ") << printable(std::string_view(message).substr(at, end - at))
+                << std::endl;
+        }
         abortRanks(static_cast<int>(code));
         return static_cast<int>(code);
     };

@@ -9,6 +9,31 @@
 
 namespace glint {
 
+namespace {
+
+// Keys as other programs have them, and what to write here. `what` is the beginning of a table's name.
+struct Synonym {
+    std::string_view what, key, advice;
+};
+constexpr Synonym kSynonyms[] = {
+    {"material", "color", "the colour of a material is \"diffuse\""},
+    {"material", "colour", "the colour of a material is \"diffuse\""},
+    {"material", "opacity", "give \"transmission\", which is 1 - opacity"},
+    {"material", "emission", "surfaces do not glow; \"ambient\" is what they show without a light"},
+    {"material", "reflectivity", "give \"mirror\""},
+    {"objects/mesh", "file",
+     "name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give \"mesh\": \"NAME\""},
+    {"objects/", "color", "give a \"material\" with \"diffuse\""},
+    {"objects/", "colour", "give a \"material\" with \"diffuse\""},
+    {"objects/plane", "position", "give \"point\""},
+    {"objects/", "position", "give \"center\", or \"transform\""},
+    {"lights/", "color", "give \"intensity\", a number or [r, g, b]"},
+    {"camera/", "position", "give \"eye\""},
+    {"camera/", "lookAt", "give \"target\""},
+    {"camera/", "fov", "give \"fovY\", in degrees"}};
+
+}  // namespace
+
 std::string JsonCursor::pointer() const {
     if (!parent_) return {};
     return parent_->pointer() + "/" +
@@ -36,6 +61,9 @@ void JsonCursor::expectKeys(const KeyTable& table) const {
         if (std::any_of(table.keys.begin(), table.keys.end(), is)) continue;
         if (std::any_of(table.later.begin(), table.later.end(), is))
             member(i).fail("\"" + std::string(key) + "\" is not supported by this version");
+        for (const Synonym& known : kSynonyms)
+            if (key == known.key && table.what.starts_with(known.what))
+                member(i).fail("unknown key (" + std::string(known.advice) + ")");
         const std::string hint = suggestion(key, table.keys, "known");
         member(i).fail("unknown key" + (hint.empty() ? "" : " (" + hint + ")"));
     }

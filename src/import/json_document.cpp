@@ -9,6 +9,7 @@
 #include "core/call_terms.h"
 #include "core/error.h"
 #include "core/text_file.h"
+#include "import/text_scanner.h"
 #include "scene/limits.h"
 
 namespace glint {
@@ -42,49 +43,6 @@ struct TrackedChar {
     bool operator!=(const TrackedChar& other) const { return at != other.at; }
 };
 
-std::string afterWord(const std::string& text, const std::string& word) {
-    const size_t at = text.find(word);
-    return at == std::string::npos ? "" : text.substr(at + word.size());
-}
-
-std::string untilWord(const std::string& text, const std::string& word) {
-    return text.substr(0, text.find(word));
-}
-
-// The parser's words for tokens, in ours.
-std::string readableToken(const std::string& token) {
-    if (token == "string literal") return "a string";
-    if (token == "number literal") return "a number";
-    if (token == "end of input") return "the end of the file";
-    if (token.ends_with(" literal")) return token.substr(0, token.size() - 8);  // true, false, null
-    return token;
-}
-
-// From "[json.exception...] parse error at line 3, column 5: syntax error while parsing object - unexpected
-// string literal; expected '}'" to "expected ',' or '}' (got a string)".
-std::string readableSyntaxError(const std::string& message) {
-    const std::string number = afterWord(message, "number overflow parsing '");
-    if (!number.empty()) return "number out of range: " + untilWord(number, "'");
-
-    const std::string context = untilWord(afterWord(message, "while parsing "), " - ");
-    const std::string detail = afterWord(message, " - ");
-    const std::string unexpected = afterWord(detail, "unexpected ");
-    if (unexpected.empty() || !detail.starts_with("unexpected ")) {
-        const std::string reason = untilWord(detail, "; last read");
-        if (reason == "invalid literal") return "not a JSON value (text needs double quotes)";
-        return reason;
-    }
-    const std::string got = readableToken(untilWord(unexpected, ";"));
-    std::string expected = readableToken(afterWord(unexpected, "expected "));
-    if (expected == "'}'" || expected == "']'")
-        expected = "',' or " + expected;
-    else if (expected.starts_with("'[', '{'"))
-        expected = "a value";
-    else if (context == "object key")
-        expected = "a key in double quotes";
-    return "expected " + expected + " (got " + got + ")";
-}
-
 class TreeBuilder {
   public:
     TreeBuilder(std::string_view text, const std::string& file, const char* const& furthest)
@@ -94,14 +52,14 @@ class TreeBuilder {
 
     // The interface that nlohmann::json::sax_parse calls.
     bool null() { return add({}); }
-    bool boolean(bool value) { return add({value}); }
-    bool number_integer(int64_t value) { return add({static_cast<double>(value)}); }
-    bool number_unsigned(uint64_t value) { return add({static_cast<double>(value)}); }
-    bool number_float(double value, const std::string&) { return add({value}); }
-    bool string(std::string& value) { return add({std::move(value)}); }
+    bool boolean(bool value) { return add({value, 0, 0}); }
+    bool number_integer(int64_t value) { return add({static_cast<double>(value), 0, 0}); }
+    bool number_unsigned(uint64_t value) { return add({static_cast<double>(value), 0, 0}); }
+    bool number_float(double value, const std::string&) { return add({value, 0, 0}); }
+    bool string(std::string& value) { return add({std::move(value), 0, 0}); }
     bool binary(nlohmann::json::binary_t&) { return false; }
-    bool start_object(size_t) { return open({JsonObject{}}); }
-    bool start_array(size_t) { return open({JsonArray{}}); }
+    bool start_object(size_t) { return open({JsonObject{}, 0, 0}); }
+    bool start_array(size_t) { return open({JsonArray{}, 0, 0}); }
     bool end_object() { return close(); }
     bool end_array() { return close(); }
 
@@ -109,25 +67,21 @@ class TreeBuilder {
         if (!open_.back().seen.insert(name).second)
             failAt(readSoFar(), "the key \"" + name + "\" stands here twice");
         std::get<JsonObject>(open_.back().value->data).keys.push_back(std::move(name));
+        token_ = readSoFar();
         return true;
     }
 
-    bool parse_error(size_t position, const std::string& lastToken, const nlohmann::json::exception& error) {
-        const std::string what = error.what();
-        // The position is that of the last character read. An unexpected token is best shown by its first
-        // one; only for strings and numbers does `lastToken` hold just the token.
-        size_t length = 1;
-        if (what.find("unexpected string") != std::string::npos ||
-            what.find("unexpected number") != std::string::npos ||
-            what.find("number overflow") != std::string::npos)
-            length = lastToken.size();
-        else if (what.find("unexpected true") != std::string::npos ||
-                 what.find("unexpected null") != std::string::npos)
-            length = 4;
-        else if (what.find("unexpected false") != std::string::npos)
-            length = 5;
-        failAt(position > text_.size() ? text_.size() : position - std::min(position, length),
-               readableSyntaxError(what));
+    // The position is that of the last character read. The parser's words stand behind its own position.
+    bool parse_error(size_t position, const std::string&, const nlohmann::json::exception& error) {
+        const size_t at = std::min(position == 0 ? 0 : position - 1, text_.size());
+        const std::string_view before = text_.substr(0, at);
+        const size_t last = before.find_last_not_of(" \t\r\n");
+        if (at < text_.size() && (text_[at] == '}' || text_[at] == ']') && last != before.npos &&
+            text_[last] == ',')
+            failAt(last, "a comma must not stand before '" + std::string(1, text_[at]) + "'");
+        const std::string_view what = error.what();
+        const size_t place = what.find(": "), kind = what.find("] ");
+        failAt(at, std::string(what.substr((place != what.npos ? place : kind) + 2)));
     }
 
   private:
@@ -148,7 +102,25 @@ class TreeBuilder {
                                                 std::to_string(column) + ": " + what));
     }
 
+    // Where the value that was just read begins: behind what came before it, blanks, commas and comments.
+    void mark(JsonValue& value) {
+        for (;;) {
+            token_ = std::min(text_.find_first_not_of(" \t\r\n:,]}", token_), text_.size());
+            const std::string_view two = text_.substr(token_, 2);
+            if (two != "//" && two != "/*") break;
+            token_ = std::min(text_.find(two == "//" ? "\n" : "*/", token_ + 2), text_.size() - 2) + 2;
+        }
+        for (; counted_ < token_; counted_++) {
+            if (text_[counted_] == '\n') line_++;
+            column_ = text_[counted_] == '\n' ? 1 : column_ + ((text_[counted_] & 0xc0) != 0x80);
+        }
+        value.line = line_;
+        value.column = column_;
+        token_ = readSoFar();
+    }
+
     JsonValue* place(JsonValue value) {
+        mark(value);
         if (++count_ > kMaxJsonValues)
             failAt(readSoFar(), "more than " + std::to_string(kMaxJsonValues) +
                                     " values: put large geometry into a mesh file");
@@ -184,6 +156,8 @@ class TreeBuilder {
     JsonValue root_;
     std::vector<Open> open_;
     size_t count_ = 0;
+    size_t token_ = 0, counted_ = 0;  // ends of the last token, and of what line_ and column_ stand for
+    uint32_t line_ = 1, column_ = 1;
 };
 
 void describeInto(const JsonValue& value, std::string& out) {
@@ -209,16 +183,12 @@ void describeInto(const JsonValue& value, std::string& out) {
 }  // namespace
 
 JsonValue parseJson(std::string_view text, const std::string& file) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // the byte order mark some editors write
+    text = withoutByteOrderMark(text, file);
     if (text.size() > kMaxJsonBytes)
         throw Error(ErrorKind::Scene, file + ": larger than " + std::to_string(kMaxJsonBytes >> 20) +
                                           " MiB: put large geometry into a mesh file");
     if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
         throw Error(ErrorKind::Scene, file + ": the file is empty");
-    // As some editors write it; with its mark, or with the zero bytes that it has instead.
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
-        text.substr(0, 2).find('\0') != text.npos)
-        throw Error(ErrorKind::Scene, file + ": is in UTF-16, or no text; JSON must be in UTF-8");
     const char* furthest = text.data();
     TreeBuilder builder(text, file, furthest);
     ReadingPace pace(text.data(), text.data() + text.size());

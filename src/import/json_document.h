@@ -19,6 +19,7 @@ struct JsonObject {
 
 struct JsonValue {
     std::variant<std::monostate, bool, double, std::string, JsonArray, JsonObject> data;
+    uint32_t line = 0, column = 0;  // where it begins in the file, from 1; 0: it is from no file
 
     const bool* boolean() const { return std::get_if<bool>(&data); }
     const double* number() const { return std::get_if<double>(&data); }

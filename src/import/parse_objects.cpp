@@ -51,8 +51,15 @@ std::string_view readType(const JsonCursor& type, const keys::TypeTable& table) 
     if (has(table.later))
         type.fail("\"" + name + "\" is not supported by this version (supported: " + joinNames(table.types) +
                   ")");
-    type.fail("unknown " + std::string(table.what) + " type \"" + name + "\"" +
-              hintIn(suggestion(name, table.types, "supported")));
+    constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
+        {"cube", "box"},          {"cuboid", "box"},  {"quad", "polygon"},
+        {"rectangle", "polygon"}, {"circle", "disc"}, {"ball", "sphere"},
+        {"obj", "mesh"},          {"model", "mesh"},  {"sun", "directional"}};
+    std::string hint = suggestion(name, table.types, "supported");
+    for (const auto& [other, known] : kOtherNames)
+        if (name == other && std::ranges::find(table.types, known) != table.types.end())
+            hint = "did you mean \"" + std::string(known) + "\"?";
+    type.fail("unknown " + std::string(table.what) + " type \"" + name + "\"" + hintIn(hint));
 }
 
 ObjectParser::ObjectParser(Scene& scene, const std::string& file, const std::filesystem::path& folder,
@@ -221,6 +228,8 @@ void ObjectParser::warnOfUnusedMeshes() {
 }
 
 uint32_t ObjectParser::findMaterial(const JsonCursor& nameCursor) const {
+    if (nameCursor.value().object())
+        nameCursor.fail("must be a name: put the material into \"materials\": {\"NAME\": {...}}");
     const std::string& name = nameCursor.string();
     const auto found = materials_.find(name);
     if (found != materials_.end()) return found->second;

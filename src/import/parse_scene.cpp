@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "core/call_terms.h"
+#include "core/error.h"
+#include "core/text_file.h"
 #include "import/animation.h"
 #include "import/json_cursor.h"
 #include "import/load.h"
@@ -18,6 +20,63 @@
 namespace glint {
 
 namespace {
+
+// Collects the errors of a scene file with their places in the text, to tell several at once.
+class SceneErrors {
+  public:
+    SceneErrors(const JsonValue& document, const std::string& name) : document_(document), name_(name) {}
+
+    template <typename Read>
+    void attempt(const Read& read) {
+        if (lines_.size() == kMost) return;
+        try {
+            read();
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::Scene) throw;
+            const std::string line = located(error.what());
+            if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(line);
+        }
+    }
+
+    void finish() const {
+        std::string all;
+        for (const std::string& line : lines_) all += (all.empty() ? "" : "\n  ") + line;
+        if (!all.empty()) throw Error(ErrorKind::Scene, all);
+    }
+
+  private:
+    static constexpr size_t kMost = 10;
+
+    // "NAME: /POINTER: what" with the line and column of the value that the pointer leads to, or of the
+    // nearest one around it.
+    std::string located(const std::string& message) const {
+        if (!message.starts_with(name_ + ": /")) return message;
+        const std::string rest = message.substr(name_.size());
+        std::string pointer = rest.substr(2, rest.find(": ", 2) - 2);
+        const JsonValue* at = &document_;
+        for (const JsonValue* next = at; next && !pointer.empty();) {
+            const size_t end = std::min(pointer.find('/', 1), pointer.size());
+            next = child(*at, pointer.substr(1, end - 1));
+            if (next && next->line > 0) at = next;
+            pointer.erase(0, end);
+        }
+        return name_ + ":" + std::to_string(at->line) + ":" + std::to_string(at->column) + rest;
+    }
+
+    static const JsonValue* child(const JsonValue& parent, const std::string& step) {
+        if (const JsonArray* array = parent.array())
+            for (size_t i = 0; i < array->size(); i++)
+                if (std::to_string(i) == step) return &(*array)[i];
+        if (const JsonObject* object = parent.object())
+            for (size_t i = 0; i < object->keys.size(); i++)
+                if (escapePointer(object->keys[i]) == step) return &object->values[i];
+        return nullptr;
+    }
+
+    const JsonValue& document_;
+    const std::string& name_;
+    std::vector<std::string> lines_;
+};
 
 // Reads an optional key into `target`.
 template <typename T>
@@ -193,15 +252,35 @@ Material parseMaterial(const JsonCursor& material, std::string_view name, Textur
     return result;
 }
 
+// Of materials as [r, g, b] codes, and of angles in radians.
+void warnOfUnits(Scene& scene, const std::string& name) {
+    constexpr double kBright = 10, kLeastRadians = 0.2, kMostRadians = 1.6;
+    const auto bright = [&](const Color& c) { return std::max({c.x, c.y, c.z}) > kBright; };
+    const auto warn = [&](const std::string& pointer) {
+        scene.warnings.push_back(name + ": " + printable(pointer) +
+                                 ": colours are linear from 0 to 1, not codes to 255");
+    };
+    for (const Material& material : scene.materials)
+        if (bright(material.diffuse)) warn("/materials/" + escapePointer(material.name) + "/diffuse");
+    if (bright(scene.background)) warn("/background");
+    if (scene.camera.projection == Projection::Perspective && scene.camera.fovY > kLeastRadians &&
+        scene.camera.fovY < kMostRadians)
+        scene.warnings.push_back(name + ": /camera/fovY: is in degrees (got " + describe(scene.camera.fovY) +
+                                 ")");
+}
+
 void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
-                  const std::filesystem::path& folder, SceneFiles& files, MeshMemory& memory) {
+                  const std::filesystem::path& folder, SceneFiles& files, MeshMemory& memory,
+                  SceneErrors& errors) {
     const auto meshes = root.find("meshes");
     if (meshes) {
         meshes->expectObject();
         for (size_t i = 0; i < meshes->memberCount(); i++) {
-            const JsonCursor mesh = meshes->member(i);
-            mesh.expectKeys(keys::kMesh);
-            mesh.require("file").string();
+            errors.attempt([&] {
+                const JsonCursor mesh = meshes->member(i);
+                mesh.expectKeys(keys::kMesh);
+                mesh.require("file").string();
+            });
         }
     }
     ObjectParser parser(scene, name, folder, files, memory, meshes ? &*meshes : nullptr);
@@ -209,7 +288,7 @@ void parseObjects(const JsonCursor& root, Scene& scene, const std::string& name,
         for (size_t i = 0; i < objects->size(); i++) {
             const ProgressPart part = ProgressPart::step(i, objects->size());
             checkCancelled();
-            parser.parse(objects->item(i));
+            errors.attempt([&] { parser.parse(objects->item(i)); });
         }
     parser.warnOfUnusedMeshes();
 }
@@ -255,31 +334,54 @@ void parseCameras(const JsonCursor& root, Scene& scene) {
 Scene parseScene(const JsonValue& document, const std::string& name, const std::filesystem::path& folder,
                  SceneFiles& files, MeshMemory& memory) {
     const JsonCursor root(document, name);
-    root.expectKeys(keys::kScene);
+    root.expectObject();
 
     Scene scene;
-    if (const auto schema = root.find("$schema")) schema->string();
-    if (const auto image = root.find("image")) parseImage(*image, scene.image);
-    parseCameras(root, scene);
+    SceneErrors errors(document, name);
     TextureParser textures(scene, folder, files);
-    textures.readBackground(root);
-    readColor(root, "ambient", scene.ambient);
-    readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
-    if (const auto shadows = root.find("transmissiveShadows"))
-        scene.transmissiveShadows = readNamed<TransmissiveShadows>(*shadows);
-    if (const auto lights = root.find("lights"))
-        for (size_t i = 0; i < lights->size(); i++) scene.lights.push_back(parseLight(lights->item(i)));
-    if (const auto materials = root.find("materials")) {
+    errors.attempt([&] { root.expectKeys(keys::kScene); });
+    errors.attempt([&] {
+        if (const auto schema = root.find("$schema")) schema->string();
+        if (const auto image = root.find("image")) parseImage(*image, scene.image);
+    });
+    errors.attempt([&] { parseCameras(root, scene); });
+    errors.attempt([&] { textures.readBackground(root); });
+    errors.attempt([&] {
+        readColor(root, "ambient", scene.ambient);
+        readInteger(root, "maxDepth", 0, kMaxBounces, scene.maxDepth);
+        if (const auto shadows = root.find("transmissiveShadows"))
+            scene.transmissiveShadows = readNamed<TransmissiveShadows>(*shadows);
+    });
+    errors.attempt([&] {
+        const auto lights = root.find("lights");
+        for (size_t i = 0; lights && i < lights->size(); i++)
+            errors.attempt([&] { scene.lights.push_back(parseLight(lights->item(i))); });
+    });
+    errors.attempt([&] {
+        const auto materials = root.find("materials");
+        if (!materials) return;
         materials->expectObject();
-        for (size_t i = 0; i < materials->memberCount(); i++)
-            scene.materials.push_back(
-                parseMaterial(materials->member(i), materials->memberName(i), textures));
-    }
-    parseObjects(root, scene, name, folder, files, memory);
-    const Animation animation = parseAnimation(root);
-    if (!animation.tracks.empty()) scene.animation = spanOf(animation);
-    placeObjects(scene);
-    validateScene(scene, name);
+        for (size_t i = 0; i < materials->memberCount(); i++) {
+            // Objects may name it, whatever is wrong with it.
+            scene.materials.emplace_back().name = materials->memberName(i);
+            errors.attempt([&] {
+                Material read = parseMaterial(materials->member(i), materials->memberName(i), textures);
+                scene.materials[i] = std::move(read);
+            });
+        }
+    });
+    errors.attempt([&] { parseObjects(root, scene, name, folder, files, memory, errors); });
+    errors.attempt([&] {
+        const Animation animation = parseAnimation(root);
+        if (!animation.tracks.empty()) scene.animation = spanOf(animation);
+    });
+    errors.finish();
+    errors.attempt([&] {
+        placeObjects(scene);
+        validateScene(scene, name);
+    });
+    errors.finish();
+    warnOfUnits(scene, name);
     return scene;
 }
 

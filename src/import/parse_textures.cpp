@@ -98,6 +98,8 @@ bool TextureParser::readColor(const JsonCursor& object, std::string_view key, Co
     const auto found = object.find(key);
     if (!found) return false;
     texture = Material::kNoTexture;
+    if (const std::string* file = found->value().string())
+        found->fail("a texture is written as {\"texture\": \"" + *file + "\"}");
     if (!found->value().object()) {
         color = found->color();
         return true;

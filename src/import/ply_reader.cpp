@@ -14,7 +14,7 @@
 #include "core/text_file.h"
 #include "import/mesh_builder.h"
 #include "import/mtl_maps.h"
-#include "import/ply_header.h"
+#include "import/ply_source.h"
 #include "import/readers.h"
 #include "import/text_scanner.h"
 #include "scene/limits.h"
@@ -22,112 +22,6 @@
 namespace glint {
 
 namespace {
-
-template <typename T>
-T load(const char* bytes, bool swap) {
-    char ordered[sizeof(T)];
-    std::memcpy(ordered, bytes, sizeof(T));
-    if (swap) std::reverse(ordered, ordered + sizeof(T));
-    T value;
-    std::memcpy(&value, ordered, sizeof(T));
-    return value;
-}
-
-template <typename Result>
-Result loadAs(PlyType type, const char* bytes, bool swap) {
-    switch (type) {
-        case PlyType::Int8:
-            return static_cast<Result>(load<int8_t>(bytes, swap));
-        case PlyType::Uint8:
-            return static_cast<Result>(load<uint8_t>(bytes, swap));
-        case PlyType::Int16:
-            return static_cast<Result>(load<int16_t>(bytes, swap));
-        case PlyType::Uint16:
-            return static_cast<Result>(load<uint16_t>(bytes, swap));
-        case PlyType::Int32:
-            return static_cast<Result>(load<int32_t>(bytes, swap));
-        case PlyType::Uint32:
-            return static_cast<Result>(load<uint32_t>(bytes, swap));
-        case PlyType::Float32:
-            return static_cast<Result>(load<float>(bytes, swap));
-        default:
-            return static_cast<Result>(load<double>(bytes, swap));
-    }
-}
-
-std::string endsAfter(const PlyElement& element, uint64_t index) {
-    return "the file ends after " + std::to_string(index) + " of " + std::to_string(element.count) +
-           " elements \"" + element.name + "\"";
-}
-
-// AsciiSource and BinarySource give the numbers of the elements, property by property in the header's order.
-// fail() adds the place; atMost() is how many elements can still follow, which keeps a header that lies from
-// reserving all memory. In ascii files an element is a line.
-class AsciiSource {
-  public:
-    AsciiSource(std::string_view body, const std::string& file, size_t line)
-        : text_(body), lines_(body, file, line) {}
-
-    void beginElement(const PlyElement& element, uint64_t index) {
-        owner_ = element.name.c_str();
-        do {
-            if (!lines_.nextLine()) lines_.fail(endsAfter(element, index));
-        } while (lines_.lineDone());
-    }
-    double nextNumber(PlyType) { return lines_.number(owner_); }
-    int64_t nextInteger(PlyType) { return lines_.integer(owner_); }
-    void endElement() {
-        if (!lines_.lineDone()) lines_.fail("the line has more numbers than the header announces");
-    }
-    void fail(const std::string& what) const { lines_.fail(std::string(owner_) + " " + what); }
-    uint64_t atMost(const PlyElement&) const { return text_.size() / 2 + 1; }  // a digit and a line end each
-
-  private:
-    std::string_view text_;
-    TextScanner lines_;
-    const char* owner_ = "";
-};
-
-class BinarySource {
-  public:
-    BinarySource(std::string_view body, const std::string& file, bool swap)
-        : at_(body.data()), end_(at_ + body.size()), pace_(at_, end_), file_(file), swap_(swap) {}
-
-    void beginElement(const PlyElement& element, uint64_t index) {
-        element_ = &element;
-        index_ = index;
-    }
-    double nextNumber(PlyType type) { return loadAs<double>(type, take(sizeOf(type)), swap_); }
-    int64_t nextInteger(PlyType type) { return loadAs<int64_t>(type, take(sizeOf(type)), swap_); }
-    void endElement() {}
-    void fail(const std::string& what) const {
-        throw Error(ErrorKind::Scene,
-                    printable(file_ + ": " + element_->name + " " + std::to_string(index_) + " " + what));
-    }
-    uint64_t atMost(const PlyElement& element) const {
-        uint64_t least = 0;
-        for (const PlyProperty& p : element.properties) least += sizeOf(p.isList ? p.countType : p.type);
-        return static_cast<uint64_t>(end_ - at_) / std::max<uint64_t>(least, 1);
-    }
-
-  private:
-    const char* take(size_t size) {
-        if (static_cast<size_t>(end_ - at_) < size)
-            throw Error(ErrorKind::Scene, printable(file_ + ": " + endsAfter(*element_, index_)));
-        const char* taken = at_;
-        at_ += size;
-        pace_.reached(at_);
-        return taken;
-    }
-
-    const char* at_;
-    const char* end_;
-    ReadingPace pace_;
-    std::string file_;
-    bool swap_;
-    const PlyElement* element_ = nullptr;
-    uint64_t index_ = 0;
-};
 
 // The source is a template parameter so that its functions are inlined: half a million faces in 20 ms.
 template <typename SourceT>

@@ -100,7 +100,7 @@ TEST_F(GpuVerify, AnInvalidSceneDoesNotEndTheRun) {
     writeText("b.json", "{\"objekts\": []}");
     const Ran ran = runGlint({"verify", "a.json", "b.json", "a.json", "--json", "r.json"});
     EXPECT_EQ(ran.code, 3);
-    EXPECT_EQ(ran.err, "glint: b.json: /objekts: unknown key (did you mean \"objects\"?)\n");
+    EXPECT_EQ(ran.err, "glint: b.json:1:13: /objekts: unknown key (did you mean \"objects\"?)\n");
     EXPECT_NE(ran.out.find("\na.json: ok\n"), std::string::npos);
     EXPECT_EQ(names(),
               (std::set<std::string>{"a.json", "b.json", "a.verify.png", "a-2.verify.png", "r.json"}));

@@ -77,7 +77,7 @@ TEST(SceneFormatPage, StatedResultsAreRight) {
         for (int i = 0; i < 3; i++) list += R"({"type": "sphere", "center": [0, 0, 0], "radius": 1}, )";
         const std::string json =
             R"({"objects": [)" + list + R"({"type": "sphere", "center": [0, 0, 0], )" + sphere + "}]}";
-        const std::string error = errorOf([&] { parseScene(json, "scenes/a.json", {}); });
+        const std::string error = placedErrorOf([&] { parseScene(json, "scenes/a.json", {}); });
         EXPECT_NE(text.find(error), std::string::npos) << error;
     }
 }

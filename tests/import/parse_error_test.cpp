@@ -1,4 +1,7 @@
 // Wrong scenes and the exact line each gives.
+#include <algorithm>
+
+#include "core/error.h"
 #include "import/load.h"
 #include "import/scene_reader.h"
 #include "support.h"
@@ -33,8 +36,8 @@ const Case kStructure[] = {
     {"unknownTopKey", R"({"lihgts": []})", R"(s.json: /lihgts: unknown key (did you mean "lights"?))"},
     {"unknownKeyNear", SPHERE(R"("raduis": 1)"),
      R"(s.json: /objects/0/raduis: unknown key (did you mean "radius"?))"},
-    {"unknownKeyFar", SPHERE(R"("colour": 1)"),
-     "s.json: /objects/0/colour: unknown key (known: type, center, radius, material, transform)"},
+    {"unknownKeyFar", SPHERE(R"("weight": 1)"),
+     "s.json: /objects/0/weight: unknown key (known: type, center, radius, material, transform)"},
     {"keyOfAnotherType",
      R"({"lights": [{"type": "directional", "direction": [0, -1, 0], "falloff": "none"}]})",
      "s.json: /lights/0/falloff: unknown key (known: type, direction, intensity)"},
@@ -138,7 +141,7 @@ const Case kValues[] = {
      R"(s.json: /camera/eye/2: must be a number (got "3"))"},
     {"coordinateHuge", R"({"camera": {"eye": [1e18, 0, 0]}})",
      "s.json: /camera/eye: coordinates must be below 1e+18 (got [1e+18, 0, 0])"},
-    {"numberOverflow", R"({"ambient": 1e999})", "s.json:1:13: number out of range: 1e999"},
+    {"numberOverflow", R"({"ambient": 1e999})", "s.json:1:17: number overflow parsing '1e999'"},
     {"widthZero", R"({"image": {"width": 0}})",
      "s.json: /image/width: must be a whole number from 1 to 65536 (got 0)"},
     {"widthFraction", R"({"image": {"width": 800.5}})",
@@ -299,7 +302,7 @@ INSTANTIATE_TEST_SUITE_P(Transforms, ParseError, testing::ValuesIn(kTransforms),
 TEST(ParseErrorText, ControlCharactersStayOutOfMessages) {
     EXPECT_EQ(parseErrorOf(R"({"a\nb\u001b[31m": 1})").substr(0, 26), "s.json: /a?b?[31m: unknown");
     EXPECT_EQ(parseErrorOf(R"({"materials": {"m": {"diffuse": "\n"}}})"),
-              "s.json: /materials/m/diffuse: must be a number or [r, g, b] (got \"?\")");
+              "s.json: /materials/m/diffuse: a texture is written as {\"texture\": \"?\"}");
     EXPECT_EQ(parseErrorOf(R"({"materials": {"m\n": {"diffuse": -1}}})"),
               "s.json: /materials/m?/diffuse: must be >= 0 (got -1)");
 }
@@ -321,6 +324,63 @@ TEST(ParseErrorInFiles, AFileThatHoldsNoObjectIsRefused) {
         EXPECT_EQ(errorOf([&] { SceneReader(scene, {}); }),
                   scene.string() + ": must be an object {...} (got " + text + ")");
     }
+}
+
+TEST(ParseErrors, SeveralWithTheirPlaces) {
+    const auto placed = [](const std::string& text) -> std::string {
+        try {
+            parse(text);
+            return "no error";
+        } catch (const Error& error) {
+            return error.what();
+        }
+    };
+    EXPECT_EQ(placed("{ // \xc3\xa4\n \"camera\": {\"fovY\": \"wide\"},\n"
+                     " \"materials\": {\"m\": {\"shininess\": true}},\n"
+                     " \"objects\": [\n  {\"type\": \"sphere\", /* } */ \"center\": [0, 0, 0], \"radius\": "
+                     "1, \"material\": \"m\"},\n"
+                     "  {\"type\": \"sphere\", \"center\": [0, 0, 0]}]}"),
+              "s.json:2:21: /camera/fovY: must be a number (got \"wide\")\n"
+              "  s.json:3:35: /materials/m/shininess: must be a number (got true)\n"
+              "  s.json:6:3: /objects/1: missing key \"radius\"");
+    // What the whole scene is checked for has a place too.
+    EXPECT_EQ(placed("{\"objects\":\n [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": -1}]}"),
+              "s.json:2:53: /objects/0/radius: must be > 0 (got -1)");
+    std::string many;
+    for (int i = 0; i < 30; i++) many += (i > 0 ? "," : "") + std::string("{}");
+    const std::string ten = placed("{\"objects\": [" + many + "]}");
+    EXPECT_EQ(std::count(ten.begin(), ten.end(), '\n'), 9);
+}
+
+TEST(ParseErrors, WordsOfOtherPrograms) {
+    const std::pair<const char*, const char*> cases[] = {
+        {R"({"materials": {"m": {"color": 1}}})",
+         "/materials/m/color: unknown key (the colour of a material is \"diffuse\")"},
+        {R"({"materials": {"m": {"opacity": 1}}})",
+         "/materials/m/opacity: unknown key (give \"transmission\", which is 1 - opacity)"},
+        {R"({"materials": {"m": {"diffuse": "earth.png"}}})",
+         "/materials/m/diffuse: a texture is written as {\"texture\": \"earth.png\"}"},
+        {R"({"objects": [{"type": "sphere", "position": [0, 0, 0], "radius": 1}]})",
+         "/objects/0/position: unknown key (give \"center\", or \"transform\")"},
+        {R"({"objects": [{"type": "cube"}]})",
+         "/objects/0/type: unknown object type \"cube\" (did you mean \"box\"?)"},
+        {R"({"objects": [{"type": "mesh", "file": "a.obj"}]})",
+         "/objects/0/file: unknown key (name the file in \"meshes\": {\"NAME\": {\"file\": ...}}, and give "
+         "\"mesh\": \"NAME\")"},
+        {R"({"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": {"diffuse": 1}}]})",
+         "/objects/0/material: must be a name: put the material into \"materials\": {\"NAME\": {...}}"}};
+    for (const auto& [text, message] : cases)
+        EXPECT_EQ(parseErrorOf(text), std::string("s.json: ") + message);
+}
+
+TEST(ParseErrors, UnitsOfOtherProgramsAreWarnedOf) {
+    const Scene scene = parse(R"({"camera": {"fovY": 0.7}, "background": [30, 144, 255],
+        "materials": {"m": {"diffuse": [255, 0, 0]}, "n": {"diffuse": 1}}})");
+    EXPECT_EQ(scene.warnings,
+              (std::vector<std::string>{
+                  "s.json: /materials/m/diffuse: colours are linear from 0 to 1, not codes to 255",
+                  "s.json: /background: colours are linear from 0 to 1, not codes to 255",
+                  "s.json: /camera/fovY: is in degrees (got 0.7)"}));
 }
 
 }  // namespace glint::test::parse_error_test

@@ -1,10 +1,16 @@
 #include "support.h"
 
+#include <regex>
+
 #include "import/load.h"
 
 namespace glint::test {
 
 std::string errorOf(const std::function<void()>& action) {
+    return std::regex_replace(placedErrorOf(action), std::regex(":[0-9]+:[0-9]+(: /)"), "$1");
+}
+
+std::string placedErrorOf(const std::function<void()>& action) {
     return errorOf(ErrorKind::Scene, action);
 }
 

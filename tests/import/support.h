@@ -11,7 +11,9 @@
 
 namespace glint::test {
 
-// What `action` throws: an Error with ErrorKind::Scene.
+// What `action` throws: an Error with ErrorKind::Scene. The line and column before a JSON pointer, which
+// hang on how a test lays out its text, are left out, but by placedErrorOf.
+std::string placedErrorOf(const std::function<void()>& action);
 std::string errorOf(const std::function<void()>& action);
 
 // Parses with the file name "s.json" and an empty folder.
